@@ -47,6 +47,12 @@ def outermost(function: Callable[..., Any]) -> Callable[..., Any]:
     return counted
 
 
+@pytest.fixture
+def unchecked() -> None:
+    """As users have it: what is of another type meets the library's own words."""
+    config.update("jaxtyping_disable", True)
+
+
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """A test begins, and checks with it: a thousand take a tenth of a second."""
     _left[0] = 1000 if item.config.option.slow else 200

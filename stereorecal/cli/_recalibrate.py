@@ -76,13 +76,11 @@ def run(options: RecalibrateOptions) -> int:
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
-        prior = options.prior or (SAVED if any(priors) else DEFAULT)
-        content = _content(
-            scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
-        )
-        if not any(repair.solution for repair in repairs):
-            deliver(lambda: write_json(content, options.json, force=options.force))
-        else:
+        if any(repair.solution for repair in repairs):
+            prior = options.prior or (SAVED if any(priors) else DEFAULT)
+            content = _content(
+                scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
+            )
             deliver(
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),

@@ -225,7 +225,5 @@ class MonitorOptions(
     once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
 
     def check(self) -> None:
-        if self.once and self.output is not None:
-            raise InputError("--once switches nothing, so there is nothing to write; leave --output out.")
         if self.camera is None:
             self.check_recordings()

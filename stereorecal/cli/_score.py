@@ -40,7 +40,7 @@ def run(options: ScoreOptions) -> int:
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
-    if looked:
+    if any(isinstance(found, Health) for found in looked):
         content = {**_about_all(options, how), "interrupted": interrupted, "scenes": rows}
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for found in looked:

@@ -99,12 +99,12 @@ class Health:
         if self.correction is None:
             if self.shown.dark:
                 return Condition.CANNOT_TELL, "the images are too dark"
-            if self.shown.coarse:
-                return Condition.CANNOT_TELL, "an image has only a few grey levels; expose longer, or give more bits"
             if self.shown.noise:
                 return Condition.CANNOT_TELL, "an image shows nothing but noise; uncover the lens, or give light"
-            if not self.shown.enough:
+            if not self.shown.textured:
                 return Condition.CANNOT_TELL, "the images have too little texture"
+            if self.shown.coarse:
+                return Condition.CANNOT_TELL, "an image has only a few grey levels; expose longer, or give more bits"
             if self.doubts:
                 return Condition.CANNOT_TELL, f"almost nothing matches; {self.doubts[0]}"
             return Condition.REPAIR, "almost nothing matches, though the images have texture"

@@ -12,7 +12,7 @@ from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 
 _LONGEST_READOUT = 1.0  # seconds
-_WHITE = 255.0
+_WHITE, _ROUNDING = 255.0, 0.5
 # Rec. 601 luma, as OpenCV's.
 _USUAL, _HOT = 0.9999, 2.0  # share of the pixels; times as bright as these
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
@@ -67,7 +67,7 @@ class Pair:
             darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
             if not np.isfinite(brightest - darkest):
                 raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")
-            if darkest < 0.0 or brightest > _WHITE:
+            if darkest < -_ROUNDING or brightest > _WHITE + _ROUNDING:
                 raise InputError(
                     f"{self.name}, {side}: grey levels go from {darkest:g} to {brightest:g}, and those of a Pair from "
                     "0 to 255; write sr.make_pair(left, right), which scales them."

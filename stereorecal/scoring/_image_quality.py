@@ -49,14 +49,14 @@ class ImageQuality:
         return self.contrast < _COARSE
 
     @property
+    def textured(self) -> bool:
+        """True if there is texture enough, or noise."""
+        return self.texture >= max(_TEXTURED * self.shown, _LEAST_TEXTURED)
+
+    @property
     def enough(self) -> bool:
         """True if images of an aligned rig would match."""
-        return (
-            not self.dark
-            and not self.coarse
-            and not self.noise
-            and self.texture >= max(_TEXTURED * self.shown, _LEAST_TEXTURED)
-        )
+        return self.textured and not (self.dark or self.coarse or self.noise)
 
 
 def image_quality(pair: Pair) -> ImageQuality:

@@ -184,13 +184,22 @@ LOOSE: dict[str, tuple[list[str], str]] = {
         ["--left={0}/left.png", "--right={0}/right.png"],
         ": --left and --right need --calibration; add it.",
     ),
-    "empty names": (["--left=", "--right=", "--calibration="], ": --left is empty; give the name of a file or folder."),
+    "empty names": (
+        ["--left=", "--right=", "--calibration="],
+        " is empty; give the name of a file or folder, or a value.",
+    ),
     "an empty side": (["--side-by-side=", "--calibration={0}/calib.json"], ": --side-by-side is empty; give the name"),
     "an empty calibration": (
         ["--left={0}/left.png", "--right={0}/right.png", "--calibration="],
         ": --calibration is empty; give the name",
     ),
     "an empty scene": ([""], ": SCENE is empty; give the name"),
+    "an empty result": (["{0}", "--json="], ": --json is empty; give the name"),
+    "a file for a scene": (["{0}/calib.json"], "calib.json: this is a file; give the folder of the recording."),
+    "a pattern without quotes": (
+        ["--left={0}/left.png", "{0}/a.png", "{0}/b.png", "--right={0}/right.png", "--calibration={0}/calib.json"],
+        "must be quoted",
+    ),
     "calibration alone": (["--calibration={0}/calib.json"], ": --calibration needs images: --left and --right, "),
     "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic and --calibration; add them."),
     "two ways": (

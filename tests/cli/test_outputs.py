@@ -278,6 +278,27 @@ def test_a_quiet_run_prints_what_it_cannot_write(command, clean_scene: Path, tmp
     assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
 
 
+def test_json_on_stdout_stays_json(command, drifted_scene: Path, tmp_path: Path):
+    """What could not be written is on stderr then."""
+    with full_disk():
+        answer = command("recalibrate", drifted_scene, *COUNT, "--json", "-", "--output", tmp_path / "new.json")
+    assert answer.code == 2
+    assert json.loads(answer.out)["schema"].startswith("stereorecal.")
+    assert '"K_left"' in answer.err
+
+
+def test_in_place_through_a_link_keeps_the_copy_beside_the_file(command, drifted_scene: Path, tmp_path: Path):
+    """Who reads it by its own name finds the same."""
+    scene, store = tmp_path / "scene", tmp_path / "store"
+    shutil.copytree(drifted_scene, scene)
+    store.mkdir()
+    (scene / "calib.json").rename(store / "rig.json")
+    (scene / "calib.json").symlink_to(store / "rig.json")
+    assert command("recalibrate", scene, *COUNT, "--in-place").code == 0
+    assert sorted(path.name for path in store.iterdir()) == ["rig.json", "rig.json.bak"]
+    assert (scene / "calib.json").is_symlink()
+
+
 def test_one_that_fails_costs_no_other(command, drifted_scene: Path, tmp_path: Path):
     """Whatever the error: this one is none of a disk."""
     places = [tmp_path / "new.json", tmp_path / "out.json"]

@@ -73,6 +73,39 @@ def test_depth_where_there_is_none():
     assert np.isnan(made.points(np.zeros(SIZE[::-1]))).all()
 
 
+def test_of_a_disparity_what_is_not_valid_is_nowhere():
+    made = sr.rectification(sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE))
+    values = np.full(SIZE[::-1], 10.0, np.float32)
+    valid = np.arange(values.size).reshape(values.shape) % 2 == 0
+    found = sr.Disparity(values, valid)
+    for read in (made.depth, made.points):
+        np.testing.assert_array_equal(read(found)[valid], read(values)[valid])
+        assert np.isnan(read(found)[~valid]).all()
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_what_is_no_rig_is_said_and_where_it_is():
+    rig = sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE)
+    stepped = sr.online.init(rig)
+    for ask in (
+        sr.rectification,
+        sr.view,
+        lambda one: sr.difference(rig, one),
+        lambda one: sr.io.save_rig(one, "a.json"),
+    ):
+        with pytest.raises(sr.InputError, match=r"is a State; give its \.rig, or an sr\.StereoRig"):
+            ask(stepped)
+        with pytest.raises(sr.InputError, match=r"is a NoneType; give an sr\.StereoRig"):
+            ask(None)
+
+
+@pytest.mark.usefixtures("unchecked")
+def test_a_rotation_vector_is_no_matrix():
+    rig = sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE)
+    with pytest.raises(sr.InputError, match=r"cv2\.Rodrigues"):
+        sr.StereoRig.from_rotation(rig.left, rig.right, np.zeros(3), rig.translation)
+
+
 def test_disparities_that_are_none():
     made = sr.rectification(sr.StereoRig.from_matrices(K1, None, K1, None, np.eye(3), T, SIZE))
     sixteenths = np.full(SIZE[::-1], 160, np.int16)

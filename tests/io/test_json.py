@@ -53,6 +53,8 @@ def test_files(tmp_path: Path):
         (b"\xff\xfe{", "UTF-8"),
         (b'{"a": 1', "not valid JSON, or truncated"),
         (b'{"a": 1} x', "not valid JSON, or truncated"),
+        (b'{"b": [{"a": 1, "a": 2}]}', "the key 'a' occurs twice"),
+        (b"\x1f\x8b\x08\x00", "is compressed; unpack it"),
         (b"{'a': 1}", "not valid JSON"),
         (b"[01]", "not valid JSON"),
         (b'{"a": NaN}', "a contains NaN; put a finite number"),

@@ -172,7 +172,7 @@ def test_a_rotation_with_few_digits(make: Make):
 def test_missing_folder_and_files(make: Make, tmp_path: Path):
     refused_scene(tmp_path / "nowhere", "no such folder", about="nowhere")
     folder = make()
-    refused_scene(folder / "calib.json", "no such folder")
+    refused_scene(folder / "calib.json", "this is a file; give the folder")
     (folder / "left.png").unlink()
     refused_scene(folder, r"no image left\.\*", about="garden")
     (folder / "calib.json").unlink()

@@ -43,6 +43,15 @@ def test_what_is_no_yaml_is_refused(text):
         _yaml.parsed(text)
 
 
+@pytest.mark.usefixtures("loader")
+def test_what_cannot_be_told_apart_is_refused():
+    with pytest.raises(InputError, match="the key 'R' occurs twice"):
+        _yaml.parsed("R: [1.0]\nT: 2\nR: [3.0]\n")
+    with pytest.raises(InputError, match="several YAML documents"):
+        _yaml.parsed("a: 1\n---\na: 2\n")
+    assert _yaml.parsed("a: 1\n---\n") == {"a": 1}  # as `ros2 topic echo` ends
+
+
 @settings(max_examples=50)
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=5), st.text("aö€\U0001f600 ", max_size=8))
 def test_both_change_the_same(values, word):

@@ -185,9 +185,21 @@ WRONG = (
     {"switch": 1.0},
     {"wander": (0.0, -1.0, 0.0)},
     {"rest": -1},
+    {"rest": 1.5},
+    {"every": "2"},
+    {"repair": "no"},
+    {"synchronous": 1},
+    {"motion": None},
+    {"harm": "much"},
 )
 
 
+@pytest.mark.usefixtures("unchecked")
+def test_tolerances_may_be_given_by_name():
+    assert Config(tolerances={"alpha": 0.1}).tolerances == sr.Tolerances(alpha=0.1)  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("wrong", WRONG)
 def test_settings_that_make_no_sense(wrong: dict[str, Any]):
     with pytest.raises(sr.InputError, match=next(iter(wrong))):

@@ -10,9 +10,9 @@ from stereorecal import recalibrate
 from stereorecal.decision import Decision, Verdict
 from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
-from stereorecal.recalibration import Condition, Health, Interval, health
+from stereorecal.recalibration import Condition, Health, Interval, Reason, health
 from stereorecal.recordings import Pair, make_pair
-from stereorecal.scoring import ImageQuality
+from stereorecal.scoring import ImageQuality, image_quality
 from stereorecal.scoring.host import Score, score
 
 SAD_48 = SAD(num_disparities=48)
@@ -119,6 +119,20 @@ def test_nothing_to_match(scene):
     assert data["row_error_px"] is None
     assert data["correction"] is None
     assert data["count"] == 0
+
+
+def test_images_of_few_grey_levels_are_not_called_good(scene):
+    """Rounding moves what matches; nothing else shows it."""
+    given = scene("harbour", 0, SIZE)
+    (pair,) = given.pairs
+    few = Pair(np.rint(np.asarray(pair.left) / 64), np.rint(np.asarray(pair.right) / 64))
+    assert image_quality(few).coarse
+    assert not image_quality(pair).coarse
+    lit = Pair(np.asarray(few.left) + 100, np.asarray(few.right) + 100)
+    found = health(given.rig, [lit], matcher=SAD_48)
+    assert found.condition is Condition.CANNOT_TELL
+    assert "few grey levels" in replace(found, shown=replace(found.shown, texture=0.5)).verdict
+    assert recalibrate(given.rig, [lit], matcher=SAD_48).reason is Reason.TOO_LITTLE_TEXTURE
 
 
 def about(value: float, half: float) -> Interval:

@@ -86,6 +86,12 @@ def test_ranges_of_other_things_have_no_say(harbour):
     assert abs(100 * (found.rig.baseline / RIG.baseline - 1)) < 1.0
 
 
+def test_ranges_in_millimetres_are_no_length_of_the_baseline(harbour):
+    wrong = [sr.Range(0, r.left_pixel, 1000 * r.metres) for r in some()]
+    with pytest.raises(sr.InputError, match="matched ranges agree with one length of the baseline; check their unit"):
+        sr.rescale_baseline(RIG, harbour.pairs, wrong)
+
+
 @pytest.mark.slow
 def test_a_repair_with_ranges(harbour):
     """Rows are as good as before; depth is what changes."""

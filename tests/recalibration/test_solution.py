@@ -160,6 +160,15 @@ def test_reach_is_the_limit(scene, drifted):
     assert np.abs(found.change[3:]).max() <= 0.001 * drifted.baseline + 1e-12
 
 
+def test_twice_the_reach_is_the_limit_of_a_repair(scene, drifted):
+    """A user who knows that the rig has hardly drifted is not given another one."""
+    narrow = Reach(degrees=0.1, baseline_fraction=0.001)
+    assert recalibrate(drifted, scene().pairs, matcher=SAD_24).accepted
+    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=narrow)
+    assert not found.accepted
+    assert found.rig is drifted
+
+
 @pytest.mark.parametrize("scale", [0.0, -1.0, 1.01, float("nan")])
 def test_scales_that_make_no_sense(scale):
     with pytest.raises(InputError, match=r"the scale .* makes no sense"):

@@ -92,8 +92,8 @@ def test_tables(content, way, tmp_path):
     [
         ("", "empty"),
         ("time,metres\n0,0\n", "first line"),
-        ("time_s,metres\n0,0\n1\n", "no 2 numbers"),
-        ("time_s,metres\n0,x\n1,2\n", "no 2 numbers"),
+        ("time_s,metres\n0,0\n1\n", "does not hold 2 numbers"),
+        ("time_s,metres\n0,x\n1,2\n", "does not hold 2 numbers"),
         ("time_s,metres\n1,0\n0,1\n", "do not rise"),
         ("time_s,metres\n", "two at least"),
     ],

@@ -85,10 +85,55 @@ def test_images_that_do_not_go_together():
         make_pair(texture(0), texture(1, (25, 16)), name="frame")
     with pytest.raises(InputError, match="uint8 and the right one uint16"):
         make_pair(texture(0), texture(1).astype(np.uint16))
+    with pytest.raises(InputError, match="uint16 and the right one float64; give both the same bit depth"):
+        make_pair(texture(0).astype(np.uint16), texture(1).astype(float))
     with pytest.raises(InputError, match="channel order 'hsv'"):
         make_pair(colour(0), colour(1), channels="hsv")
     with pytest.raises(InputError, match="same size"):
         Pair(np.zeros((3, 4), np.float32), np.zeros((4, 3), np.float32))
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("dtype", [np.float16, np.float64, np.int64, np.uint8])
+def test_a_pair_holds_float32(dtype):
+    assert Pair(texture(0).astype(dtype), texture(1).astype(dtype)).left.dtype == np.float32
+
+
+@pytest.mark.parametrize("scale", [16.0, -1.0])
+def test_a_pair_is_of_grey_levels_up_to_255(scale):
+    with pytest.raises(InputError, match=r"pair, left: grey levels go from .* sr\.make_pair"):
+        Pair(scale * texture(0).astype(np.float32), texture(1).astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [
+        (np.ma.masked_invalid(np.ones((16, 24))), "masked array"),
+        ([["a", "b"]], "a list is no image"),
+        (None, "a NoneType is no image"),
+        (np.zeros((16, 24), complex), "an array of complex128 is no image"),
+    ],
+)
+def test_what_holds_no_numbers_is_no_image(given, what):
+    with pytest.raises(InputError, match=f"pair, left: .*{what}"):
+        make_pair(given, texture(1))
+
+
+def test_a_hot_pixel_is_not_white():
+    """All others would be dark."""
+    left, right = (16 * texture(seed, (240, 160)).astype(np.uint16) for seed in (0, 1))
+    hot = left.copy()
+    hot[3, 5] = 65535
+    usual, spoiled = make_pair(left, right), make_pair(hot, right)
+    assert spoiled.left[3, 5] == 255.0
+    np.testing.assert_allclose(np.delete(spoiled.left, 3, axis=0), np.delete(usual.left, 3, axis=0), rtol=0.01)
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("size", [(0, 0), (12.5, 8), (12,)])
+def test_sizes_are_whole_pixels(size):
+    with pytest.raises(InputError, match="give \\(width, height\\) in whole pixels"):
+        make_pair(texture(0), texture(1)).resized(size)
 
 
 def test_resized_is_the_mean_over_pixels():

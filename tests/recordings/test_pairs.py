@@ -80,6 +80,7 @@ def test_none_is_left_to_those_who_need_one():
         ([PAIR, LEFT], "pair 1 is an array of shape (16, 24)"),
         ([(LEFT, RIGHT, RIGHT)], "pair 0 is a tuple"),
         ([PAIR, None], "pair 1 is a NoneType"),
+        ([(LEFT.tolist(), RIGHT.tolist())], "pair 0 is a tuple of list and list"),
     ],
 )
 def test_what_is_none_is_refused_in_one_sentence(given, what):
@@ -98,6 +99,7 @@ def test_what_is_none_is_refused_in_one_sentence(given, what):
         ((LEFT.astype(float) * np.nan, RIGHT.astype(float)), "pair 0, left: the image contains NaN"),
         ((-1.0 * LEFT, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
         ((LEFT - 20.0, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
+        ((np.ma.array(1.0 * LEFT, mask=LEFT > 9), 1.0 * RIGHT), "pair 0, left: the image is a masked array"),
     ],
 )
 def test_arrays_that_are_no_images(images, words):
