@@ -171,9 +171,9 @@ def test_help_says_what_is_in_sample_and_when_files_are_written(command):
         ),
         (("--judge", "boards=.", "--square", "-1"), "--square is -1.0; give metres"),
         (("--judge", "boards=.", "--square", "1", "--board-corners", "9"), "--board-corners is"),
-        (("--full",), "--full belongs to judges"),
+        (("--full",), "--full needs --judge"),
         (("--judge", "walk", "--full"), "--full belongs to --preset field"),
-        (("--square", "0.03"), "--square belongs to judges"),
+        (("--square", "0.03"), "--square needs --judge"),
         (("--judge", "walk", "--executor", "processes:none"), "--executor is 'processes:none'"),
     ],
 )

@@ -246,7 +246,7 @@ def test_intrinsics_of_several_recordings(command, drifted_scene: Path, tmp_path
     [
         (["--free", "extrinsic"], "did you mean extrinsics"),
         (["--free", "intrinsics"], "free them as well"),
-        (["--free", ""], "name parameters or groups"),
+        (["--free", ""], "--free is empty; give"),
         (["--extrinsics", "two"], "kind of extrinsics"),
         (["--ranges", "/none.csv"], "no such file"),
     ],

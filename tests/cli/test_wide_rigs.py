@@ -99,7 +99,7 @@ def test_one_option_says_through_which_view_every_command_looks(command, drifted
         ("projection=fisheye", "there is no projection 'fisheye'; give one of pinhole, equirectangular"),
         ("equirectangular", "unknown argument of --view 'equirectangular'; choose one of: projection, field"),
         ("fields=80", "did you mean field?"),
-        ("", "unknown argument of --view ''"),
+        ("", "--view is empty; give"),
     ],
 )
 @pytest.mark.parametrize("verb", ["score", "recalibrate", "monitor"])

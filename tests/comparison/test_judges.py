@@ -113,7 +113,7 @@ def test_what_is_no_truth_is_refused(tmp_path, changed, message):
 def test_truth_of_another_size_or_of_nothing(tmp_path):
     folder = lidar_scene(tmp_path / "wall")
     np.savez(folder / "gt.npz", np.ones((3, 4), np.float32))
-    with pytest.raises(sr.InputError, match="size is not that of the images"):
+    with pytest.raises(sr.InputError, match="is not of the images' size"):
         scene_with_truth(folder)
     np.savez(folder / "gt.npz", np.full(SIZE[::-1], np.nan, np.float32))
     with pytest.raises(sr.InputError, match="fewer than 200 pixels"):

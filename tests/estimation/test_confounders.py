@@ -11,6 +11,7 @@ from stereorecal.estimation import estimate
 from stereorecal.estimation._confounders import _rolling
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._linear_groups import linear_groups
+from stereorecal.estimation._measured import Measured
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.scoring import Correspondences
 
@@ -28,10 +29,10 @@ def test_rows_move_as_the_lens_bends_them(rig, chart, prior, seen, taken):
     """In rectified rows a shutter's are no straight line: where the lens bends them, a pixel is more or less."""
     found = seen(rig, rig, noise=0.0)
     zero = np.zeros(chart.dim)
-    rows = linear_groups(grouped(found, chart, zero), chart, zero, prior)
+    rows = linear_groups(grouped(found, chart, zero), chart, zero, prior, Measured())
     rival = _rolling(rows, chart)[taken]
     moved = rolled(found, rig, 0.1, (0.0, 0.5, 1.0)[taken])
-    after = linear_groups(grouped(moved, chart, zero), chart, zero, prior)
+    after = linear_groups(grouped(moved, chart, zero), chart, zero, prior, Measured())
     assert len(after.groups) == len(rows.groups)
     change = (after.at_zero - rows.at_zero) / 0.1
     np.testing.assert_allclose(change, rival.of_groups[:, 0], atol=0.005)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import PLACES
-from stereorecal.estimation._misfit import covariance_of_rows, unexpected
+from stereorecal.estimation._misfit import correlation, covariance_of_rows, unexpected
 
 EVERY = np.arange(PLACES[0] * PLACES[1])
 LEFT = EVERY % PLACES[0] < 5
