@@ -16,7 +16,10 @@ RENAMED = {
         "repairs_as_finished": "recalibrate_many, with finished=",
     },
     "stereorecal.online": {"Beside": "MonitorProcess"},
+    "stereorecal.decision": {"better_on_average": "decide_for_trial"},
+    "stereorecal.comparison.judges": {"rows": "row_error_px"},
     "stereorecal.recalibration": {
+        "Evidence": "RowResiduals",
         "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
         "repairs_as_finished": "recalibrate_many, with finished=",
@@ -52,6 +55,8 @@ def test_a_name_that_never_was_is_an_attribute_error(package: str):
 
 ATTRIBUTES = [
     (sr.estimation.Estimate, "beams", "matched_ranges"),
+    (sr.estimation.Estimate, "depth_kept", "with_free"),
+    (sr.Parameters, "lenses", "intrinsics"),
     (sr.recalibration.Findings, "beams", "matched_ranges"),
     (sr.Solution, "asked", "settings"),
     (sr.Solution, "kept", "frames.used"),

@@ -3,6 +3,7 @@
 `_decision` has the rule, `_tolerances` its constants; `docs/reference/decision.md` explains them.
 """
 
+from stereorecal._renamed import renamed
 from stereorecal.decision._decision import (
     Decision as Decision,
     Verdict as Verdict,
@@ -19,3 +20,5 @@ from stereorecal.decision._tolerances import (
     Tolerances as Tolerances,
     as_tolerances as as_tolerances,
 )
+
+__getattr__ = renamed(__name__, {"better_on_average": "decide_for_trial"})
