@@ -69,7 +69,7 @@ def run(options: MonitorOptions) -> int:
 
     try:
         with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
-            for stepped in steps(state, iter(pairs)):
+            for stepped in steps(state, pairs):
                 state = stepped.state
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")

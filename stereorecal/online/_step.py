@@ -71,13 +71,18 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
         (pair,) = check_pairs(state.initial, [pair])
         after, events = _after_pair(state, pair)
     except InputError as error:
-        again = state.last is None and state.reported is Kind.BAD_FRAME
-        events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
-        return state.later().replace(frame=state.frame + 1, last=None, corners=None, reported=Kind.BAD_FRAME), events
+        return without_pair(state, error)
     while until is not None and after.job is not None and time.monotonic() < until:
         after, more = continued(after)
         events += more
     return after.replace(frame=state.frame + 1), tuple(events)
+
+
+def without_pair(state: State, error: InputError) -> tuple[State, tuple[Event, ...]]:
+    """The state after a pair that cannot be used, and the event, once of several in a row."""
+    again = state.last is None and state.reported is Kind.BAD_FRAME
+    events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
+    return state.later().replace(frame=state.frame + 1, last=None, corners=None, reported=Kind.BAD_FRAME), events
 
 
 def freeze(state: State, frozen: bool = True) -> State:
