@@ -49,6 +49,8 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     found = _recordings(options, partial(_selected, few=few))
     if options.readout is None:
         return found
+    if options.readout and all(pair.time is None for one in found.scenes for pair in one.pairs):
+        raise InputError("--readout is part of the rig's motion, and no pair knows its time; leave it out.")
     read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
     return replace(found, scenes=read)
 

@@ -122,7 +122,7 @@ def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
     """Scores, and the row error, over cost; of those that there is something to draw for."""
     found = []
     for curve in [*climbs, way]:
-        if curve is None or len(curve.cost) == 0:
+        if curve is None or len(curve.cost) < 2:  # one point is no curve
             continue
         with style(("progress", len(found), curve.label)):
             figure = Figure(figsize=(_WIDTH, 2.5), layout="constrained")

@@ -32,6 +32,13 @@ def test_what_is_said_counts_before_what_is_stored(folder, verb):
     assert readouts(folder, "--readout", "0", verb=verb) == [0.0, 0.0]
 
 
+def test_without_times_it_would_say_nothing(folder, tmp_path: Path):
+    scene = render("harbour", 0, rig=default_rig().resized((64, 48)))
+    save_scene(scene, tmp_path / "still")
+    with pytest.raises(InputError, match="no pair knows its time; leave it out"):
+        readouts(tmp_path / "still", "--readout", "0.03")
+
+
 @pytest.mark.parametrize("seconds", ["-0.01", "2", "nan", "inf"])
 def test_what_makes_no_sense_is_refused(folder, seconds):
     with pytest.raises(InputError, match="a rolling shutter"):
