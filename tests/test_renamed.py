@@ -16,10 +16,9 @@ RENAMED = {
         "repairs_as_finished": "recalibrate_many, with finished=",
     },
     "stereorecal.online": {"Beside": "MonitorProcess"},
-    "stereorecal.decision": {"better_on_average": "decide_for_trial"},
+    "stereorecal.decision": {"better_on_average": "decide_for_trial, whose second result it is"},
     "stereorecal.comparison.judges": {"rows": "row_error_px"},
     "stereorecal.recalibration": {
-        "Evidence": "RowResiduals",
         "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
         "repairs_as_finished": "recalibrate_many, with finished=",
@@ -55,7 +54,7 @@ def test_a_name_that_never_was_is_an_attribute_error(package: str):
 
 ATTRIBUTES = [
     (sr.estimation.Estimate, "beams", "matched_ranges"),
-    (sr.estimation.Estimate, "depth_kept", "with_free"),
+    (sr.estimation.Estimate, "depth_kept", "with_free(names, keep_depth=True)"),
     (sr.Parameters, "lenses", "intrinsics"),
     (sr.recalibration.Findings, "beams", "matched_ranges"),
     (sr.Solution, "asked", "settings"),

@@ -12,7 +12,7 @@ from typing import IO
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
 from stereorecal.cli import _library_arguments
-from stereorecal.cli._exit_codes import CANNOT_TELL, INTERRUPTED, REPAIR
+from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live_view import lines, live
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import (
@@ -50,7 +50,7 @@ def run(options: MonitorOptions) -> int:
     if options.output is not None:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
-    began = state.frame
+    began, unread = state.frame, 0
     if log_goes_on is not None:
         _check_follows(log_goes_on, state)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
@@ -70,7 +70,7 @@ def run(options: MonitorOptions) -> int:
     try:
         with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
             for stepped in steps(state, pairs):
-                state = stepped.state
+                state, unread = stepped.state, unread + (stepped.pair is None)
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
                 attempt(partial(show, stepped), "stdout")
@@ -87,7 +87,11 @@ def run(options: MonitorOptions) -> int:
         lambda: _summary(options, state),
         *(partial(_raise, error) for error in failed.values()),
     )
-    return INTERRUPTED if interrupted else _CODES[reading(state).condition]
+    if unread:
+        say(f"{unread} of {state.frame - began} pairs cannot be read; check the files.")
+    if interrupted:
+        return INTERRUPTED
+    return BAD_INPUT if 2 * unread > state.frame - began else _CODES[reading(state).condition]
 
 
 def _keep(options: MonitorOptions, state: State) -> None:

@@ -18,6 +18,7 @@ from stereorecal.cli._exit_codes import BAD_INPUT
 _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
+QUOTED = "a pattern such as 'left/*.png' must be quoted"
 
 
 def option(help: str, default: Any = None, *, metavar: str | tuple[str, ...] | None = None, flag: str = "") -> Any:
@@ -137,8 +138,8 @@ class Parser(argparse.ArgumentParser):
     def _hint(self, unknown: Sequence[str]) -> str:
         known = [name for action in self._actions for name in action.option_strings]
         flag = next((word.partition("=")[0] for word in unknown if word.startswith("-")), None)
-        if flag is None and len(unknown) > 1:
-            return " (a pattern such as 'left/*.png' must be quoted)"
+        if flag is None and "--left" in known and len(unknown) > 1:
+            return f" ({QUOTED})"
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
         close = get_close_matches(flag, known, 1)

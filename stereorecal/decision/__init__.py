@@ -21,4 +21,4 @@ from stereorecal.decision._tolerances import (
     as_tolerances as as_tolerances,
 )
 
-__getattr__ = renamed(__name__, {"better_on_average": "decide_for_trial"})
+__getattr__ = renamed(__name__, {"better_on_average": "decide_for_trial, whose second result it is"})

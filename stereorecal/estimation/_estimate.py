@@ -79,7 +79,7 @@ class Estimate:
     delay: Delay | None = None
 
     if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"beams": "matched_ranges", "depth_kept": "with_free"})
+        __getattr__ = renamed_attributes({"beams": "matched_ranges", "depth_kept": "with_free(names, keep_depth=True)"})
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""

@@ -5,7 +5,7 @@ from stereorecal.geometry._axis_errors import (
     axis_changes as axis_changes,
     axis_errors as axis_errors,
 )
-from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera
+from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera, whole_size as whole_size
 from stereorecal.geometry._checked_rig import checked_rig as checked_rig
 from stereorecal.geometry._intrinsics import (
     OF_MATRIX as OF_MATRIX,

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -14,6 +15,21 @@ from stereorecal.geometry.lenses import LensModel, lens_model
 _LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
 _INSIDE = 0.999  # of the field: some models project its end to infinity
 _ALL_ROUND = 3.1  # radians off the axis: straight behind, a lens model has no direction
+
+
+def whole_size(given: Any) -> tuple[int, int]:
+    """(width, height) in whole pixels.
+
+    Raises:
+        InputError: if it is something else.
+    """
+    try:
+        width, height = (float(side) for side in given)
+    except (TypeError, ValueError):
+        width = height = 0.5
+    if not (width.is_integer() and height.is_integer() and min(width, height) >= 1.0):
+        raise InputError(f"the size is {given!r}; give (width, height) in whole pixels.")
+    return int(width), int(height)
 
 
 @register_pytree
@@ -93,9 +109,7 @@ class Camera:
         Raises:
             InputError: if the size is not of whole pixels.
         """
-        if np.shape(size) != (2,) or not all(float(side).is_integer() and side >= 1 for side in size):
-            raise InputError(f"the size is {size!r}; give (width, height) in whole pixels.")
-        size = int(size[0]), int(size[1])
+        size = whole_size(size)
         scale = np.array([size[0] / self.size[0], size[1] / self.size[1], 1.0])
         matrix = self.matrix * scale[:, None]
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5

@@ -32,12 +32,16 @@ def back_up(path: AnyPath) -> Path:
 
 def next_copy(path: AnyPath) -> Path:
     """Where `back_up` will copy a file to: beside what a link leads to."""
-    path = Path(path).resolve() if Path(path).is_symlink() else Path(path)
+    path = _without_link(path)
     names = (path.with_name(f"{path.name}.bak{number if number > 1 else ''}") for number in count(1))
     return next(name for name in names if not os.path.lexists(name))
 
 
 def is_copy(path: AnyPath, of: AnyPath) -> bool:
     """Whether a path is where `back_up` has copied, or may copy, a file to."""
-    path, of = Path(path).resolve(), Path(of)
+    path, of = Path(path).resolve(), _without_link(of)
     return path.parent == of.parent.resolve() and re.fullmatch(rf"{re.escape(of.name)}\.bak\d*", path.name) is not None
+
+
+def _without_link(path: AnyPath) -> Path:
+    return Path(path).resolve() if Path(path).is_symlink() else Path(path)

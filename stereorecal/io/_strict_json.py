@@ -72,8 +72,9 @@ def parse_json(text: str) -> Any:
     """The value of a JSON text; all numbers in it are finite.
 
     Raises:
-        InputError: if the text is not valid JSON or nests more than 100 levels; naming the key, if it occurs twice, or
-            a number is NaN, infinite, or too large for a float64 (1e999, an integer of 5 000 digits).
+        InputError: if the text is not valid JSON or nests more than 100 levels; naming the key, if it occurs twice
+            with different numbers, or a number is NaN, infinite, or too large for a float64 (1e999, an
+            integer of 5 000 digits).
     """
     try:
         content = json.loads(
@@ -92,16 +93,17 @@ def parse_json(text: str) -> Any:
 
 
 def without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    """The mapping of these pairs: of two equal keys, one reader takes the first and another one the last.
+    """The mapping of these pairs. Of two equal keys one reader takes the first and another one the last, which matters
+    for numbers.
 
     Raises:
-        InputError: names a key that occurs twice.
+        InputError: names a key that occurs twice, with different numbers.
     """
-    content = dict(pairs)
-    if len(content) < len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise InputError(f"the key {twice!r} occurs twice; leave the right one.")
+    content: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in content and content[key] != value and not isinstance(value, str | None):
+            raise InputError(f"the key {key!r} occurs twice; keep the right one.")
+        content[key] = value
     return content
 
 

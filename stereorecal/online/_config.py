@@ -1,7 +1,7 @@
 """What can be set on the vehicle."""
 
 from dataclasses import dataclass
-from numbers import Integral, Real
+from numbers import Real
 
 import numpy as np
 
@@ -71,11 +71,11 @@ class Config:
         checked_view_arguments(self.view)
         object.__setattr__(self, "tolerances", as_tolerances(self.tolerances))
         for name in ("synchronous", "motion", "repair"):
-            if not isinstance(getattr(self, name), bool):
+            if not isinstance(getattr(self, name), bool | np.bool_):
                 raise InputError(f"{name} is {getattr(self, name)!r}; give True or False.")
         for name, least in (("every", 1), ("together", 1), ("keep", 1), ("rest", 0)):
             number = getattr(self, name)
-            if not isinstance(number, Integral) or number < least:
+            if not isinstance(number, Real) or not float(number).is_integer() or number < least:
                 raise InputError(f"{name} is {number!r}; give a whole number, at least {least}.")
         for name in ("shift", "lasting", "knock", "switch", "harm"):
             if not isinstance(getattr(self, name), Real):
@@ -86,7 +86,10 @@ class Config:
             if np.shape(getattr(self, name)) != (3,):
                 raise InputError(f"{name} is {getattr(self, name)}; give three numbers, of pitch, yaw and roll.")
         for name in ("wander", "shift", "heating"):
-            values = np.asarray(getattr(self, name), float)
+            try:
+                values = np.asarray(getattr(self, name), float)
+            except ValueError:
+                values = np.array(np.nan)
             if not np.all((values >= 0) & np.isfinite(values)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
         for name in ("knock", "switch", "harm"):

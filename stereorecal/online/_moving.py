@@ -42,7 +42,7 @@ def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
 
 
 def moved(state: State, pair: Pair) -> State:
-    """The state after a pair that may show corners again from elsewhere. How the rig stands then, the look says."""
+    """The state after a pair that may show corners again from elsewhere; how the rig stands is said after the look."""
     if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
         return state
     with one_blas_thread():

@@ -23,7 +23,7 @@ from stereorecal.online._turning import Small, small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, Pair, check_pairs
-from stereorecal.scoring import image_quality, pyramid
+from stereorecal.scoring import image_quality, is_coarse, pyramid
 from stereorecal.scoring.host import with_measured_range
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried
@@ -120,6 +120,8 @@ def _after_pair(state: State, pair: Pair) -> Outcome:
 
 def _after_look(state: State, pair: Pair, before: Small | None, current: Small) -> Outcome:
     config = state.config
+    if is_coarse(pair):
+        return _too_little(state)
     matcher = state.matcher
     if matcher is None:
         if not image_quality(pair).enough:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Reach, row_chart
 from stereorecal.recalibration._row_residuals import RowResiduals
 
 _MOST_LOST = 0.15  # of what the candidate matches; repairs that end well lose 0 to 0.11
@@ -90,6 +92,14 @@ def verdict_on_count(before: int, after: int, *, signal: bool) -> Reason:
 def at_the_edge(z: Float[np.ndarray, "n"]) -> bool:
     """Whether a point lies at the edge of the box of the epipolar stages."""
     return bool(np.any(np.abs(z) > _EDGE))
+
+
+def drift_within_reach(initial: StereoRig, candidate: StereoRig, reach: Reach) -> Float[np.ndarray, "5"]:
+    """Where a candidate lies in the box of the epipolar stages, which ends at 1, twice the reach. The length of the
+    baseline is no drift."""
+    extrinsics = np.array(candidate.extrinsics, float)
+    extrinsics[3:] *= float(initial.baseline) / float(candidate.baseline)
+    return row_chart(initial, reach).coordinates(extrinsics)
 
 
 def is_beyond(z: Float[np.ndarray, "n"]) -> bool:

@@ -27,7 +27,7 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
     return json_data(
         {
             "accepted": solution.accepted,
-            "healthy": solution.healthy,
+            "healthy": solution.reason.healthy and not solution.leaves_epipolar_error,
             "reason": solution.reason.name.lower(),
             "verdict": solution.reason.value,
             "status": solution.status.name,

@@ -15,6 +15,7 @@ from stereorecal.recalibration._acceptance import (
     Reason,
     RowErrors,
     at_the_edge,
+    drift_within_reach,
     is_beyond,
     loses_regions,
     row_errors,
@@ -184,7 +185,7 @@ def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], can
     if answer.sparse and answer.decision.verdict is Verdict.GOOD:
         return Reason.CANNOT_TELL
     # Not where the search ended: along what the rows do not show, it may end anywhere.
-    z, decision = case.of_extrinsics.chart.coordinates(np.asarray(candidate.extrinsics)), answer.decision
+    z, decision = drift_within_reach(case.rig, candidate, case.reach), answer.decision
     doubtful = decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.is_understood)
     if (at_the_edge(z) and doubtful) or (is_beyond(z) and not decision.refused):
         return Reason.REACH_EDGE

@@ -191,17 +191,17 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
     case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
-    look = assess_initial_rig(case, settings.schedule.stages[-1])
+    initial = assess_initial_rig(case, settings.schedule.stages[-1])
     score = _score(images, case.matcher)
     quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
-    answer = look.answer if look is not None else None
+    answer = initial.answer if initial is not None else None
 
     def unmeasured(covered: float, disagreeing: tuple[str, ...] = ()) -> Health:
         return Health(score, float("nan"), covered, quality, None, disagreeing, doubtful, view=images.view)
 
     if answer is None:
         refuse_swapped_images(images)
-        return unmeasured(0.0 if look is None else look.covered)
+        return unmeasured(0.0 if initial is None else initial.covered)
     covered = answer.found.covered
     if answer.refused:
         refuse_swapped_images(images, answer.excluded)

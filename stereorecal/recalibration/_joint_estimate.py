@@ -23,7 +23,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
-from stereorecal.recalibration._acceptance import Reason
+from stereorecal.recalibration._acceptance import Reason, drift_within_reach, is_beyond
 from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
 from stereorecal.recalibration._estimate_and_decide import reason_of
 from stereorecal.recalibration._prior_use import prior_of
@@ -79,6 +79,11 @@ class JointEstimate:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
         if len(self.estimates[at].other_rigs) > MOST_EXCLUDED * len(self.estimated_from[at].found.weight):
             return Reason.FRAMES_DISAGREE
+        repair = self.recordings[at].repair
+        candidate = self.estimates[at].chart.rig_at(self.decisions[at].theta)
+        z = drift_within_reach(repair.initial, candidate, repair.settings.reach)
+        if is_beyond(z) and not self.decisions[at].refused:
+            return Reason.REACH_EDGE
         return reason_of(self.decisions[at], tiles)
 
 

@@ -62,7 +62,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     began = time.perf_counter() if began is None else began
     schedule = settings.schedule
 
-    # Prepare: the disparity range, where to start, one look.
+    # Prepare: the disparity range, where to start, the initial assessment.
     case, start, cost = started(case, schedule)
     to_decide = case.with_free(settings.free)
     initial = assess_initial_rig(to_decide, schedule.stages[-1])
@@ -72,7 +72,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
             ending = initial.ending(to_decide)
             return solution_of(to_decide, settings, (initial.run_at_no_cost,), ending, cost, began)
 
-    # Search; estimate and decide; the look, where that left doubt.
+    # Search; estimate and decide; the initial assessment, where that left doubt.
     case, stages = run_schedule(case, settings, start, began)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)

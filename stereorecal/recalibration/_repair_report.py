@@ -11,9 +11,9 @@ from stereorecal._json_data import json_data
 from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._intrinsics_table import intrinsics_table
-from stereorecal.recalibration._motion_report import motion_text
+from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING
-from stereorecal.recalibration._repair_text import axes_of
+from stereorecal.recalibration._repair_text import EPIPOLAR_ERROR_LEFT, axes_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
 from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
@@ -158,6 +158,10 @@ def _remarks(solution: AbstractResult) -> list[str]:
         remarks.append(f"Ranges: {solution.ranges}.")
     if solution.estimate is not None and solution.estimate.windows:
         remarks.append(f"Motion: {motion_text(solution.estimate)}.")
+    if solution.estimate is not None and solution.settings.odometer is not None:
+        remarks.append(f"Odometer: {odometer_text(solution.estimate)}.")
+    if solution.leaves_epipolar_error:
+        remarks.append(f"{EPIPOLAR_ERROR_LEFT[:1].upper()}{EPIPOLAR_ERROR_LEFT[1:]}.")
     return remarks
 
 

@@ -15,7 +15,7 @@ from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
 _WOULD_TELL = "four scenes or more, with ranges or frames taken while the rig moves, would determine them"
-_LEFT = (
+EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
 )
@@ -80,8 +80,8 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
         lines.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
     if solution.expected is not None:
         lines.append(("expect", str(solution.expected)))
-    if solution.accepted and not solution.healthy:
-        lines.append(("check", _LEFT))
+    if solution.leaves_epipolar_error:
+        lines.append(("check", EPIPOLAR_ERROR_LEFT))
     if solution.accepted:
         lines.append(_depth_before(solution))
     return lines

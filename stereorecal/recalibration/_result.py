@@ -238,11 +238,9 @@ class AbstractResult:
         return self.search.seconds
 
     @property
-    def healthy(self) -> bool:
-        """Whether the calibration to use is good: it was from the start, or is repaired, and, as likely as not, leaves
-        no more epipolar error than good calibrations have."""
-        left = self.accepted and self.decision is not None and not self.decision.explains
-        return self.reason.healthy and not left
+    def leaves_epipolar_error(self) -> bool:
+        """Whether it is a repair that leaves, as likely as not, more epipolar error than good calibrations have."""
+        return self.accepted and self.decision is not None and not self.decision.explains
 
     @property
     def tolerances(self) -> Tolerances:

@@ -1,6 +1,6 @@
 """One pair of images, taken at the same time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Any
@@ -10,11 +10,12 @@ from jaxtyping import Float, Num
 
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
+from stereorecal.geometry import whole_size
 
 _LONGEST_READOUT = 1.0  # seconds
 _WHITE, _ROUNDING = 255.0, 0.5
+_USUAL, _HOT, _SOME = 0.9999, 2.0, 4  # share of the pixels; times as bright as these; every so many rows and columns
 # Rec. 601 luma, as OpenCV's.
-_USUAL, _HOT = 0.9999, 2.0  # share of the pixels; times as bright as these
 _LUMA = {"rgb": (0.299, 0.587, 0.114), "bgr": (0.114, 0.587, 0.299)}
 
 
@@ -43,12 +44,12 @@ class Pair:
     readout: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.readout, Real) and 0.0 <= self.readout <= _LONGEST_READOUT):
+        if not (_is_number(self.readout) and 0.0 <= self.readout <= _LONGEST_READOUT):
             raise InputError(
                 f"{self.name}: a rolling shutter that reads an image in {self.readout!r} s makes no sense; give 0 to "
                 f"{_LONGEST_READOUT:g} s."
             )
-        if self.time is not None and not (isinstance(self.time, Real) and np.isfinite(self.time)):
+        if self.time is not None and not (_is_number(self.time) and np.isfinite(self.time)):
             raise InputError(f"{self.name}: a time of {self.time!r} s makes no sense; leave it out if it is not known.")
         for side in ("left", "right"):
             object.__setattr__(self, side, _float32(getattr(self, side), f"{self.name}, {side}"))
@@ -67,10 +68,12 @@ class Pair:
             darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
             if not np.isfinite(brightest - darkest):
                 raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")
-            if darkest < -_ROUNDING or brightest > _WHITE + _ROUNDING:
+            if darkest < -_ROUNDING:
+                raise InputError(f"{self.name}, {side}: the image contains negative values; shift or clip them.")
+            if brightest > _WHITE + _ROUNDING:
                 raise InputError(
-                    f"{self.name}, {side}: grey levels go from {darkest:g} to {brightest:g}, and those of a Pair from "
-                    "0 to 255; write sr.make_pair(left, right), which scales them."
+                    f"{self.name}, {side}: grey levels go up to {brightest:g}, and those of a Pair to 255; "
+                    "write sr.make_pair(left, right), which scales them."
                 )
             if darkest == brightest:
                 kind = "all black" if brightest == 0 else "constant"
@@ -110,11 +113,9 @@ class Pair:
 
     def resized(self, size: tuple[int, int]) -> "Pair":
         """The pair resampled to `size` (width, height), whole pixels, by area averaging."""
-        if tuple(size) == self.size:
+        size = whole_size(size)
+        if size == self.size:
             return self
-        if np.shape(size) != (2,) or not all(float(side).is_integer() and side >= 1 for side in size):
-            raise InputError(f"the size is {size!r}; give (width, height) in whole pixels.")
-        size = int(size[0]), int(size[1])
         shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
         return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout)
 
@@ -146,7 +147,7 @@ def make_pair(
     """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
 
     8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255;
-    where single pixels (one of 10 000) are more than twice as bright as all others, as hot ones are, that of these.
+    of integers, single pixels (one of 10 000) that are more than twice as bright as all others, hot ones, do not count.
 
     Args:
         channels: "rgb" or "bgr", the order of the first three channels of colour images.
@@ -159,7 +160,8 @@ def make_pair(
         raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
     left, right = _numbers(left, f"{name}, left"), _numbers(right, f"{name}, right")
     eight_bit = left.dtype == np.uint8
-    if left.dtype != right.dtype and not left.dtype.kind == right.dtype.kind == "f":
+    depths = [(image.dtype.kind, image.dtype.kind == "f" or image.dtype.itemsize) for image in (left, right)]
+    if depths[0] != depths[1]:
         raise InputError(
             f"{name}: the left image is {left.dtype} and the right one {right.dtype}; give both the same bit depth."
         )
@@ -167,23 +169,32 @@ def make_pair(
         _grey(image, channels, f"{name}, {side}") for image, side in ((left, "left"), (right, "right"))
     )
     if not eight_bit:
-        scale = _WHITE / _white_of(grey_left, grey_right)
+        scale = _WHITE / _white_of((grey_left, grey_right), from_sensor=left.dtype.kind != "f")
         grey_left, grey_right = (np.minimum(image * scale, _WHITE) for image in (grey_left, grey_right))
     return Pair(grey_left.astype(np.float32), grey_right.astype(np.float32), name, origin, time)
 
 
-def _white_of(*images: np.ndarray) -> float:
-    """The value that becomes white."""
-    usual = max(float(np.quantile(image, _USUAL)) for image in images)
+def _white_of(images: Sequence[np.ndarray], *, from_sensor: bool) -> float:
+    """The value that becomes white: the largest; of a sensor without those of hot pixels."""
     largest = max(float(image.max()) for image in images)
-    return max(largest if largest <= _HOT * usual else usual, 1e-30)
+    if from_sensor:
+        usual = max(float(np.quantile(image[::_SOME, ::_SOME], _USUAL, method="lower")) for image in images)
+        largest = largest if largest <= _HOT * usual or usual <= 0.0 else usual
+    return max(largest, 1e-30)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) or (np.ndim(value) == 0 and getattr(value, "dtype", np.dtype(object)).kind in "uif")
 
 
 def _numbers(image: Any, name: str) -> np.ndarray:
     """An image as an array of numbers."""
     if isinstance(image, np.ma.MaskedArray):
         raise InputError(f"{name}: the image is a masked array; give a plain one, without NaN: image.filled(0).")
-    array = np.asarray(image)
+    try:
+        array = np.asarray(image)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise InputError(f"{name}: a {type(image).__name__} is no array ({error}); give one of NumPy's.") from None
     if array.dtype.kind not in "buif":
         what = f"an array of {array.dtype}" if isinstance(image, np.ndarray) else f"a {type(image).__name__}"
         raise InputError(f"{name}: {what} is no image; give an array of grey levels (h, w), or colours (h, w, 3).")

@@ -110,7 +110,7 @@ def _verdict(repair: Mapping[str, Any], letters: int) -> list[str]:
 def _change(repair: Mapping[str, Any], letters: int) -> list[str]:
     if repair["error"] is not None:
         return ["-"] * len(_CHANGES.numbers)
-    widths = repair["interval_95"] if repair["healthy"] else None
+    widths = repair["interval_95"] if repair["healthy"] or repair["accepted"] else None
     return [
         f"{repair['change'][kind][name]:+.3f}"
         + (f"\n±{widths[kind][name]:.3f}" if widths and name in widths[kind] else "")

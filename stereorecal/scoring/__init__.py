@@ -16,7 +16,11 @@ from stereorecal.scoring._correspondences import (
 from stereorecal.scoring._count import count as count, count_scaled as count_scaled
 from stereorecal.scoring._forward_gradient import forward_gradient as forward_gradient
 from stereorecal.scoring._frame_selection import select_frames as select_frames
-from stereorecal.scoring._image_quality import ImageQuality as ImageQuality, image_quality as image_quality
+from stereorecal.scoring._image_quality import (
+    ImageQuality as ImageQuality,
+    image_quality as image_quality,
+    is_coarse as is_coarse,
+)
 from stereorecal.scoring._prepare import (
     Pyramid as Pyramid,
     ScoringData as ScoringData,

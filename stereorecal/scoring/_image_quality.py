@@ -12,7 +12,8 @@ _WIDTH = 128  # pixels: the scale at which texture is measured; finer texture is
 _BLOCK = 2  # columns: the noise of neighbouring pixels is correlated where colours were interpolated
 _TEXTURED_SLOPE = 8.0  # x-Sobel response, four times a step in grey levels: fog and noise stay below
 _DARK = 20.0  # mean grey level; what moves at night is noise
-_COARSE = 12.0  # grey levels
+_FEWEST_LEVELS, _LEAST_CONTRAST = 12, 1.5  # grey levels
+_SOME = 3  # every third pixel of every third row
 _CORRELATED = 0.2  # correlation of slopes in two halves of an image's columns: 0 for noise, 0.6 and more for texture
 _TEXTURED = 1.0 / 3.0  # of what the lens shows; daylight shows 0.5 to 0.9, night and fog 0 to 0.2
 _LEAST_TEXTURED = 0.2  # of the image: half of it matches, and less than a tenth of an image tells nothing
@@ -27,7 +28,8 @@ class ImageQuality:
         brightness: mean grey level, 0 to 255, of what the lens shows.
         texture: share of the image with texture, 0 to 1; noise counts as texture.
         shown: share of the image that the lens shows: 1, or that of the image circle of a wide lens on black.
-        contrast: grey levels from the 1st to the 99th percentile.
+        coarse: True if there are so few different grey levels, or so little contrast, that rounding to whole levels
+            moves what matches.
         noise: True if the texture is noise only, as behind a lens cap, whose image of 16 bit or floating point is
             stretched to full contrast.
     """
@@ -36,17 +38,12 @@ class ImageQuality:
     texture: float
     noise: bool = False
     shown: float = 1.0
-    contrast: float = 255.0
+    coarse: bool = False
 
     @property
     def dark(self) -> bool:
         """True if it is too dark to match."""
         return self.brightness < _DARK
-
-    @property
-    def coarse(self) -> bool:
-        """True if there are so few grey levels that rounding to them moves what matches."""
-        return self.contrast < _COARSE
 
     @property
     def textured(self) -> bool:
@@ -69,8 +66,16 @@ def image_quality(pair: Pair) -> ImageQuality:
     )
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
     noise = texture >= _TEXTURED * share_shown and any(_is_noise(image) for image in images)
-    contrast = min(float(np.ptp(np.quantile(image, (0.01, 0.99)))) for image in images)
-    return ImageQuality(brightness, texture, noise, share_shown, contrast)
+    return ImageQuality(brightness, texture, noise, share_shown, is_coarse(pair))
+
+
+def is_coarse(pair: Pair) -> bool:
+    """Whether an image of a pair has few different grey levels, or hardly any contrast: see `ImageQuality.coarse`."""
+    some = [np.asarray(image)[::_SOME, ::_SOME] for image in (pair.left, pair.right)]
+    return any(
+        len(np.unique(image)) < _FEWEST_LEVELS or np.ptp(np.quantile(image, (0.01, 0.99))) < _LEAST_CONTRAST
+        for image in some
+    )
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:

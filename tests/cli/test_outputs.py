@@ -16,7 +16,7 @@ from bags import write_bag
 from machine import at_call, full_disk, raising
 
 from stereorecal.cli import main
-from stereorecal.io import back_up, save_rig
+from stereorecal.io import back_up, is_copy, next_copy, save_rig
 from stereorecal.synthetic import default_rig
 
 NOTHING = ("--schedule", "count", "--budget", 1)
@@ -296,6 +296,7 @@ def test_in_place_through_a_link_keeps_the_copy_beside_the_file(command, drifted
     (scene / "calib.json").symlink_to(store / "rig.json")
     assert command("recalibrate", scene, *COUNT, "--in-place").code == 0
     assert sorted(path.name for path in store.iterdir()) == ["rig.json", "rig.json.bak"]
+    assert is_copy(next_copy(scene / "calib.json"), of=scene / "calib.json")
     assert (scene / "calib.json").is_symlink()
 
 

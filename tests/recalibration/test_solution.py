@@ -165,8 +165,9 @@ def test_twice_the_reach_is_the_limit_of_a_repair(scene, drifted):
     narrow = Reach(degrees=0.1, baseline_fraction=0.001)
     assert recalibrate(drifted, scene().pairs, matcher=SAD_24).accepted
     found = recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=narrow)
-    assert not found.accepted
+    assert found.reason is Reason.REACH_EDGE
     assert found.rig is drifted
+    assert recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=Reach(0.5, 0.02)).accepted
 
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, 1.01, float("nan")])

@@ -99,9 +99,9 @@ def test_a_pair_holds_float32(dtype):
     assert Pair(texture(0).astype(dtype), texture(1).astype(dtype)).left.dtype == np.float32
 
 
-@pytest.mark.parametrize("scale", [16.0, -1.0])
-def test_a_pair_is_of_grey_levels_up_to_255(scale):
-    with pytest.raises(InputError, match=r"pair, left: grey levels go from .* sr\.make_pair"):
+@pytest.mark.parametrize(("scale", "words"), [(16.0, r"grey levels go up to .* sr\.make_pair"), (-1.0, "negative")])
+def test_a_pair_is_of_grey_levels_up_to_255(scale, words):
+    with pytest.raises(InputError, match=f"pair, left: .*{words}"):
         Pair(scale * texture(0).astype(np.float32), texture(1).astype(np.float32))
 
 
@@ -130,7 +130,7 @@ def test_a_hot_pixel_is_not_white():
 
 
 @pytest.mark.usefixtures("unchecked")
-@pytest.mark.parametrize("size", [(0, 0), (12.5, 8), (12,)])
+@pytest.mark.parametrize("size", [(0, 0), (12.5, 8), (12,), 12, None, ("a", "b")])
 def test_sizes_are_whole_pixels(size):
     with pytest.raises(InputError, match="give \\(width, height\\) in whole pixels"):
         make_pair(texture(0), texture(1)).resized(size)

@@ -18,6 +18,7 @@ def repair(scene: str, reason: Reason, **changes: Any) -> dict[str, Any]:
         "scene": scene,
         "error": None,
         "fault": None,
+        "accepted": reason.accepted,
         "healthy": reason.healthy,
         "reason": reason.name.lower(),
         "row_error_px": {"before": 1.234, "after": 0.081},

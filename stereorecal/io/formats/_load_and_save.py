@@ -7,7 +7,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._units import checked_unit
-from stereorecal.geometry import StereoRig, checked_rig
+from stereorecal.geometry import StereoRig, checked_rig, whole_size
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
@@ -52,7 +52,7 @@ def load_rig(
     if not 1 <= len(paths) <= 2:
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     rig = read_files(paths, format, unit, Hints(size=size))
-    if size is not None and rig.left.size != tuple(size):
+    if size is not None and rig.left.size != (size := whole_size(size)):
         wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "

@@ -20,7 +20,7 @@ def parsed(text: str) -> dict[str, Any]:
     """The keys and values below the root.
 
     Raises:
-        InputError: if it is no XML, or a key occurs twice.
+        InputError: if it is no XML, or a key occurs twice with different numbers.
     """
     content = _plain_element(_root(text))
     if not isinstance(content, dict):

@@ -18,7 +18,8 @@ _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
-_END = re.compile(r"\n---\s*\Z")  # after a message, as `ros2 topic echo` writes it
+_END = re.compile(r"(\n(---|\.\.\.)[ \t\r]*)+\s*\Z")  # after a message, as `ros2 topic echo` writes it
+_MERGED = "<<"  # keys of other mappings, which no calibration file needs
 _MARK = "\ufeff"  # of the order of bytes, which libyaml does not count among the characters
 _EXPANDED = 100_000  # nodes that aliases may add
 
@@ -43,7 +44,7 @@ def parsed(text: str) -> dict[str, Any]:
     """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all.
 
     Raises:
-        InputError: if it is no YAML, or no mapping, or a key occurs twice.
+        InputError: if it is no YAML, or no mapping, or a key occurs twice with different numbers.
     """
     try:
         content = _plain_node(_composed(text.lstrip(_MARK)))
@@ -111,7 +112,8 @@ def _count(node: Node, known: dict[int, float]) -> float:
 
 def _plain_node(node: Node) -> Any:
     if isinstance(node, MappingNode):
-        pairs = [(key.value, _plain_node(value)) for key, value in node.value if isinstance(key, ScalarNode)]
+        keys = [(key.value, value) for key, value in node.value if isinstance(key, ScalarNode)]
+        pairs = [(key, _plain_node(value)) for key, value in keys if key != _MERGED]
         return without_duplicates(pairs)
     if isinstance(node, SequenceNode):
         return [_plain_node(item) for item in node.value]
