@@ -30,7 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.io import load_rig, save_scene
 from stereorecal.synthetic import default_rig, render
 

@@ -23,7 +23,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal._errors import InputError
+from stereorecal import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, Scene
 from stereorecal.scoring import pyramid

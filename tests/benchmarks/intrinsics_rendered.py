@@ -10,8 +10,7 @@ import numpy as np
 import stereorecal as sr
 from stereorecal.geometry import Camera, changed_camera, view
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
-from stereorecal.recalibration._uncertainty import NORMAL_95
+from stereorecal.recalibration import NORMAL_95, depth_errors, row_errors_of
 
 BOTH = ("extrinsics", "intrinsics")
 SIGMAS = {"f": 0.3, "cx": 1.5, "cy": 1.5, "k1": 0.01, "k2": 0.02}  # of wrong intrinsics: percent, pixels

@@ -32,8 +32,7 @@ from rich.table import Table
 from spoiled_images import EXPLAINED, MOVING, NEW, OF_THE_MODEL, UNEXPLAINED, UNSEEN, Spoil
 
 import stereorecal as sr
-from stereorecal.estimation import readings
-from stereorecal.estimation._consequences import points_of_view
+from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.recordings import Scene
 from stereorecal.scoring import host, median_row_error, pyramid, with_rays_of

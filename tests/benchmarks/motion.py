@@ -33,9 +33,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.estimation import readings, rig_parameters
-from stereorecal.estimation._consequences import points_of_view
-from stereorecal.estimation._motion_window import window
+from stereorecal.estimation import points_of_view, readings, rig_parameters, window
 from stereorecal.online import Config, run
 
 FRAMES = 9

@@ -7,8 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 import stereorecal as sr
-from stereorecal.estimation import readings
-from stereorecal.estimation._consequences import points_of_view
+from stereorecal.estimation import points_of_view, readings
 from stereorecal.synthetic import photographs, plan_drive
 
 TOURS = ("street", "harbour")

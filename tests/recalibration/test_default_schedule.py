@@ -9,13 +9,12 @@ from rich.console import Console
 
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
+from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, as_settings, recalibrate
 from stereorecal.recalibration._ending import Ending
 from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._recalibrate import search_stands
 from stereorecal.recalibration._search import started
-from stereorecal.recalibration._settings import as_settings
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
