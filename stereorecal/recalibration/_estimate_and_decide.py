@@ -43,7 +43,7 @@ class Answer:
         found: of the frames that are kept.
         estimate: of the rig that they show.
         excluded: numbers of the frames that show another rig.
-        refused: they are too many to say which are wrong; all count then.
+        frames_disagree: they are too many to say which are wrong; all count then.
         free: what may change, if frames bear out that more must than the case has free.
         decision: on the initial calibration.
         sparse: they cover little of what has texture: no reason to call a calibration good.
@@ -53,7 +53,7 @@ class Answer:
     found: Correspondences
     estimate: Estimate
     excluded: tuple[int, ...]
-    refused: bool
+    frames_disagree: bool
     free: Parameters
     decision: Decision
     sparse: bool
@@ -78,8 +78,8 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
     """
     found = run.found
     assert found is not None
-    excluded_frames, refused, estimated = _without_other_rigs(case, found, end_rig)
-    used_matches = found if refused else without_frames_of(found, excluded_frames)
+    excluded_frames, frames_disagree, estimated = _without_other_rigs(case, found, end_rig)
+    used_matches = found if frames_disagree else without_frames_of(found, excluded_frames)
     if corners and case.free.intrinsics:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
     free, decision = free_and_decision(case, used_matches, estimated)
@@ -92,7 +92,7 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
         found=used_matches,
         estimate=estimated,
         excluded=tuple(sorted(excluded_frames)),
-        refused=refused,
+        frames_disagree=frames_disagree,
         free=free,
         decision=decision,
         sparse=sparse,
@@ -123,11 +123,11 @@ def _without_other_rigs(
 
     while True:
         estimated = estimate_without(excluded_frames, start)
-        refused = len(excluded_frames) > most
-        if refused or not estimated.other_rigs:
+        frames_disagree = len(excluded_frames) > most
+        if frames_disagree or not estimated.other_rigs:
             break
         excluded_frames, start = (*excluded_frames, estimated.other_rigs[0].frame), estimated.theta
-    return excluded_frames, refused, estimate_without((), start) if refused else estimated
+    return excluded_frames, frames_disagree, estimate_without((), start) if frames_disagree else estimated
 
 
 def _rematched(
@@ -157,7 +157,7 @@ def ended_by(case: Case, answer: Answer) -> Ending:
     judged = case.with_free(answer.free)
     candidate = estimated.chart.rig_at(decision.theta)
     tiles = counts(judged, candidate)
-    used_frames = np.isin(np.arange(len(found.weight)), () if answer.refused else answer.excluded, invert=True)
+    used_frames = np.isin(np.arange(len(found.weight)), () if answer.frames_disagree else answer.excluded, invert=True)
     reason = _reason(judged, answer, tiles[:, used_frames], candidate)
     rows = rows_of(judged, answer)
     errors = row_errors(rows)
@@ -177,7 +177,7 @@ def ended_by(case: Case, answer: Answer) -> Ending:
 
 
 def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], candidate: StereoRig) -> Reason:
-    if answer.refused:
+    if answer.frames_disagree:
         refuse_swapped_images(case.images, answer.excluded)
         return Reason.FRAMES_DISAGREE
     if not answer.enough:

@@ -203,7 +203,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         refuse_swapped_images(images)
         return unmeasured(0.0 if initial is None else initial.covered)
     covered = answer.found.covered
-    if answer.refused:
+    if answer.frames_disagree:
         refuse_swapped_images(images, answer.excluded)
         names = tuple(images.pairs[f].name for f in answer.excluded)
         return unmeasured(covered, names)

@@ -66,7 +66,7 @@ class InitialAssessment:
     def verdict(self) -> Verdict | None:
         """On the calibration; None if too little is seen for one."""
         answer = self.answer
-        conclusive = answer is not None and answer.enough and not answer.refused and not answer.sparse
+        conclusive = answer is not None and answer.enough and not answer.frames_disagree and not answer.sparse
         return answer.decision.verdict if answer is not None and conclusive else None
 
 
