@@ -27,7 +27,7 @@ class Kind(enum.Enum):
     NOT_SAVED = "the state cannot be saved; the rig is watched on, and saving is tried again"
     SAVED = "the state can be saved again"
     FRAMES_DISAGREE = "the frames show different rigs"
-    TOO_LITTLE_TEXTURE = "too little light or texture"
+    TOO_LITTLE_TEXTURE = "too little light, texture or grey levels"
     BAD_FRAME = "the pair cannot be used"
 
 

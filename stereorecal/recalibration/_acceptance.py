@@ -30,7 +30,7 @@ class Reason(enum.Enum):
         "the candidate loses whole regions that match under the initial calibration: something moved between the two "
         "exposures; give other frames"
     )
-    TOO_LITTLE_TEXTURE = "too little of the images matches: too little light or texture"
+    TOO_LITTLE_TEXTURE = "too little of the images matches: too little light, texture or grey levels"
     NO_MATCHES = "almost nothing matches, though the images have texture: a drift beyond the reach, or another rig"
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = (
