@@ -35,8 +35,8 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before the row error of a candidate could be judged; give a larger one"
     MISFIT = (
         "systematic epipolar residuals remain, which no rotation or shift of the cameras explains: the intrinsics "
-        "differ, or something moved between the two exposures; four scenes or more, with ranges or frames taken while "
-        "the rig moves, would determine the intrinsics too"
+        "differ, or something moved between the two exposures; four scenes or more would determine the "
+        "intrinsics too, best with ranges or frames taken while the rig moves"
     )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (

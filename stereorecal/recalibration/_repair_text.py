@@ -14,7 +14,7 @@ from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
-_WOULD_TELL = "four scenes or more, with ranges or frames taken while the rig moves, would determine them"
+_WOULD_TELL = "four scenes or more would determine them, best with ranges or frames taken while the rig moves"
 EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
