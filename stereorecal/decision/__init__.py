@@ -1,18 +1,20 @@
 """One decision for all who ask whether a calibration is good: from what is known of a rig to what to do.
 
-`_decision` has the rule, `_tolerances` its constants; `docs/reference/decision.md` explains them.
+`_rule` has the rule, `_candidates` what it chooses from, `_losses` what that loses, `_tolerances` the constants, which
+`docs/reference/decision.md` explains.
 """
 
 from stereorecal._renamed import renamed
-from stereorecal.decision._decision import (
-    Decision as Decision,
-    Verdict as Verdict,
+from stereorecal.decision._decision import Decision as Decision, Verdict as Verdict
+from stereorecal.decision._losses import (
     chance_of_harm as chance_of_harm,
+    with_nearest_distance as with_nearest_distance,
+)
+from stereorecal.decision._rule import (
     decide as decide,
     decide_for_trial as decide_for_trial,
     decide_together as decide_together,
     fewer_parameters_suffice as fewer_parameters_suffice,
-    with_nearest_distance as with_nearest_distance,
 )
 from stereorecal.decision._tolerances import (
     DEFAULT as DEFAULT,

@@ -1,0 +1,68 @@
+"""What a rig loses in rows and depth, by what is known of it, and the chance that a change makes it worse."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.decision._tolerances import DEFAULT, Tolerances
+from stereorecal.estimation import Estimate
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """What a rig loses, if each of some rigs drawn from the posterior is the truth.
+
+    Attributes:
+        rows: pixels, at each distance.
+        depth: percent, at the farthest.
+        frame_rows_px: |row difference| of the matches of each frame, on average.
+    """
+
+    rows: Float[np.ndarray, "d s"]
+    depth: Float[np.ndarray, "s"]
+    frame_rows_px: Float[np.ndarray, "f"]
+
+    @property
+    def expected(self) -> float:
+        """On average: rows over what a matcher notices, and depth over a point; the same whatever is asked."""
+        return float(np.mean(self.mean_rows / DEFAULT.gain_px + self.depth / DEFAULT.worse_depth_points))
+
+    @property
+    def mean_rows(self) -> Float[np.ndarray, "s"]:
+        """Over the distances."""
+        return np.mean(self.rows, axis=0)
+
+
+def losses_of(estimate: Estimate, theta: Float[np.ndarray, "n"]) -> Losses:
+    """What the rig at θ loses."""
+    return Losses(*estimate.losses(theta), estimate.rows_of_frames(theta))
+
+
+def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimate:
+    """An estimate, to be judged at the distances that are asked for, and at the nearest that its images show, if that
+    is nearer."""
+    nearest, distances = estimate.nearest, tolerances.distances
+    judged_at = (nearest, *distances) if nearest < distances[0] else distances
+    return estimate if estimate.judged_at == judged_at else replace(estimate, judged_at=judged_at)
+
+
+def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
+    """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows."""
+    limits = DEFAULT if tolerances is None else tolerances
+    estimate = with_nearest_distance(estimate, limits)
+    return chances_of_harm(losses_of(estimate, np.zeros_like(theta)), losses_of(estimate, theta), limits)[1]
+
+
+def chances_of_harm(initial: Losses, after: Losses, limits: Tolerances) -> tuple[float, float]:
+    """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to
+    lose."""
+    # NaN is no proof of harmlessness.
+    lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
+    farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
+    worse = float(np.mean(lost | farther))
+    return worse, float(np.mean(lost)) if is_beyond_matching(initial, limits) else worse
+
+
+def is_beyond_matching(initial: Losses, limits: Tolerances) -> bool:
+    return float(np.mean(initial.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
