@@ -5,6 +5,7 @@ from typing import Literal
 
 from stereorecal._errors import InputError
 from stereorecal._existing_paths import check_exists, existing_folder
+from stereorecal._image_suffixes import IMAGE_SUFFIXES
 from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._option_values import frame_limit, limit
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
@@ -17,7 +18,6 @@ SEARCH = "matching and search"
 
 FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
 FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
-_IMAGES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".pgm", ".webp")
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 
 
@@ -143,7 +143,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         for name in (*(begun[0] if begun else ()), "calibration"):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
         if self.scenes and given:
-            why = QUOTED if Path(self.scenes[0]).suffix.lower() in _IMAGES else TWO_FILES
+            why = QUOTED if Path(self.scenes[0]).suffix.lower() in IMAGE_SUFFIXES else TWO_FILES
             raise InputError(
                 f"give scene folders or {' and '.join(given)}, not both; {self.scenes[0]} is taken for a scene folder "
                 f"({why})."

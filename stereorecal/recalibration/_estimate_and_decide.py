@@ -31,7 +31,7 @@ from stereorecal.recalibration._stages import FEWEST, StageRun, matched
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._unmatched import LIKELY, MOST_EXCLUDED, is_sparse, unmatched, without_frames_of
 from stereorecal.recalibration._windows import windows_of, without_frames
-from stereorecal.scoring import Correspondences, image_quality
+from stereorecal.scoring import Correspondences, image_quality, is_coarse
 from stereorecal.scoring.host import refuse_swapped_images
 
 
@@ -86,8 +86,9 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
     if corners and free.intrinsics and not case.free.intrinsics:
         estimated, used_matches = _rematched(case, estimated, used_matches, run)
         decision = decide(estimated, free.names, case.tolerances, proven=True)
-    quality = [image_quality(pair) for pair in case.images.pairs]
-    sparse = used_matches.covered < LIKELY and is_sparse(used_matches.covered, max(one.texture for one in quality))
+    sparse = used_matches.covered < LIKELY and is_sparse(
+        used_matches.covered, max(image_quality(pair).texture for pair in case.images.pairs)
+    )
     return Answer(
         found=used_matches,
         estimate=estimated,
@@ -96,7 +97,7 @@ def estimate_and_decide(case: Case, run: StageRun, end_rig: StereoRig, *, corner
         free=free,
         decision=decision,
         sparse=sparse,
-        coarse=all(one.coarse for one in quality),
+        coarse=all(is_coarse(pair) for pair in case.images.pairs),
     )
 
 

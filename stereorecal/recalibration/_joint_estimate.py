@@ -80,8 +80,7 @@ class JointEstimate:
         if len(self.estimates[at].other_rigs) > MOST_EXCLUDED * len(self.estimated_from[at].found.weight):
             return Reason.FRAMES_DISAGREE
         repair = self.recordings[at].repair
-        candidate = self.estimates[at].chart.rig_at(self.decisions[at].theta)
-        z = drift_within_reach(repair.initial, candidate, repair.settings.reach)
+        z = drift_within_reach(repair.initial, self.rig(at), repair.settings.reach)
         if is_beyond(z) and not self.decisions[at].refused:
             return Reason.REACH_EDGE
         return reason_of(self.decisions[at], tiles)

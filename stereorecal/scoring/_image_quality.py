@@ -71,10 +71,11 @@ def image_quality(pair: Pair) -> ImageQuality:
 
 def is_coarse(pair: Pair) -> bool:
     """Whether an image of a pair has few different grey levels, or hardly any contrast: see `ImageQuality.coarse`."""
-    some = [np.asarray(image)[::_SOME, ::_SOME] for image in (pair.left, pair.right)]
+    levels = [np.sort(image[::_SOME, ::_SOME], axis=None) for image in (pair.left, pair.right)]
     return any(
-        len(np.unique(image)) < _FEWEST_LEVELS or np.ptp(np.quantile(image, (0.01, 0.99))) < _LEAST_CONTRAST
-        for image in some
+        np.count_nonzero(np.diff(of_image)) + 1 < _FEWEST_LEVELS
+        or np.ptp(np.quantile(of_image, (0.01, 0.99))) < _LEAST_CONTRAST
+        for of_image in levels
     )
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
+from stereorecal._image_suffixes import IMAGE_SUFFIXES
 from stereorecal.io._atomic import make_folder, write_bytes
 from stereorecal.io._read_files import note_input
 from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
 
-_SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
 _MOST_BYTES = 1 << 28  # of an image, or of its file
 
@@ -26,14 +26,14 @@ def images_in(folder: Path) -> list[Path]:
     return natural_order(
         path
         for path in folder.iterdir()
-        if path.suffix.lower() in _SUFFIXES and path.is_file() and not path.name.startswith(".")
+        if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file() and not path.name.startswith(".")
     )
 
 
 def stem_of(name: str) -> str:
     """A file's name without suffix, if that is the suffix of an image; else the whole name."""
     path = Path(name)
-    return path.stem if path.suffix.lower() in _SUFFIXES else path.name
+    return path.stem if path.suffix.lower() in IMAGE_SUFFIXES else path.name
 
 
 def natural_order(paths: Iterable[Path]) -> list[Path]:
