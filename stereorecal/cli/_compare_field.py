@@ -23,7 +23,7 @@ from stereorecal.comparison.judges import RENDERED, Draws, recipes_of
 from stereorecal.io import files_read
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
-from stereorecal.report.field import field_tables
+from stereorecal.report.field_tables import field_tables
 
 PRESETS = ("field",)
 _FRAMES = ("rendered", "simulated")  # judges that are told how many pairs

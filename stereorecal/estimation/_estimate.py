@@ -12,13 +12,7 @@ from stereorecal._choices import checked_choice
 from stereorecal._renamed import renamed_attributes
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, least_loss, least_loss_of_depth_kept
-from stereorecal.estimation._consequences import (
-    DISTANCES,
-    Consequences,
-    consequences,
-    readings_at,
-    regions,
-)
+from stereorecal.estimation._consequences import DISTANCES
 from stereorecal.estimation._delay import Delay
 from stereorecal.estimation._explanations import Explanation
 from stereorecal.estimation._frames import OtherRig, other_rigs
@@ -32,12 +26,11 @@ from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._prior_choice import Prior, as_prior
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
+from stereorecal.estimation._sample_readings import SampleReadings
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
-_SAMPLES = 2000
-_SEED = 0
 JUDGED_AT = (5, 10, 30)  # baselines
 _NEAREST = 0.05  # of all correspondences
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
@@ -103,12 +96,12 @@ class Estimate:
     @cached_property
     def intervals(self) -> Float[np.ndarray, "n 2"]:
         """95 % of each parameter, marginal over all others."""
-        return np.percentile(self._samples, [2.5, 97.5], axis=0).T
+        return np.percentile(self._readings.samples, [2.5, 97.5], axis=0).T
 
-    @cached_property
+    @property
     def mean_rig(self) -> StereoRig:
         """The rig at the posterior's mean: all parameters change."""
-        return self.chart.rig_at(self.theta)
+        return self._readings.mean_rig
 
     @cached_property
     @one_blas_thread()
@@ -144,7 +137,8 @@ class Estimate:
     def known(self) -> Known:
         """What candidates are chosen by."""
         deviations = np.sqrt(np.diag(self.posterior.covariance))
-        maps, target = self._consequences, self._target_nearness
+        # What is lost is |error|, so the median is what a rig should read.
+        maps, target = self._readings.slopes, self._readings.median_nearness
         return Known(self.chart, maps, self.theta, deviations, target, self.judged_at, self.view)
 
     @one_blas_thread()
@@ -152,32 +146,25 @@ class Estimate:
         """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them
         [%], over the view or ahead, whichever is larger, of the rig at θ = used, for each of some rigs drawn from the
         posterior; always the same."""
-        rows, nearness = self._read(used)
-        relative = 1.0 + nearness[:, self._distances.index(max(self.judged_at))]
-        judged = rows[[self._distances.index(distance) for distance in self.judged_at]]
+        rows, nearness = self._readings.rows_and_nearness(used)
+        relative = 1.0 + nearness[:, self._readings.distances.index(max(self.judged_at))]
+        judged = rows[[self._readings.distances.index(distance) for distance in self.judged_at]]
         return judged, np.max(100.0 * np.abs(1.0 / np.maximum(relative, _LEAST_NEARNESS) - 1.0), axis=1)
 
     @one_blas_thread()
     def effects(self, change: Float[np.ndarray, "n"]) -> tuple[float, float]:
         """What a small change of θ moves: rows over the view, root mean square, on average over the distances that it
         is judged at [pixels]; and depth at the farthest of them [%], over the view or ahead, whichever is larger."""
-        judged = [self._distances.index(distance) for distance in self.judged_at]
-        rows = [float(np.sqrt(np.mean((self._consequences.rows[index] @ change) ** 2))) for index in judged]
-        nearness = self._consequences.nearness[self._distances.index(max(self.judged_at))]
+        slopes = self._readings.slopes
+        judged = [slopes.distances.index(distance) for distance in self.judged_at]
+        rows = [float(np.sqrt(np.mean((slopes.rows[index] @ change) ** 2))) for index in judged]
+        nearness = slopes.nearness[slopes.distances.index(max(self.judged_at))]
         return float(np.mean(rows)), float(100.0 * np.max(np.abs(nearness @ change)))
 
-    @one_blas_thread()
     def rows_of_regions(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s r"]:
         """Rows [pixels], root mean square in each region of the view at each of the distances that it is judged at, of
         the same rigs."""
-        sets = [self._distances.index(distance) for distance in self.judged_at]
-        points = [self._consequences.points[index] for index in sets]
-        at_mean, _ = readings_at(self.chart.rig_at(used), self.mean_rig, points, self.view)
-        found = []
-        for index, rows, some in zip(sets, at_mean, points, strict=True):
-            inside = np.equal.outer(region := regions(self.mean_rig, some), np.unique(region)).astype(float)
-            found.append((rows - self._rows_of_samples[index][0]) ** 2 @ (inside / inside.sum(axis=0)))
-        return np.sqrt(np.concatenate(found, axis=1))
+        return self._readings.rows_of_regions(used, self.judged_at)
 
     @one_blas_thread()
     def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
@@ -188,56 +175,16 @@ class Estimate:
         _, numbers = np.unique(frame, return_inverse=True)
         return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
 
-    @one_blas_thread()
-    def _read(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d 2"]]:
-        """What the rig at θ = used reads at all distances if a sample is the truth: root mean squares of row errors
-        [pixels] over the view, and relative errors of disparity, on average over it, and ahead; exact at the mean,
-        linear around it."""
-        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self._consequences.points, self.view)
-        square = [
-            np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
-            for rows, (moved, of_moved) in zip(at_mean, self._rows_of_samples, strict=True)
-        ]
-        return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness_of_samples
-
     @cached_property
-    @one_blas_thread()
-    def _samples(self) -> Float[np.ndarray, "s n"]:
-        return self.posterior.samples(_SAMPLES, _SEED)
-
-    @cached_property
-    @one_blas_thread()
-    def _consequences(self) -> Consequences:
-        return consequences(self.chart, self.theta, self._distances, self.view)
-
-    @cached_property
-    @one_blas_thread()
-    def _rows_of_samples(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
-        """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
-        squares."""
-        moved = [(self._samples - self.theta) @ slopes.T for slopes in self._consequences.rows]
-        return [(some, np.mean(some**2, axis=1)) for some in moved]
-
-    @cached_property
-    @one_blas_thread()
-    def _nearness_of_samples(self) -> Float[np.ndarray, "s d 2"]:
-        """The same of relative disparity, at all distances, over the view and ahead."""
-        return np.einsum("sn,dan->sda", self._samples - self.theta, self._consequences.nearness)
-
-    @property
-    def _distances(self) -> tuple[float, ...]:
-        """All at which something is said, or judged."""
-        return (*DISTANCES, *(distance for distance in self.judged_at if distance not in DISTANCES))
-
-    @cached_property
-    def _target_nearness(self) -> Float[np.ndarray, "d 2"]:
-        """What a rig should read, relative to the one at the mean: the median, since what is lost is |error|."""
-        return np.median(self._nearness_of_samples, axis=0)
+    def _readings(self) -> SampleReadings:
+        """At all distances at which something is said, or judged."""
+        judged = (distance for distance in self.judged_at if distance not in DISTANCES)
+        return SampleReadings(self.chart, self.posterior, (*DISTANCES, *judged), self.view)
 
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        nearness = self._read(used)[1][..., 0]
+        nearness = self._readings.rows_and_nearness(used)[1][..., 0]
         found = {}
         for distance, of_samples in zip(DISTANCES, nearness.T, strict=False):
             middle, low, high = (
@@ -251,7 +198,7 @@ class Estimate:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
         found = {}
-        for distance, of_samples in zip(DISTANCES, self._read(used)[0], strict=False):
+        for distance, of_samples in zip(DISTANCES, self._readings.rows_and_nearness(used)[0], strict=False):
             middle, low, high = np.percentile(of_samples, [50.0, 2.5, 97.5]).tolist()
             found[distance] = (middle, low, high)
         return found

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation._components import components_of, mixture_from
+from stereorecal.estimation._mixture_as_data import components_of, mixture_from
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._rig_parameters import rig_parameters
 from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig

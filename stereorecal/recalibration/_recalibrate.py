@@ -14,7 +14,8 @@ from stereorecal.recalibration._ending import Ending
 from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
 from stereorecal.recalibration._prepared_case import prepared
-from stereorecal.recalibration._search import run_schedule, started
+from stereorecal.recalibration._search import run_schedule
+from stereorecal.recalibration._search_start import started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of

@@ -1,4 +1,4 @@
-"""The search of a repair: from a coarse survey through the stages of a schedule."""
+"""The search of a repair: through the stages of a schedule."""
 
 from dataclasses import replace
 
@@ -6,30 +6,12 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._schedule import Schedule, ScoreKind
+from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import StageRun, better_start, remaining, run_stage
-from stereorecal.scoring import host
+from stereorecal.recalibration._stages import StageRun, remaining, run_stage
 from stereorecal.scoring.host import survey
 
 _YAW_ERROR_AFTER_EPIPOLAR = np.radians(0.25)  # at most, where yaw is observed
-
-
-def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
-    """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
-    matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
-    if schedule.survey or matcher.num_disparities is None:
-        radians = float(np.radians(case.reach.degrees))
-        surveyed = survey(case.images, case.rig.extrinsics, radians)
-        case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
-        offset = surveyed.offset if schedule.survey else offset
-    # Most repairs reach the epipolar stages: compile their scales while the start is sought.
-    later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
-    for scale in dict.fromkeys(later):
-        host.compile_in_background(case.images.sample(scale))
-    start, of_starts = better_start(case, schedule.stages[0], offset)
-    return case, start, Cost(survey=of_survey, starts=of_starts)
 
 
 def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:

@@ -8,7 +8,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending_of_search import ending_of
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
-from stereorecal.recalibration._search import started
+from stereorecal.recalibration._search_start import started
 from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of

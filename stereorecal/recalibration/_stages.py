@@ -106,23 +106,8 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
     return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
 
 
-def better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoRig, float]:
-    """The initial rig, or one with `offset` where the count at the scale of `stage` is higher; and what asking cost, in
-    units."""
-    initial = np.asarray(case.rig.extrinsics, float)
-    if not offset.any():
-        return case.rig, 0.0
-    objective = _count_objective(case, stage, Budget())
-    chart = objective.images.chart
-    moved = chart.inside(initial + offset)
-    initial_count, moved_count = objective.problem.values(np.stack([chart.inside(initial), moved]))
-    return (
-        case.rig.with_extrinsics(chart.extrinsics(moved)) if moved_count > initial_count else case.rig
-    ), 2 * objective.cost
-
-
-def _count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
-    """Over the extrinsics."""
+def extrinsics_count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
+    """The count of a stage, over the free extrinsics."""
     options = _options(case, stage, budget)
     return count_objective(case.images, case.matcher, case.reach, free=case.free.axes, **options)
 
@@ -134,7 +119,7 @@ def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     if case.free.shared:
         return _rig_count_stage(case, stage, start, budget, seed)
-    scale, objective = case.scale_of(stage), _count_objective(case, stage, budget)
+    scale, objective = case.scale_of(stage), extrinsics_count_objective(case, stage, budget)
     chart = objective.images.chart
     run = run_strategy(stage.strategy, objective, chart.inside(np.asarray(start.extrinsics)), seed)
     ended = case.rig.with_extrinsics(chart.extrinsics(run.best))

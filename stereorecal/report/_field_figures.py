@@ -11,7 +11,7 @@ from matplotlib.ticker import NullFormatter
 from scipy.stats import beta
 
 from stereorecal.report._svg import COLOURS, INK, style, svg
-from stereorecal.report.field import panel_of
+from stereorecal.report.field_tables import panel_of
 
 Row = Mapping[str, Any]
 _ACROSS = 3  # panels beside each other

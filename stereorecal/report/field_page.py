@@ -11,7 +11,7 @@ from typing import Any
 
 from stereorecal.report._field_figures import coverage, error_against_seconds, harm, letters_of
 from stereorecal.report._templates import Markup, flat_settings, rendered
-from stereorecal.report.field import before_and_after, depth_at, panel_of, troubles
+from stereorecal.report.field_tables import before_and_after, depth_at, panel_of, troubles
 
 _SCRIPT = Path(__file__).with_name("sorting.js")
 

@@ -86,7 +86,9 @@ def _agree(folder: Path, settings: str) -> None:
 
 def _refuse_other_files(folder: Path) -> None:
     if not (folder / _SETTINGS).exists() and any(not _left_behind(file) for file in folder.iterdir()):
-        raise InputError(f"{folder}: holds other files; choose a new folder for the results with --output.")
+        raise InputError(
+            f"{folder}: holds files that `reproduce` did not write; name a new or empty folder with --output."
+        )
 
 
 def _left_behind(path: Path) -> bool:

@@ -15,6 +15,7 @@ from platformdirs import user_cache_path
 
 from stereorecal.recordings import Pair
 from stereorecal.synthetic._drive import Drive
+from stereorecal.synthetic._make_world import make_world
 from stereorecal.synthetic._vehicle_course import make_course
 from stereorecal.synthetic._weather import lit, noise_of
 from stereorecal.synthetic.objects._boat import boat
@@ -23,7 +24,6 @@ from stereorecal.synthetic.rendering._camera_rays import pixel_rays, world_rays
 from stereorecal.synthetic.rendering._patch import Patch
 from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.rendering._sensor import expose
-from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.world._raycast import radiance
 

@@ -189,6 +189,8 @@ def _assert_finds(matcher: AbstractMatcher, shift: float) -> None:
     found = matcher.match(*_shifted_wall(shift))
     inner = np.s_[_BORDER:-_BORDER, _BORDER + _COUNT : -_BORDER]
     valid, values = np.asarray(found.valid)[inner], np.asarray(found.values)[inner]
-    assert valid.mean() > 0.7, f"at a shift of {shift} it finds {100 * valid.mean():.0f} % of the pixels, not 70 %"
+    assert valid.mean() > 0.7, (
+        f"at a shift of {shift} pixels it finds {100 * valid.mean():.1f} % of the disparities, not over 70 %"
+    )
     error = float(np.median(np.abs(values[valid] - shift)))
     assert error < 0.3, f"at a shift of {shift} it is off by {error:.2f} pixels"

@@ -84,7 +84,7 @@ def test_depth_ahead_counts_as_depth_over_the_view_does(drifted):
     larger = []
     for name in ("left.cx", "right.cx", "left.k1", "right.k1"):
         theta = seen.theta + np.eye(len(seen.names))[seen.names.index(name)] * (0.5 if name.endswith("x") else 0.01)
-        over, depth = seen._read(theta)[1][:, 2], seen.losses(theta)[1]  # at 30 baselines
+        over, depth = seen._readings.rows_and_nearness(theta)[1][:, 2], seen.losses(theta)[1]  # at 30 baselines
         each = 100.0 * np.abs(1.0 / (1.0 + over) - 1.0)
         np.testing.assert_allclose(depth, each.max(axis=1))
         larger.append(each[:, 1] > each[:, 0])

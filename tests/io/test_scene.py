@@ -215,7 +215,7 @@ def test_missing_keys(make: Make, key: str):
     [
         (
             {"distortion_model": ..., "distorsion_model": "equidistant"},
-            "the key 'distorsion_model' is not known; is 'distortion_model' meant?",
+            "the key 'distorsion_model' is not known; rename it if 'distortion_model' is meant",
         ),
         ({"readout": 0.01, "references": ["a paper"]}, None),
         ({"distorsion_model": "kept, since the key itself is there"}, None),

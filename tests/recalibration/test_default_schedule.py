@@ -14,7 +14,7 @@ from stereorecal.recalibration._ending import Ending
 from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
 from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._recalibrate import search_stands
-from stereorecal.recalibration._search import started
+from stereorecal.recalibration._search_start import started
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status

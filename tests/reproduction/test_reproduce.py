@@ -188,7 +188,7 @@ def test_a_folder_of_other_settings_is_left_alone(log, tmp_path):
 def test_a_folder_of_other_things_is_left_alone(log, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "validity.csv").write_text("mine")
-    with pytest.raises(InputError, match="holds other files"):
+    with pytest.raises(InputError, match="holds files that `reproduce` did not write"):
         reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["validity.csv"]
 

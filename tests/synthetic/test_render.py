@@ -9,7 +9,7 @@ import pytest
 import stereorecal.geometry as geometry
 from stereorecal import InputError
 from stereorecal.synthetic import KINDS, default_rig, ground_truth, render
-from stereorecal.synthetic.scenes import make_world
+from stereorecal.synthetic._make_world import make_world
 
 RIG = default_rig().resized((320, 240))
 VIEW = geometry.view(RIG)

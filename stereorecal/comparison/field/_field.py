@@ -8,9 +8,9 @@ from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._signals import hold
+from stereorecal.comparison.field._field_result import Field
 from stereorecal.comparison.field._field_trial import FieldTask, FieldTrial, failed, run_field_trial
 from stereorecal.comparison.field._methods import AbstractMethod
-from stereorecal.comparison.field._table import Field
 from stereorecal.comparison.judges import AbstractRecipe, Draws
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of
 from stereorecal.objectives import Reach

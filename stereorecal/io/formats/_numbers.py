@@ -62,7 +62,7 @@ def optional(content: Mapping[str, Any], key: str) -> Any:
     """
     misspelt = _misspelt(key, content)
     if key not in content and misspelt:
-        raise InputError(f"the key {misspelt!r} is not known; is {key!r} meant? Rename it, or take it out.")
+        raise InputError(f"the key {misspelt!r} is not known; rename it if {key!r} is meant, or remove it.")
     return content.get(key)
 
 

@@ -1,0 +1,95 @@
+"""What a rig reads if rigs drawn from the posterior are the truth: exact at the posterior's mean, linear around it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._consequences import Consequences, consequences, readings_at, regions
+from stereorecal.estimation._one_thread import one_blas_thread
+from stereorecal.estimation._posterior import Posterior
+from stereorecal.geometry import StereoRig, View
+from stereorecal.objectives import RigChart
+
+_SAMPLES = 2000
+_SEED = 0
+
+
+@dataclass(frozen=True, eq=False)
+class SampleReadings:
+    """Rows and disparities over a view, of some rigs that may be true; always the same ones.
+
+    Attributes:
+        chart: from θ to rigs.
+        posterior: of θ.
+        distances: in baselines.
+        view: in which rows and disparities are read; None: the rig's own.
+    """
+
+    chart: RigChart
+    posterior: Posterior
+    distances: tuple[float, ...]
+    view: View | None
+
+    @one_blas_thread()
+    def rows_and_nearness(
+        self, used: Float[np.ndarray, "n"]
+    ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d 2"]]:
+        """What the rig at θ = used reads: root mean squares of row errors [pixels] over the view, and relative errors
+        of disparity, on average over it, and ahead."""
+        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self.slopes.points, self.view)
+        square = [
+            np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
+            for rows, (moved, of_moved) in zip(at_mean, self._rows, strict=True)
+        ]
+        return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness
+
+    @one_blas_thread()
+    def rows_of_regions(self, used: Float[np.ndarray, "n"], distances: tuple[float, ...]) -> Float[np.ndarray, "s r"]:
+        """Rows [pixels], root mean square in each region of the view at some of the distances."""
+        sets = [self.distances.index(distance) for distance in distances]
+        points = [self.slopes.points[index] for index in sets]
+        at_mean, _ = readings_at(self.chart.rig_at(used), self.mean_rig, points, self.view)
+        found = []
+        for index, rows, some in zip(sets, at_mean, points, strict=True):
+            inside = np.equal.outer(region := regions(self.mean_rig, some), np.unique(region)).astype(float)
+            found.append((rows - self._rows[index][0]) ** 2 @ (inside / inside.sum(axis=0)))
+        return np.sqrt(np.concatenate(found, axis=1))
+
+    @cached_property
+    @one_blas_thread()
+    def samples(self) -> Float[np.ndarray, "s n"]:
+        """θ of the rigs."""
+        return self.posterior.samples(_SAMPLES, _SEED)
+
+    @cached_property
+    def mean_rig(self) -> StereoRig:
+        """The rig at the posterior's mean."""
+        return self.chart.rig_at(self.posterior.mean)
+
+    @cached_property
+    @one_blas_thread()
+    def slopes(self) -> Consequences:
+        """Of the readings, there."""
+        return consequences(self.chart, self.posterior.mean, self.distances, self.view)
+
+    @cached_property
+    @one_blas_thread()
+    def median_nearness(self) -> Float[np.ndarray, "d 2"]:
+        """Disparities of the rigs, relative to those at the mean: the medians."""
+        return np.median(self._nearness, axis=0)
+
+    @cached_property
+    @one_blas_thread()
+    def _rows(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
+        """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
+        squares."""
+        moved = [(self.samples - self.posterior.mean) @ slopes.T for slopes in self.slopes.rows]
+        return [(some, np.mean(some**2, axis=1)) for some in moved]
+
+    @cached_property
+    @one_blas_thread()
+    def _nearness(self) -> Float[np.ndarray, "s d 2"]:
+        """The same of relative disparity, over the view and ahead."""
+        return np.einsum("sn,dan->sda", self.samples - self.posterior.mean, self.slopes.nearness)
