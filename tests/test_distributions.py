@@ -1,15 +1,16 @@
 """What is handed out: the wheel and the source distribution of the library and of each plug-in."""
 
 import email
+import importlib
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from email.message import Message
 from pathlib import Path
 
 import pytest
-from hatchling import build
 from packaging.requirements import Requirement
 from packaging.version import Version
 
@@ -24,6 +25,8 @@ class Built:
     """A project's wheel and source distribution: the names in them, and what they say of themselves."""
 
     def __init__(self, project: Path, folder: Path) -> None:
+        settings = tomllib.loads((project / "pyproject.toml").read_text())
+        build = importlib.import_module(settings["build-system"]["build-backend"])  # PEP 517
         with pytest.MonkeyPatch.context() as patch:
             patch.chdir(project)
             wheel, source = folder / build.build_wheel(str(folder)), folder / build.build_sdist(str(folder))

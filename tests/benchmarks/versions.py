@@ -27,7 +27,7 @@ from rich.table import Table
 ROOT = Path(__file__).parents[2]
 PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
 EXTRAS = ("dask", "figures")  # what people use; the tools of the tests are taken as they are today
-TOOLS = ("beartype", "hatchling", "hypothesis", "pytest", "pytest-xdist", "sybil")
+TOOLS = ("beartype", "flit_core", "hatchling", "hypothesis", "pytest", "pytest-xdist", "sybil")
 CASES = (
     "lowest",
     "highest",
