@@ -3,6 +3,7 @@
 import gc
 import importlib.metadata
 import os
+import pickle
 import shutil
 import sys
 import tempfile
@@ -130,12 +131,20 @@ def data_dir() -> Path:
 
 
 @pytest.fixture(scope="session")
-def scene() -> Callable[..., Scene]:
-    """scene(kind, seed, size, frames): a rendered scene, made once; 160x120 unless a size is given."""
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
+    """scene(kind, seed, size, frames): a rendered scene, made once for all workers; 160x120 unless a size is given."""
+    of_run = tmp_path_factory.getbasetemp()
+    folder = of_run.parent if "PYTEST_XDIST_WORKER" in os.environ else of_run
 
     @cache
     def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
-        return render(kind, seed, rig=default_rig().resized(size), frames=frames)
+        file = folder / f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}.pickle"
+        if not file.exists():
+            rendered = render(kind, seed, rig=default_rig().resized(size), frames=frames)
+            whole = file.with_suffix(f".{os.getpid()}")
+            whole.write_bytes(pickle.dumps(rendered))
+            whole.rename(file)
+        return pickle.loads(file.read_bytes())
 
     return make
 

@@ -27,7 +27,7 @@ def scheduler():
         yield cluster.scheduler_address
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow  # tutorial 6 compares in a cluster, and the next test goes there by command
 @pytest.mark.parametrize("scheme", ["tcp://", ""])
 def test_compare(command, scheduler: str, clean_scene: Path, scheme: str):
     address = f"dask:{scheme}{scheduler.removeprefix('tcp://')}"

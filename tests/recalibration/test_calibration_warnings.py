@@ -18,9 +18,9 @@ def rig_of(model: str, coefficients, focal: float = 75.0) -> StereoRig:
     ("model", "coefficients", "said"),
     [
         ("ds", (-0.99, 0.6), "is a view of 1 degrees"),
+        ("ds", (-0.2, 0.6), None),
         ("equidistant", (-0.2, 0.0, 0.0, 0.0), None),
         ("equidistant", (0.1, -0.2, 0.1, 0.0), None),
-        ("ds", (-0.2, 0.6), None),
     ],
 )
 def test_wide_lenses_that_no_camera_has_are_named(model, coefficients, said):

@@ -26,7 +26,7 @@ def over_the_view(rig: sr.StereoRig) -> float:
 
 @pytest.fixture(scope="module")
 def places(scene) -> list[sr.Pair]:
-    kinds = [("harbour", 1), ("harbour", 2), ("coast", 1), ("street", 1), ("street", 2)]
+    kinds = [("harbour", 1), ("harbour", 2), ("coast", 1), ("street", 1)]
     return [scene(kind, seed, TRUE.left.size).pairs[0] for kind, seed in kinds]
 
 
@@ -69,7 +69,7 @@ def test_one_place_proves_nothing(places):
     def again(image: np.ndarray) -> np.ndarray:
         return (image + rng.normal(0.0, 1.0, image.shape)).astype(np.float32)
 
-    pairs = [sr.Pair(again(places[0].left), again(places[0].right)) for _ in range(5)]
+    pairs = [sr.Pair(again(places[0].left), again(places[0].right)) for _ in range(4)]
     found = sr.recalibrate(WRONG, pairs)
     assert found.intrinsics is None
     assert same_camera(found.candidate.left, WRONG.left)

@@ -20,6 +20,8 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
+pytest.mark.slow(globals()["TestAdam"].test_repairs_a_stereo_rig)  # gradients of a rig: BFGS does
+
 
 def test_every_public_class_is_registered():
     public = {value for value in vars(stereorecal_optimistix).values() if inspect.isclass(value)}
