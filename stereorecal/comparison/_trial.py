@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
-from stereorecal.comparison._trial_schedule import course_of
+from stereorecal.comparison._trial_course import course_of
 from stereorecal.comparison._truth import errors_by_truth
 from stereorecal.geometry import StereoRig, View, axis_errors
 from stereorecal.matching import AbstractMatcher

@@ -58,7 +58,7 @@ class Tolerances:
             ) from None
         if not distances or not all(1.0 <= distance < float("inf") for distance in distances):
             raise InputError(
-                f"tolerances: distances are {self.distances!r}; give one or more, of 1 baseline and farther."
+                f"tolerances: distances are {self.distances!r}; give some, in baselines, each 1 or more and finite."
             )
         object.__setattr__(self, "distances", tuple(sorted(set(distances))))
 

@@ -75,6 +75,6 @@ def _check_median(errors: Float[np.ndarray, "n"], limit: float, chart: RigChart)
     middle = float(np.median(errors))
     if not middle <= limit * chart.rig.left.size[0] / WIDTH:
         raise InputError(
-            f"the boards do not fit the calibration: half of their corners are {middle:.1f} px off and more; give "
-            "those that it was made from, with the right order of corners and length of squares."
+            f"the boards do not fit the calibration: the median corner is {middle:.1f} px off; give the boards that it "
+            "was made from, and check the order of the corners and the size of the squares."
         )

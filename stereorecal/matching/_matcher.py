@@ -131,7 +131,7 @@ class AbstractMatcher(abc.ABC):
         """(min_disparity, num_disparities) for an image of `width` pixels.
 
         Raises:
-            InputError: if the number is not known, or the range is wider than the image.
+            InputError: if the number is not known, or the range reaches beyond the width of the image.
         """
         if self.num_disparities is None:
             raise InputError(
@@ -139,8 +139,8 @@ class AbstractMatcher(abc.ABC):
             )
         if max(abs(self.min_disparity), abs(self.min_disparity + self.num_disparities)) >= width:
             raise InputError(
-                f"the disparity range [{self.min_disparity}, {self.min_disparity + self.num_disparities}) is wider "
-                f"than the image ({width} pixels); give a smaller num_disparities."
+                f"the disparities [{self.min_disparity}, {self.min_disparity + self.num_disparities}) reach beyond the "
+                f"width of the image ({width} pixels); give a smaller num_disparities, or a min_disparity nearer to 0."
             )
         return self.min_disparity, self.num_disparities
 

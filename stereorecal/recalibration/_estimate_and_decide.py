@@ -24,13 +24,13 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._default_free import free_and_decision
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
 from stereorecal.recalibration._stages import FEWEST, StageRun, matched
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._unmatched import LIKELY, MOST_EXCLUDED, is_sparse, unmatched, without_frames_of
-from stereorecal.recalibration._windows import windows_of, without_frames
 from stereorecal.scoring import Correspondences, image_quality, is_coarse
 from stereorecal.scoring.host import refuse_swapped_images
 

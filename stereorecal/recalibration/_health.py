@@ -23,10 +23,10 @@ from stereorecal.recalibration._estimate_and_decide import Answer, rows_of
 from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._initial_assessment import assess_initial_rig
+from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._unmatched import LIKELY, is_sparse
-from stereorecal.recalibration._windows import check_motion, following
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range

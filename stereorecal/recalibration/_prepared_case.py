@@ -5,10 +5,10 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
+from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import check_schedule
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._windows import check_motion, check_odometer, following
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 

@@ -139,13 +139,13 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
 
 def _remarks(solution: AbstractResult) -> list[str]:
     known, misfit, intrinsics = solution.uncertainty, solution.misfit, solution.intrinsics
-    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken:"
+    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken"
     remarks = []
     if solution.left_out:
         out = len(solution.left_out)
         remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
     if misfit is not None and (solution.reason is Reason.MISFIT or misfit.high > WORTH_SAYING):
-        remarks.append(f"{whose} {number(misfit.high, 2)} px in the worst tenth of the regions; {misfit.cause.value}.")
+        remarks.append(f"{whose}: {number(misfit.high, 2)} px or more in a tenth of the regions; {misfit.cause.value}.")
     if known is not None and known.undetermined:
         open_ = short_list(known.undetermined, "; ")
         remarks.append(

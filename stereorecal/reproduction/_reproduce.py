@@ -21,8 +21,9 @@ from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, orig
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
 from stereorecal.reproduction import _summaries as summaries
-from stereorecal.reproduction._experiment_tasks import Row, Task
+from stereorecal.reproduction._experiment_tasks import Task
 from stereorecal.reproduction._experiments import EXPERIMENTS, Extent, Setting, methods
+from stereorecal.reproduction._logged_pair import Row
 from stereorecal.reproduction._published import TABLE_1, TABLE_2
 from stereorecal.reproduction._row_store import Store
 from stereorecal.strategies import origin_of

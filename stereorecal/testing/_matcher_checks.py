@@ -83,7 +83,8 @@ def asks_for_its_range(matcher: AbstractMatcher) -> None:
             replace(matcher, min_disparity=0, num_disparities=count).match(*_shifted_wall(5))
         except InputError:
             continue
-        raise AssertionError(f"it accepts num_disparities={count} for an image {_SIZE[0]} pixels wide")
+        why = "the range is not set" if count is None else f"the image has {_SIZE[0]} columns"
+        raise AssertionError(f"it matches with num_disparities={count}, though {why}; raise InputError")
 
 
 def travels(matcher: AbstractMatcher) -> None:

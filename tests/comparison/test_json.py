@@ -169,7 +169,7 @@ def test_an_explicit_reach(scene):
         ({"scale": 1.5}, "scale is 1.5"),
         ({"scale": float("nan")}, "scale is nan"),
         ({"scale": 0.01}, "at least 16 pixels"),
-        ({"matcher": SAD(num_disparities=400)}, "wider than the image"),
+        ({"matcher": SAD(num_disparities=400)}, "beyond the width of the image"),
     ],
 )
 def test_requests_that_make_no_sense_are_refused_before_anything_runs(scene, changes, words):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Verdict, decide, decide_together, fewer_parameters_suffice
+from stereorecal.decision import LIMITS, Verdict, decide, decide_for_trial, decide_together, fewer_parameters_suffice
 from stereorecal.estimation import (
     Earlier,
     SavedPrior,
@@ -181,3 +181,37 @@ def test_rows_are_said_with_the_interval_that_holds_them(drifted):
         assert (said.rows_px[:, 0] < said.rows_px[:, 2]).all()
         for one, (value, low, high) in zip(said.as_dict()["rows_px"].values(), said.rows_px.tolist(), strict=True):
             np.testing.assert_allclose([one["value"], one["low"], one["high"]], [value, low, high], atol=1e-3)
+
+
+def test_what_blinds_in_one_draw_of_twenty_has_depth_to_lose(drifted):
+    """Rows blind the matcher with 5 %, and depth becomes worse with 5 %."""
+    _, seen = drifted[0]
+
+    class Doubtful(type(seen)):
+        def losses(self, used):
+            few = np.arange(1000) < 50
+            if np.any(used):
+                return np.full((3, 1000), 0.1), np.where(few, 2.0, 0.0)
+            return np.tile(np.where(few, 2.0 * LIMITS["blind_rows_px"], 0.5), (3, 1)), np.zeros(1000)
+
+    said = decide(Doubtful(**seen.__getstate__()), AXES)
+    assert said.worse == pytest.approx(0.05)
+    assert said.verdict is not Verdict.REPAIR
+
+
+def test_a_trial_of_a_blind_rig_asks_for_rows_alone(drifted):
+    """A change that is better on average, and worse in depth as often as not, of a rig that has no depth to lose."""
+    _, seen = drifted[0]
+
+    class Blind(type(seen)):
+        def losses(self, used):
+            blind = np.full(1000, 2.0 * LIMITS["blind_rows_px"])
+            if not np.any(used):
+                return np.tile(blind, (3, 1)), np.zeros(1000)
+            rows = np.where(np.arange(1000) < 100, blind, 0.1)  # no better in one draw of ten
+            return np.tile(rows, (3, 1)), np.where(np.arange(1000) < 500, 2.0, 0.0)
+
+    decision, change = decide_for_trial(Blind(**seen.__getstate__()), AXES, harm=0.05)
+    assert decision.refused
+    assert decision.worse == pytest.approx(0.5)
+    assert change is not None

@@ -23,9 +23,9 @@ TABLE = Path(__file__).parents[2] / "docs" / "reference" / "decision.md"
         ({"gain_px": -0.1}, "0 or more"),
         ({"gain_px": float("nan")}, "give a number"),
         ({"blind_rows_px": True}, "give a number"),
-        ({"distances": ()}, "one or more"),
-        ({"distances": (5, 0.5)}, "1 baseline and farther"),
-        ({"distances": (5, float("inf"))}, "1 baseline and farther"),
+        ({"distances": ()}, "give some"),
+        ({"distances": (5, 0.5)}, "in baselines, each 1 or more"),
+        ({"distances": (5, float("inf"))}, "in baselines, each 1 or more"),
         ({"alhpa": 0.1}, "did you mean alpha"),
     ],
 )

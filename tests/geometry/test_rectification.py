@@ -412,3 +412,12 @@ def test_a_rig_is_an_argument_of_jit():
         for a, b in zip(maps(stereo, VIEW), expected, strict=True):
             np.testing.assert_allclose(a, b, atol=1e-3)
     assert maps._cache_size() == 1
+
+
+@pytest.mark.parametrize("focals", [(600.0, 700.0), (700.0, 600.0)])
+def test_a_pinhole_view_shows_the_whole_image_of_the_wider_camera(focals):
+    left, right = (
+        Camera((640, 480), np.array([[f, 0.0, 319.5], [0.0, f, 239.5], [0.0, 0.0, 1.0]]), np.zeros(5)) for f in focals
+    )
+    rig = StereoRig(left, right, np.array([0.0, 0.0, 0.0, -0.12, 0.0, 0.0]))
+    assert view(rig).focal == pytest.approx(600.0, rel=3e-3)

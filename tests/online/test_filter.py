@@ -284,3 +284,13 @@ def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     assert (learnt.wander[0] > 5.0 * config.wander[0]) is faster
     again = pace.again(at_start(PRIOR, config))
     assert again.config(config) == learnt  # a knock says nothing of it
+
+
+def test_heat_is_as_likely_after_an_hour_as_at_first():
+    """Rates are forgotten as fast as new ones come."""
+    config = Config()
+    start = after = at_start(PRIOR, config)
+    for _ in range(2000):
+        after = after.later(config)
+    rates = slice(6, 9)
+    np.testing.assert_allclose(np.diag(after.covariance)[rates], np.diag(start.covariance)[rates], rtol=1e-9)

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from simulated_tracks import tracks_of
 
 from stereorecal.estimation import Normal
+from stereorecal.online import _moving
 from stereorecal.online._filter import Measurement
 from stereorecal.online._moving import _after_window, _longest, _measurement, moved
 from stereorecal.scoring.host import Corners
@@ -109,3 +111,13 @@ def test_a_rolling_shutter_whose_times_are_not_known_tells_nothing(ride, ridden)
     after = moved(state, ride.pairs[-1].read_out(0.02))
     assert after.corners is None
     assert after.estimate is state.estimate
+
+
+def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
+    """A delay counts in frames, and corners are followed over several."""
+    state, turn, told = with_corners(ridden[-1].state, pairs=4), (0.004, -0.008, 0.002), []
+    state = state.replace(tracked_pairs=2)
+    monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
+    monkeypatch.setattr(_moving, "_after_window", lambda after, measured: told.append(measured) or after)
+    _moving.moved(state, ride.pairs[-1])
+    np.testing.assert_allclose(told[0].turn[:3], np.degrees(turn) / 4, rtol=0.02)

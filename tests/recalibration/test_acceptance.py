@@ -5,8 +5,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 from stereorecal import SAD, make_pair, recalibrate
+from stereorecal.objectives import Reach
 from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals, health
-from stereorecal.recalibration._acceptance import loses_regions, row_errors, verdict_on_count
+from stereorecal.recalibration._acceptance import drift_within_reach, loses_regions, row_errors, verdict_on_count
+from stereorecal.synthetic import default_rig
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
@@ -93,3 +95,9 @@ def test_beyond_the_reach_is_said_and_what_a_larger_one_finds_is_right(scene):
     assert "larger reach" in str(found)
     apart = recalibrate(far, shown.pairs, matcher=SAD_48).rig.extrinsics[:3] - shown.rig.extrinsics[:3]
     np.testing.assert_allclose(np.degrees(apart), 0.0, atol=0.15)
+
+
+def test_the_length_of_the_baseline_is_no_drift():
+    rig = default_rig().with_extrinsics(np.array([0.01, -0.02, 0.005, -0.2, 0.004, -0.006]))
+    longer = rig.with_extrinsics(rig.extrinsics * np.array([1.0, 1.0, 1.0, 1.2, 1.2, 1.2]))
+    np.testing.assert_allclose(drift_within_reach(rig, longer, Reach()), 0.0, atol=1e-9)

@@ -9,7 +9,8 @@ import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.geometry import view, with_unit_baseline
 from stereorecal.matching import SAD
-from stereorecal.scoring import bands, prepare
+from stereorecal.objectives import Parameters, Reach, reach_chart, rig_count_objective
+from stereorecal.scoring import bands, prepare, pyramid
 from stereorecal.scoring.host import counts, rectify
 
 SAD_32 = SAD(num_disparities=32)
@@ -82,3 +83,11 @@ def test_the_maximum_stays(scene, kind):
     assert abs(pitch[few.argmax(), 0] - pitch[whole.argmax(), 0]) * 3.0 < 0.05  # degrees
     assert whole[few.argmax()] >= 0.99 * whole.max()  # bumps of half a percent are noise
     assert few.max() == pytest.approx(0.4 * whole.max(), rel=0.3)
+
+
+@pytest.mark.parametrize("rows", [1.0, 0.4])
+def test_some_rows_cost_less_where_intrinsics_are_free_too(scene, rows):
+    given_scene = scene("street", 0, (320, 240))
+    chart = reach_chart(given_scene.rig, Reach(), Parameters(("pitch", "left.f")))
+    found = rig_count_objective(pyramid(given_scene.rig, given_scene.pairs), SAD_32, chart, rows=rows)
+    assert found.cost == pytest.approx(1.0 if rows == 1.0 else 96 / 240)

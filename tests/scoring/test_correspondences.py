@@ -7,9 +7,10 @@ import pytest
 from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.recordings import Pair
-from stereorecal.scoring import TILES, median_row_error, prepare, row_differences
+from stereorecal.scoring import TILES, Correspondences, median_row_error, prepare, row_differences
 from stereorecal.scoring._correspondences import _means_of_cells
-from stereorecal.scoring.host import correspondences
+from stereorecal.scoring.host import correspondences, match_radius
+from stereorecal.synthetic import default_rig
 
 SAD_64 = SAD(num_disparities=64)
 FIELDS = ("left", "right", "weight", "tile")
@@ -170,3 +171,13 @@ def test_a_cell_is_the_weighted_mean_of_its_pixels_and_weighs_as_one_of_them():
         for field, mean in zip(fields, means[:, index], strict=True):
             expected = np.average(field[cell], weights=weight[cell]) if here.any() else 0.0
             assert mean == pytest.approx(expected, rel=1e-5, abs=1e-6)
+
+
+@pytest.mark.parametrize("frames", [1, 3])
+def test_matches_lie_a_cell_and_a_half_apart_at_most(frames):
+    """However many frames there are: a corner farther from all matches is of something else."""
+    rays, cells, one = np.zeros((frames, 4800, 3), np.float32), np.zeros((frames, 4800)), np.ones((), np.float32)
+    found = Correspondences(rays, rays, cells.astype(np.float32), cells.astype(np.int32), one, one, one)
+    rig = default_rig()
+    width, height = rig.left.size
+    assert match_radius(found, rig) == pytest.approx(1.5 * np.sqrt(width * height / 4800))

@@ -54,3 +54,12 @@ def test_lights_at_night_are_no_image_circle():
 def test_a_covered_lens_beside_an_image_circle_is_dark():
     circle = on_black(110.0)
     assert image_quality(Pair(circle.left, BLACK.astype(np.float32))).dark
+
+
+@pytest.mark.parametrize("covered", [0, 1])
+def test_texture_is_that_of_the_worse_image(covered):
+    images = [TEXTURE.astype(np.float32)] * 2
+    images[covered] = np.tile(np.linspace(110.0, 130.0, WIDTH, dtype=np.float32), (HEIGHT, 1))
+    found = image_quality(Pair(*images))
+    assert found.texture == pytest.approx(0.0, abs=0.01)
+    assert not found.textured

@@ -300,7 +300,7 @@ def test_a_traced_temperature_is_taken(data, truth):
 
 
 def test_a_range_wider_than_the_image(data, truth):
-    with pytest.raises(InputError, match="wider than the image"):
+    with pytest.raises(InputError, match="beyond the width of the image"):
         sr.count(data, truth, sr.SAD(num_disparities=170))
 
 

@@ -74,5 +74,5 @@ def test_pairs_of_another_size(scene):
 
 def test_a_range_wider_than_the_image(scene):
     given_scene = scene()
-    with pytest.raises(InputError, match="wider than the image"):
+    with pytest.raises(InputError, match="beyond the width of the image"):
         score(given_scene.rig, given_scene.pairs, matcher=SAD(num_disparities=336))

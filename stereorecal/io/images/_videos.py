@@ -43,10 +43,13 @@ class _Video:
         self.rate = self._video.get(cv2.CAP_PROP_FPS)
         self.frames = int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
         width, height = (self._video.get(what) for what in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
-        if self.frames > path.stat().st_size or width * height > MOST_PIXELS:
+        if self.frames > path.stat().st_size:
             raise InputError(
-                f"{path}: the video claims {self.frames} frames of {width:.0f}x{height:.0f}, which it cannot hold, or "
-                "which are too large; copy or convert it."
+                f"{path}: the video claims {self.frames} frames, more than such a file can hold; copy or convert it."
+            )
+        if width * height > MOST_PIXELS:
+            raise InputError(
+                f"{path}: frames of {width:.0f}x{height:.0f} are too large; convert the video to smaller ones."
             )
         if self.frames < 1 or not self.rate > 0.0:
             raise InputError(f"{path}: the video does not say how many frames it has, or their rate; convert it.")

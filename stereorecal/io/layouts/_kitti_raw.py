@@ -57,8 +57,8 @@ def _sequence(drive: Path, limit: int | None) -> Sequence:
     rectified = name.endswith(_RECTIFIED)
     if not rectified and not name.endswith(_RAW):
         raise InputError(
-            f"{day / _CALIBRATION}: the name of the drive {name} does not say whether its images are rectified; rename "
-            f"it to end in {_RECTIFIED} or {_RAW}."
+            f"{drive}: the name does not say whether the images are rectified; rename the folder to end in "
+            f"{_RECTIFIED} (rectified) or {_RAW}."
         )
     hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
     missing = f"download {day.name}_calib.zip from KITTI's page and unpack it over the images."

@@ -1,4 +1,4 @@
-"""Windows of a repair: which pairs follow each other, and what is tracked from one to the next."""
+"""Windows of motion: which pairs of a repair follow each other, and what is tracked from one to the next."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,8 +21,10 @@ Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each othe
 
 
 def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
-    """Raises:
-    InputError: if motion is asked for where nothing can move.
+    """Refuse what cannot be asked of motion.
+
+    Raises:
+        InputError: if motion is asked for of one pair or with exact intrinsics, or is none of True, False, None.
     """
     if motion not in (None, True, False):
         raise InputError(f"motion is {motion!r}; give True (the pairs are consecutive), False, or None.")

@@ -15,7 +15,7 @@ from rides import Ride
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.online import Config, Event, Kind, MonitorProcess, State, _worker_process, freeze, init, load, save
+from stereorecal.online import Config, Event, Kind, MonitorProcess, State, _monitor_process, freeze, init, load, save
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -142,7 +142,7 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
 
     class Pipe:
         def __init__(self):
-            self.waiting = [*map(_worker_process._images_alone, pairs), None]
+            self.waiting = [*map(_monitor_process._images_alone, pairs), None]
 
         def recv(self):
             return self.waiting.pop(0)
@@ -150,10 +150,10 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
         def send(self, answer):
             assert answer[0].last is None
 
-    monkeypatch.setattr(_worker_process, "step", stepped)
-    monkeypatch.setattr(_worker_process.os, "nice", lambda _: None)
-    monkeypatch.setattr(_worker_process.signal, "signal", lambda *_: None)
-    _worker_process._worker(Pipe(), init(ride.rig), None, 0.0, 0, None, 1.0)
+    monkeypatch.setattr(_monitor_process, "step", stepped)
+    monkeypatch.setattr(_monitor_process.os, "nice", lambda _: None)
+    monkeypatch.setattr(_monitor_process.signal, "signal", lambda *_: None)
+    _monitor_process._worker(Pipe(), init(ride.rig), None, 0.0, 0, None, 1.0)
     assert [time for _, time, _ in answers] == [5.0, 5.5, 3.0, None, None]
     assert [anew for _, _, anew in answers] == [True, False, True, False, False]
     assert answers[-1][0] is tuple  # which a step refuses
@@ -167,7 +167,7 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
 
     def settled(state: State, config: Config) -> State:
         save(state, place)
-        return _worker_process._set(load(place, ride.rig), init(ride.rig, config))
+        return _monitor_process._set(load(place, ride.rig), init(ride.rig, config))
 
     same = settled(narrow, Config())
     assert same.matcher == known
