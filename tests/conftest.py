@@ -39,6 +39,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """One compilation cache for all workers of a run and the commands that they start, in a folder of the run's own (or
     the one that STEREORECAL_TEST_CACHE names, for those who run tests again and again): nothing of the user's is
     touched, and what one worker has compiled the others read."""
+    gc.set_threshold(100_000, 50, 100)  # imports and tracing allocate much and leave little garbage
     if _is_worker(config):
         _keep_to_own_cores(config)
         folder = os.environ[_CACHE]
@@ -103,11 +104,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Tracing allocates much and leaves little garbage: looks for it are few, and go through nothing that was collected
-    here, which stays."""
+    """No look for garbage goes through what was collected here, which stays."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(100_000, 50, 100)
 
 
 def _is_worker(config: pytest.Config) -> bool:
@@ -131,10 +130,10 @@ def data_dir() -> Path:
 
 
 @pytest.fixture(scope="session")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
-    """scene(kind, seed, size, frames): a rendered scene, made once for all workers; 160x120 unless a size is given."""
-    of_run = tmp_path_factory.getbasetemp()
-    folder = of_run.parent if "PYTEST_XDIST_WORKER" in os.environ else of_run
+def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
+    """scene(kind, seed, size, frames): a rendered scene, kept for all workers; 160x120 unless a size is given."""
+    of_process = tmp_path_factory.getbasetemp()
+    folder = of_process.parent if _is_worker(request.config) else of_process
 
     @cache
     def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
@@ -143,7 +142,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
             rendered = render(kind, seed, rig=default_rig().resized(size), frames=frames)
             whole = file.with_suffix(f".{os.getpid()}")
             whole.write_bytes(pickle.dumps(rendered))
-            whole.rename(file)
+            whole.replace(file)
         return pickle.loads(file.read_bytes())
 
     return make

@@ -7,8 +7,8 @@ the rows as data, `_matched_ranges` measured ranges, `_motion` the rig's own mot
 `_motion_residuals` what tracks should do), `_measured` both. `_misfit` is what no parameter explains, `_confounders`
 what else may, `_delay` a late shutter. `_evidence` integrates in closed form, `_explanations` compares,
 `_least_squares` solves, `_several_recordings` solves recordings of one rig; `_posterior` is the answer, `_consequences`
-what errors of a rig do to rows and depth, `_candidates` the rigs that may be written, `_saved_prior` what the next call
-begins with.
+what errors of a rig do to rows and depth, `_sample_readings` that of rigs drawn from it, `_candidates` the rigs that
+may be written, `_saved_prior` what the next call begins with (`_mixture_as_data`: its numbers).
 """
 
 from stereorecal._renamed import renamed

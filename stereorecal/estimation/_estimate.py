@@ -177,7 +177,7 @@ class Estimate:
 
     @cached_property
     def _readings(self) -> SampleReadings:
-        """At all distances at which something is said, or judged."""
+        """What rigs of the posterior read, at all distances at which something is said, or judged."""
         judged = (distance for distance in self.judged_at if distance not in DISTANCES)
         return SampleReadings(self.chart, self.posterior, (*DISTANCES, *judged), self.view)
 

@@ -71,7 +71,7 @@ class SampleReadings:
     @cached_property
     @one_blas_thread()
     def slopes(self) -> Consequences:
-        """Of the readings, there."""
+        """Slopes of the readings with respect to θ, at the posterior's mean."""
         return consequences(self.chart, self.posterior.mean, self.distances, self.view)
 
     @cached_property
@@ -91,5 +91,5 @@ class SampleReadings:
     @cached_property
     @one_blas_thread()
     def _nearness(self) -> Float[np.ndarray, "s d 2"]:
-        """The same of relative disparity, over the view and ahead."""
+        """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
         return np.einsum("sn,dan->sda", self.samples - self.posterior.mean, self.slopes.nearness)

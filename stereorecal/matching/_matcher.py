@@ -109,7 +109,7 @@ class AbstractMatcher(abc.ABC):
         matcher, so that their counts mean the same.
 
         Raises:
-            InputError: if `num_disparities` is None, or the disparity range is wider than the image.
+            InputError: if `num_disparities` is None, or the disparity range reaches beyond the width of the image.
         """
         found = self.search(left, right)
         texture = textured(left, self.block_size, self.texture_threshold, self.pre_filter_cap)

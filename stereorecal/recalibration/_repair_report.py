@@ -145,7 +145,9 @@ def _remarks(solution: AbstractResult) -> list[str]:
         out = len(solution.left_out)
         remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
     if misfit is not None and (solution.reason is Reason.MISFIT or misfit.high > WORTH_SAYING):
-        remarks.append(f"{whose}: {number(misfit.high, 2)} px or more in a tenth of the regions; {misfit.cause.value}.")
+        remarks.append(
+            f"{whose}: a tenth of the regions are off by more than {number(misfit.high, 2)} px; {misfit.cause.value}."
+        )
     if known is not None and known.undetermined:
         open_ = short_list(known.undetermined, "; ")
         remarks.append(

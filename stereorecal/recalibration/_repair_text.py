@@ -114,5 +114,5 @@ def _misfit(solution: AbstractResult, misfit: Misfit) -> str | None:
         sentence = f"the intrinsics do not fit: {misfit.alike:.2f} px of the epipolar error are systematic"
         return sentence if solution.intrinsics is not None else f"{sentence}; {_WOULD_TELL}"
     if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
-        return f"{misfit.high:.2f} px or more in a tenth of the regions; {misfit.cause.value}"
+        return f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
     return None

@@ -1,4 +1,4 @@
-"""Where the search of a repair starts, by a coarse survey."""
+"""Where the search of a repair starts, and its disparity range."""
 
 import numpy as np
 

@@ -42,7 +42,7 @@ def warm_up(
             and 512 (`Solution.matcher` tells).
 
     Raises:
-        InputError: if a range is none of those, or wider than the images; or as `recalibrate`.
+        InputError: if a range is none of those, or reaches beyond the width of the images; or as `recalibrate`.
     """
     chosen, pair = as_matcher(matcher), _noise(rig.left.size)
     if chosen.num_disparities is None and (unknown := [n for n in disparities if n not in RANGES]):

@@ -190,14 +190,14 @@ def test_a_video_that_claims_more_than_it_has(videos, tmp_path):
         start = data.index(header) + 8 + place
         data[start : start + 4] = struct.pack("<I", 200_000_000)
     path.write_bytes(data)
-    with pytest.raises(InputError, match=r"many\.avi: the video claims 200000000 frames"):
+    with pytest.raises(InputError, match=r"many\.avi: the video claims 200000000 frames, more than such"):
         open_pairs(path)
     path = write_video(tmp_path / "large.avi", [image(0, 0)], codec="FFV1")
     data = bytearray(path.read_bytes())
     start = data.index(b"strf") + 8 + 4
     data[start : start + 8] = struct.pack("<II", 9_000, 9_000)
     path.write_bytes(data)
-    with pytest.raises(InputError, match="of 9000x9000, which it cannot hold, or which are too large"):
+    with pytest.raises(InputError, match=r"large\.avi: frames of 9000x9000 are too large"):
         open_pairs(path)
 
 

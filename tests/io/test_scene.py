@@ -219,7 +219,7 @@ def test_missing_keys(make: Make, key: str):
         ),
         ({"readout": 0.01, "references": ["a paper"]}, None),
         ({"distorsion_model": "kept, since the key itself is there"}, None),
-        ({"D_left": ..., "D_lefft": [0.0] * 5}, "the key 'D_left' is missing; is 'D_lefft' meant?"),
+        ({"D_left": ..., "D_lefft": [0.0] * 5}, "the key 'D_left' is missing; rename 'D_lefft' if that is meant"),
     ],
 )
 def test_keys_that_are_misspelt(make: Make, written: dict[str, object], words: str | None):

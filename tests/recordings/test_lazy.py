@@ -15,7 +15,7 @@ from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_sc
 from stereorecal.io.images import _load_pairs
 from stereorecal.matching import BM
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Pair, names_of
+from stereorecal.recordings import Mission, Pair, names_of
 from stereorecal.reproduction import Extent, reproduce
 from stereorecal.synthetic import default_rig, render
 
@@ -125,3 +125,10 @@ def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_pat
         log.scene(log.missions[0])
     with pytest.raises(InputError, match="the image is truncated"):
         reproduce(log, ["ex-nihilo"], schedules=("count",))
+
+
+@pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
+def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
+    pairs = [Pair(np.zeros((8, 8), np.float32), np.zeros((8, 8), np.float32), name) for name in "012"]
+    found = Mission("a", "b", tuple(pairs), frozenset(starred)).unstarred
+    assert [pair.name for pair in found] == list(left)

@@ -20,7 +20,8 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
-pytest.mark.slow(globals()["TestAdam"].test_repairs_a_stereo_rig)  # gradients of a rig: BFGS does
+# Each class has tests of its own; gradients of a rig: BFGS.
+pytest.mark.slow(globals()["TestAdam"].test_repairs_a_stereo_rig)
 
 
 def test_every_public_class_is_registered():

@@ -49,7 +49,7 @@ def value(content: Mapping[str, Any], key: str) -> Any:
     """
     if key not in content:
         close = _misspelt(key, content)
-        hint = f"is {close!r} meant? Rename that" if close else "add it"
+        hint = f"rename {close!r} if that is meant" if close else "add it"
         raise InputError(f"the key {key!r} is missing; {hint}, or copy the file again.")
     return content[key]
 
