@@ -129,6 +129,7 @@ def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_pat
 
 @pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
 def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
-    pairs = [Pair(*np.zeros((2, 48, 64), np.float32), name) for name in "012"]
+    image = np.arange(48 * 64, dtype=np.float32).reshape(48, 64) % 256
+    pairs = [Pair(image, image, name) for name in "012"]
     found = Mission("a", "b", tuple(pairs), frozenset(starred)).unstarred
     assert [pair.name for pair in found] == list(left)
