@@ -173,7 +173,7 @@ def test_no_common_time(tmp_path: Path):
 
 def test_a_drive_that_lost_its_name(tmp_path: Path):
     day = kitti_raw(tmp_path)
-    refused((day / SYNC).rename(day / "harbour"), "harbour", "_sync or _extract")
+    refused((day / SYNC).rename(day / "harbour"), "harbour", "_sync (rectified) or _extract")
 
 
 def test_one_camera_only(tmp_path: Path):
