@@ -9,8 +9,16 @@ import numpy as np
 Stamped = Iterable[tuple[str, int, np.ndarray | bytes]]  # topic, nanoseconds, image or the file of a compressed one
 
 
-def write_bag(path: Path, images: Stamped, *, ros1: bool, compressed: bool = False, encoding: str = "mono8") -> Path:
-    """A bag with these images; their rows are padded, as some cameras do."""
+def write_bag(
+    path: Path,
+    images: Stamped,
+    *,
+    ros1: bool,
+    compressed: bool = False,
+    encoding: str = "mono8",
+    stamped: bool = True,
+) -> Path:
+    """A bag with these images; their rows are padded, as some cameras do; without a stamp of the camera if asked."""
     from rosbags import rosbag1, rosbag2
     from rosbags.typesys import Stores, get_typestore
 
@@ -22,7 +30,8 @@ def write_bag(path: Path, images: Stamped, *, ros1: bool, compressed: bool = Fal
         for number, (topic, stamp, image) in enumerate(images):
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind, typestore=store)
-            time = store.types["builtin_interfaces/msg/Time"](sec=stamp // 10**9, nanosec=stamp % 10**9)
+            sec, nanosec = divmod(stamp, 10**9) if stamped else (0, 0)
+            time = store.types["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)
             extra = {"seq": number} if ros1 else {}
             header = store.types["std_msgs/msg/Header"](stamp=time, frame_id="camera", **extra)
             if compressed:

@@ -115,7 +115,7 @@ def _is_worker(config: pytest.Config) -> bool:
 
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")
-settings.register_profile("quick", settings.default, max_examples=30)  # what takes long has a share of these
+settings.register_profile("quick", settings.default, max_examples=20)  # what takes long has a share of these
 
 
 @pytest.fixture(scope="session")

@@ -56,6 +56,7 @@ def test_a_side_by_side_video(command, seen, calibration, tmp_path):
     assert "the pair with the most texture is used" in page
 
 
+@pytest.mark.slow  # tests/io reads bags, and a video goes through the command above
 def test_a_bag(command, seen, calibration, tmp_path, capsys):
     pytest.importorskip("rosbags", reason="rosbags is not installed")
     stamped = [

@@ -203,7 +203,7 @@ def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
         (("--tolerances", "alhpa=0.1"), "did you mean alpha"),
         (("--tolerances", "alpha=2"), "between 0 and 1"),
         (("--distances", "near"), "give baselines"),
-        (("--distances", "0"), "1 baseline and farther"),
+        (("--distances", "0"), "in baselines, each 1 or more"),
     ],
 )
 def test_tolerances_that_make_no_sense(command, drifted_scene: Path, verb: str, options, said: str):

@@ -272,3 +272,15 @@ def test_a_rendered_case_knows_its_truth():
     assert before.row_error_px > 1.0
     assert before.rotation_error_deg is not None
     assert case.prior == "exact"
+
+
+def test_the_offset_of_disparity_is_in_pixels_of_the_stored_camera():
+    """Whatever the focal length of the view: here that of a lens which bulges."""
+    camera = sr.Camera(SIZE, ideal_rig().left.matrix, np.array([-0.4, 0.2, 0.0, 0.0]))
+    rig, draw = replace(ideal_rig(), left=camera, right=camera), np.random.default_rng(0)
+    depth = draw.uniform(2.0, 12.0, 300)
+    rays = np.column_stack([draw.uniform(-0.1, 0.1, (300, 2)), np.ones(300)])
+    points = rays * depth[:, None]
+    seen = Travelled(rig.left.project(points), rig.right.project(points + rig.translation), depth, 1)
+    assert optics(rig).focal < 0.9 * FOCAL
+    assert disparity_offset_px(turned(rig, yaw=0.2), rig, seen) == pytest.approx(np.radians(0.2) * FOCAL, rel=0.05)

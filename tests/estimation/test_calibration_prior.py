@@ -295,3 +295,12 @@ def test_rigs_that_differ_in_one_number_have_priors_of_their_own(rig, chart):
 def test_nobody_changes_the_prior_of_all(chart):
     with pytest.raises(ValueError, match="read-only"):
         calibration_prior(chart).weights[:] = 0.0
+
+
+def test_boards_are_shown_to_telephoto_rigs_where_both_cameras_see_them():
+    """Three baselines away, nothing is in both images, and a pair that no board was shown to is hardly known."""
+    camera = sr.Camera((640, 480), np.array([[3000.0, 0, 320], [0, 3000.0, 240], [0, 0, 1]]))
+    chart = rig_parameters(sr.StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.5, 0.0, 0.0])))
+    found = np.sqrt(np.einsum("jii->ji", calibration_covariances(chart)))
+    pitch, roll = (found[:, chart.names.index(name)] for name in ("pitch", "roll"))
+    assert max(pitch.max(), roll.max()) < 1.0  # degrees; 3 without any board

@@ -114,3 +114,12 @@ def test_their_likelihood_is_that_of_normal_disparities_against_any(chart, off):
     wide = deviations * np.hypot(1.0, residuals / 3.0)
     density = norm.logpdf(residuals * deviations, scale=wide) + np.log(0.1 * chart.rig.right.size[0])
     assert -0.5 * seen.normal(chart, theta).c == pytest.approx(density.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize(("wrong", "better"), [(0.4, True), (0.6, False)])
+def test_a_rig_with_which_most_ranges_disagree_does_not_fit_them(chart, wrong, better):
+    """However many fit another one even less."""
+    true = chart.rig_at(5.0 * np.eye(chart.dim)[chart.names.index("baseline")])
+    seen = ranges_of(true, relative=0.0)
+    seen.metres[: round(wrong * len(seen.metres))] *= 3.0
+    assert seen.fit_better(chart.rig, true) is better

@@ -177,3 +177,17 @@ def test_a_compressed_image_that_claims_to_be_large(tmp_path):
     path = write_bag(tmp_path / "a.bag", large, ros1=True, compressed=True)
     with pytest.raises(InputError, match=r"a\.bag, /left/image.*claims to be 20000x20000"):
         open_pairs(path, **TOPICS).pairs[0]
+
+
+@pytest.mark.parametrize("ros1", [True, False], ids=["ROS 1", "ROS 2"])
+def test_images_that_no_one_stamped_have_the_times_of_their_recording(tmp_path, ros1: bool):
+    images = [
+        (topic, START + number * STEP, image(number, side))
+        for number in range(3)
+        for side, topic in enumerate(TOPICS.values())
+    ]
+    path = write_bag(tmp_path / ("a.bag" if ros1 else "a"), images, ros1=ros1, stamped=False)
+    pairs = open_pairs(path, **TOPICS).pairs
+    expected = [START / 1e9 + 0.005 + 0.05 * number for number in range(3)]
+    assert [pair.time for pair in pairs] == pytest.approx(expected, abs=1e-6)
+    np.testing.assert_array_equal(pairs[2].right, image(2, 1))

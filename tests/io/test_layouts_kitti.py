@@ -32,7 +32,7 @@ from trees import (
 
 from stereorecal import StereoRig, UnsupportedModelError
 from stereorecal.geometry import rotation_from_vector
-from stereorecal.io import load_log, load_scene
+from stereorecal.io import load_log, load_scene, save_rig
 from stereorecal.recordings import Pair
 
 SYNC, EXTRACT = "2011_09_26_drive_0001_sync", "2011_09_26_drive_0001_extract"
@@ -411,3 +411,17 @@ def test_raw_times(tmp_path: Path):
         write_text(camera / "timestamps.txt", "\n".join(f"2011-09-26 13:02:25.{n}64389445" for n in range(3)))
     times = [pair.time for pair in load_log(day).missions[0].pairs]
     assert times == pytest.approx([0.0, 0.1, 0.2])
+
+
+def test_odometry_in_colour_is_written_where_it_stands(tmp_path: Path):
+    """Neither P2 nor P3 is camera 00, from which all of them count: the left one stays, the right one is beside it."""
+    folder = kitti_odometry(tmp_path) / "sequences" / "00"
+    shutil.rmtree(folder / "image_1")
+    for side in (2, 3):
+        write_image(folder / f"image_{side}" / "000000.png", side, colour=True)
+    rig = load_scene(folder).rig
+    longer = rig.with_extrinsics(np.array(rig.extrinsics) * 1.01)
+    save_rig(longer, folder / "calib.txt", overwrite=True)
+    np.testing.assert_allclose(load_scene(folder).rig.translation, longer.translation, atol=1e-12)
+    save_rig(rig, folder / "calib.txt", overwrite=True)
+    assert_sees_as_the_projections(load_scene(folder).rig, 2, 3)

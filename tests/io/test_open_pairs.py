@@ -215,3 +215,12 @@ def test_a_video_that_is_cut(videos, tmp_path):
     (tmp_path / "cut.avi").write_bytes(data[: int(0.6 * len(data))])
     with pytest.raises(InputError, match="video"):
         tuple(open_pairs(tmp_path / "cut.avi").pairs)
+
+
+def test_times_with_a_fraction_are_seconds(tmp_path: Path):
+    """However many digits follow the point."""
+    left = [f"1403715273.{fraction}" for fraction in (262142, 312142, 362142)]
+    right = [f"1403715273.{fraction}" for fraction in (263142, 332142, 363142)]
+    recorded = open_pairs(*folders(tmp_path, left, right), tolerance=0.005)
+    assert [pair.time for pair in recorded.pairs] == pytest.approx([float(left[0]), float(left[2])], abs=1e-6)
+    assert recorded.unpaired == (f"{left[1]}.png", f"{right[1]}.png")

@@ -150,3 +150,12 @@ def test_rolling_shutters_need_times():
         with pytest.raises(InputError, match="rolling shutters read an image in"):
             following(wrong, range(2), True, None)
         assert following(wrong, range(2), False, None) == ()
+
+
+def test_partners_are_looked_for_where_their_own_pair_matches():
+    """Things that come nearer have another disparity a moment later."""
+    first, second = sr.make_pair(moved(0, 0), moved(-9.25, 0.5)), sr.make_pair(moved(3.5, -2.25), moved(-14.5, -1.75))
+    grid = np.stack(np.meshgrid(np.arange(20, 240, 5.0), np.arange(20, 180, 5.0)), axis=-1).reshape(-1, 2)
+    seen = tracked(first, second, (Matches(grid, grid - [9.0, 0.0]), Matches(grid, grid - [18.0, 0.0])), radius=5.0)
+    assert len(seen) > 30
+    np.testing.assert_allclose(np.median(seen.right[1] - seen.left[1], axis=0), (-18.0, 0.5), atol=0.05)

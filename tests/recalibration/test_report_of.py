@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from simulated_rows import chart as chart, rig as rig, seen as seen
 
 import stereorecal as sr
-from stereorecal.geometry import changed_camera
-from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason
+from stereorecal.estimation import estimate
+from stereorecal.geometry import changed_camera, view
+from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason, row_errors_of
+from stereorecal.recalibration._expected import expected_of
 from stereorecal.recalibration._repair_report import conclusion_of, report_of
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
@@ -154,3 +157,13 @@ def test_lenses(repaired, harbour):
     np.testing.assert_allclose([centre.after - centre.before, centre.half_width], [2.0, 0.25])
     np.testing.assert_allclose(first.after - first.before, 0.02)
     assert intrinsics_of(None) == intrinsics_of(replace(seen, outcome=kept)) == []
+
+
+def test_what_is_to_be_expected_of_rows_has_the_sign_of_the_rows(rig, chart, seen):
+    """As `sr.difference` has them: the row in the left rectified image less the one in the right."""
+    true = chart.rig_at(np.r_[0.3, 0.0, 0.2, np.zeros(chart.dim - 3)])
+    shown, columns, rows = view(rig), np.linspace(0, 639, 17), np.linspace(0, 479, 13)
+    found = expected_of(estimate(seen(rig, true, cells=900), rig), rig, shown, 0.0)
+    apart = row_errors_of(rig, true, shown, columns, rows, (10.0,))[0]
+    assert np.nanmean(np.abs(apart)) > 1.0
+    assert np.nanmax(np.abs(found.rows - apart) / found.rows_deviation) < 5.0

@@ -7,12 +7,14 @@ from operator import attrgetter
 
 import numpy as np
 import pytest
+from simulated_rows import chart as chart, prior as prior, rig as rig, seen as seen
 
 import stereorecal as sr
-from stereorecal.estimation import Windows, windows_of_all
+from stereorecal.estimation import Recording, Windows, windows_of_all
 from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, chosen_frames, row_errors_of, sharing
+from stereorecal.recalibration._joint_estimate import _merged
 from stereorecal.scoring import Tracks
 from stereorecal.synthetic import photographs, plan_drive
 
@@ -261,3 +263,12 @@ def test_windows_of_frames_that_are_left_out_go_with_them():
     assert [len(one) for one in kept.tracks] == [1, 3]
     assert kept.frames == ((10, 11), (12, 13))
     assert windows_of_all([kept, three]).seconds == (1.0, 3.0, 1.0, 2.0, 3.0)
+
+
+def test_windows_of_recordings_that_are_one_keep_their_frames(rig, prior, seen):
+    tracks = Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2)))
+    one = Recording(seen(rig, rig, frames=3, cells=50), rig, prior, np.zeros(len(prior.roots[0])))
+    several = [replace(one, windows=Windows((tracks,), (window,), (1.0,))) for window in ((0, 1), (1, 2))]
+    merged = _merged(several)
+    assert len(merged.found.weight) == 6
+    assert merged.windows.frames == ((0, 1), (4, 5))

@@ -47,6 +47,7 @@ def test_the_listener_hears(compilations):
     assert "compiled" in compilations
 
 
+@pytest.mark.slow
 def test_pinhole_lenses_share_their_programs(compilations, given, at):
     """Those of 12 coefficients have programs of their own."""
     known, matched = np.asarray(given.rig.left.distortion)[:4], {}

@@ -20,8 +20,9 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
-# Each class has tests of its own; gradients of a rig: BFGS.
-pytest.mark.slow(globals()["TestAdam"].test_repairs_a_stereo_rig)
+# Each class has tests of its own; a rig by its gradients: BFGS.
+for name in ("TestAdam", "TestNelderMead"):
+    pytest.mark.slow(globals()[name].test_repairs_a_stereo_rig)
 
 
 def test_every_public_class_is_registered():
