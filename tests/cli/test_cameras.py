@@ -49,6 +49,7 @@ ONE_WORD = pytest.param(("left.avi,right.avi",), marks=pytest.mark.slow)  # the 
 ONE_FILE = pytest.param(("both.avi",), marks=pytest.mark.slow)
 
 
+@pytest.mark.slow  # as that of a recording in test_monitor.py
 @pytest.mark.parametrize("names", [ONE_WORD, ("left.avi", "right.avi"), ONE_FILE], ids=str)
 def test_a_knock_is_repaired(command, cameras: Path, drive: Ride, tmp_path: Path, monkeypatch, names):
     monkeypatch.chdir(cameras)

@@ -66,9 +66,8 @@ def answer_in_another_language(server: socket.socket) -> None:
         connection.close()
 
 
-@pytest.mark.parametrize(
-    "who", ["nobody", "another program", pytest.param("one that says nothing", marks=pytest.mark.slow)]
-)
+@pytest.mark.slow(after=1)  # the others are waited for
+@pytest.mark.parametrize("who", ["another program", "nobody", "one that says nothing"])
 def test_no_scheduler(command, clean_scene: Path, who: str):
     with socket.socket() as server:
         server.bind(("127.0.0.1", 0))

@@ -76,6 +76,7 @@ def test_killed_and_resumed(command, folder, tmp_path, moody):
     assert not journal.exists()
 
 
+@pytest.mark.slow
 def test_only_files_of_the_earlier_run_are_replaced(command, folder, tmp_path, moody):
     data, page = tmp_path / "a.json", tmp_path / "a.html"
     words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *MOODY, "--json", data)

@@ -89,6 +89,7 @@ def test_two_signals_at_once(planted: dict[str, str], clean_scene: Path, drifted
     assert [repair["fault"] for repair in json.loads(target.read_text())["repairs"]] == [None, "interrupted"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
 def test_a_terminal_that_is_closed(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
     """Neither its progress bar nor its lines can be written any more."""

@@ -37,6 +37,7 @@ def test_in_the_users_cache(tmp_path: Path):
     assert (tmp_path / "stereorecal" / "programs").is_dir()
 
 
+@pytest.mark.slow
 def test_the_users_own_choice_stands(tmp_path: Path):
     own = tmp_path / "own"
     assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR=own) == str(own)

@@ -187,6 +187,7 @@ def test_matchers(command, drifted_scene: Path, matcher: str):
     assert content["repairs"][0]["score_before"]["count"] > 500
 
 
+@pytest.mark.slow
 def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path):
     def settings(*words):
         return json.loads(command("recalibrate", drifted_scene, *words, "--json", "-").out)["settings"]

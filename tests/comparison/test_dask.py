@@ -105,6 +105,7 @@ def timeless(row):
     return {name: value for name, value in row.items() if name != "seconds"}
 
 
+@pytest.mark.slow
 def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypatch):
     save_scene(scene(), tmp_path / "saved")
     read = []

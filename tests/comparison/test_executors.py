@@ -35,6 +35,7 @@ def test_threads(scene, serial):
         assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
 
 
+@pytest.mark.slow
 def test_processes(scene, serial):
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial

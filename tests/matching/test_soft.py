@@ -56,6 +56,7 @@ def test_confidence_is_a_share(temperature: float):
     assert np.abs(np.diff(np.asarray(soft.values), axis=0)).max() <= 1  # the second candidate is a neighbour
 
 
+@pytest.mark.slow
 def test_the_derivative_is_that_of_small_changes_of_the_images():
     """Pixel by pixel, along a smooth random direction, against central differences; kinks are few."""
     confidence = jax.jit(lambda a, b: PLAIN.soft_match(a, b, 0.1).confidence.sum(axis=0))

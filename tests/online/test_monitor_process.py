@@ -121,6 +121,7 @@ def told_corners(state: State) -> tuple[State, tuple[Event, ...]]:
     return state, (Event(state.frame, Kind.HEALTHY, "lost" if state.corners is None else "kept"),)
 
 
+@pytest.mark.slow
 def test_the_images_of_corners_stay_in_the_process(ride: Ride):
     with MonitorProcess(ride.rig) as beside:
         beside.change(with_corners)
@@ -225,6 +226,7 @@ def test_a_thread_that_died_is_told(ride: Ride):
             beside.latest()
 
 
+@pytest.mark.slow
 def test_a_share_of_a_core(ride: Ride):
     """A process that has had its share rests, and is not ready; closing does not wait for it."""
     black = np.zeros((240, 320), np.uint8)

@@ -94,6 +94,7 @@ def test_one_frame_from_before_a_bump(street):
     assert np.abs(np.degrees(solution.change[:3] - alone.change[:3])).max() < 0.02
 
 
+@pytest.mark.slow
 def test_a_frame_that_shows_nothing_has_no_say(street):
     fog = np.full(street.pairs[0].left.shape, 128.0, np.float32)
     fog[0, 0] = 129.0

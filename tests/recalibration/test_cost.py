@@ -64,6 +64,7 @@ def test_every_run_of_the_matcher_is_metered(scene, runs, looks, schedule, frame
     )
 
 
+@pytest.mark.slow
 def test_a_known_range_needs_no_survey_on_the_papers_way(scene, runs):
     cost = repaired(scene, matcher=Counting(num_disparities=64), schedule="count").cost
     assert cost.survey == cost.starts == 0

@@ -49,6 +49,7 @@ def test_it_expects_what_the_decision_expects(found):
     assert found.expected.rows_px > 0.5 * over_the_view(found.rig)  # at ten baselines
 
 
+@pytest.mark.slow  # as the laws of tests/decision
 def test_what_it_wrote_is_good(found, places, scene):
     other = scene("street", 0, TRUE.left.size)
     assert not sr.health(found.rig, other.pairs).verdict.startswith("repair")

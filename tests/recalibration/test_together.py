@@ -212,6 +212,7 @@ def test_what_is_said_of_single_parameters_counts(given_wrong):
     assert uncertain == ["left.k1"]
 
 
+@pytest.mark.slow
 def test_frames_are_counted_as_they_were_given(scenes):
     """Where only some of many are looked at."""
     pairs = [replace(scene.pairs[0].resized((160, 120)), name=str(number)) for number, scene in enumerate(6 * scenes)]

@@ -39,6 +39,7 @@ def shown(corners: tuple[int, int], turn: np.ndarray, shift: np.ndarray) -> tupl
     return sr.make_pair(*pixels), edges
 
 
+@pytest.mark.slow(after=6)
 @pytest.mark.parametrize("corners", [(9, 6), (7, 5), (5, 5), (6, 9)], ids=str)
 @pytest.mark.parametrize("about", [0.1, 2.0, -1.5])
 def test_corners_are_where_they_are_and_in_one_order(corners, about):

@@ -71,7 +71,7 @@ def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
     np.testing.assert_allclose([few.traced.count(jnp.asarray(p, jnp.float32)) for p in points], found, rtol=2e-3)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 def test_the_maximum_stays(scene, kind):
     """Along pitch: where the count of 40 % of the rows is highest, the whole count is as good as at its own maximum."""

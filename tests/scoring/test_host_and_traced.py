@@ -51,7 +51,7 @@ def disparities_of(name):
     return sr.SAD(num_disparities=48 if REAL[name] else 96)
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @on_a_cpu
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_on_rendered_scenes(scene, kind):

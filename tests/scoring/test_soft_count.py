@@ -63,6 +63,7 @@ def test_its_rule_gives_what_jax_gives(mode):
         assert score(data, z) == value(data, z)
 
 
+@pytest.mark.slow
 def test_it_tends_to_the_count_as_the_temperature_falls(scene):
     hard = made(scene).value(np.zeros(5))
     distance = [

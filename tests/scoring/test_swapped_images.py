@@ -84,6 +84,7 @@ def test_nothing_is_said_of_what_shows_nothing(scene):
     refuse_swapped_images(pyramid(scene("street", 0, (320, 240)).rig, [Pair(left, right)]))
 
 
+@pytest.mark.slow
 def test_the_sun_on_waves_is_no_mistake(scene):
     """Glints are elsewhere in each image, and all that an open sea shows."""
     given, draw = scene("open-sea", 1, (640, 480)), np.random.default_rng(0)
@@ -109,7 +110,7 @@ def test_no_false_alarm(scene, kind, seed):
         assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted)).num_disparities
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_false_alarm_within_a_wider_reach(scene, kind):
     given_scene = scene(kind, 0)

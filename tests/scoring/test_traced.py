@@ -9,6 +9,7 @@ from stereorecal.matching import BM, SAD
 from stereorecal.objectives import objective
 
 
+@pytest.mark.slow
 def test_vmap_equals_host(scene):
     given_scene = scene(size=(160, 120))
     made = objective(given_scene.rig, given_scene.pairs, matcher=SAD(num_disparities=24))

@@ -218,6 +218,7 @@ def test_a_limit_in_seconds(coast):
     assert outcome.status is Status.BUDGET
 
 
+@pytest.mark.slow
 def test_matches_lie_where_they_are(coast):
     """On the epipolar lines of the true rig."""
     left, right = matched_pixels(coast.pairs[0])
