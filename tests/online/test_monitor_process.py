@@ -214,6 +214,7 @@ def unreadable_here(state: State) -> tuple[State, tuple[Event, ...]]:
     return state, (Event(state.frame, Kind.HEALTHY, Unreadable()),)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
 def test_a_thread_that_died_is_told(ride: Ride):
     with MonitorProcess(ride.rig) as beside:

@@ -128,6 +128,7 @@ def test_the_view_of_a_wide_model_follows_what_a_pinhole_can_show(field: float, 
     assert sr.view(sr.synthetic.default_rig(), field=150.0).projection == "pinhole"
 
 
+@pytest.mark.slow
 def test_arguments_of_views_by_name(scene):
     rig, pairs = scene.rig, scene.pairs
     asked = {"projection": "pinhole", "field": 80}

@@ -185,6 +185,7 @@ def test_a_comparison(compilations, given):
     check(compilations, call)
 
 
+@pytest.mark.slow
 def test_what_later_stages_need_is_begun_before_they_come(given, monkeypatch):
     begun: list[str] = []
     monkeypatch.setattr(CachedProgram, "compile_in_background", lambda self, frame, *_: begun.append(self.__name__))

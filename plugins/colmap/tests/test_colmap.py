@@ -58,6 +58,7 @@ def test_signals_are_kept_though_an_import_fails(tmp_path, monkeypatch):
         signal.signal(signal.SIGTERM, before)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
 def test_a_signal_comes_through_where_it_runs_in_a_thread():
     """COLMAP's own handler would end the process."""

@@ -143,6 +143,7 @@ def test_without_a_budget_it_ends(strategy):
     assert 100 <= len(objective.trace.values) <= 104
 
 
+@pytest.mark.slow(after=6)
 @each(GLOBAL)
 @pytest.mark.parametrize("budget", [Budget(evaluations=300), Budget(seconds=0.2)])
 def test_a_budget_takes_the_place_of_its_own_limit(strategy, budget):

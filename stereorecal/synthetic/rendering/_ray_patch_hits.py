@@ -32,15 +32,17 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
     """Depth t (infinite where no patch is hit) and radiance (0 there) where each ray hits first, float32."""
     depth = np.full(rays.directions.shape[:2], np.inf, np.float32)
     radiance = np.zeros_like(depth)
-    bounds = _block_bounds(rays.directions)
+    lengths = np.linalg.norm(rays.directions, axis=-1)
+    bounds = _block_bounds(rays.directions, lengths)
     for patch in sorted(patches, key=lambda p: float(np.linalg.norm(p.corners.mean(0) - rays.centre))):
         window = _window(patch, rays.centre, bounds)
         if window is not None:
-            _meet(patch, rays.centre, rays.spread, rays.directions[window], depth[window], radiance[window])
+            of_rays = rays.directions[window], lengths[window], depth[window], radiance[window]
+            _meet(patch, rays.centre, rays.spread, *of_rays)
     return depth, radiance
 
 
-def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radiance) -> None:
+def _meet(patch: Patch, centre: Point, spread: float, directions, lengths, depth, radiance) -> None:
     """Update `depth` and `radiance` in place where rays hit the patch in front of what they have hit so far."""
     duals, area = patch.duals
     start = duals @ (centre - patch.origin)
@@ -49,9 +51,12 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radianc
     slopes = directions @ duals.T.astype(np.float32)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         t = np.float32(-start[0]) / slopes[..., 0]
+        in_front = (t > 0) & (t < depth)
+        if not in_front.any():
+            return
         a = np.float32(start[1]) + t * slopes[..., 1]
         b = np.float32(start[2]) + t * slopes[..., 2]
-        hit = (t > 0) & (t < depth) & (a >= 0) & (a < 1) & (b >= 0) & (b < 1)
+        hit = in_front & (a >= 0) & (a < 1) & (b >= 0) & (b < 1)
     rows, columns = (np.flatnonzero(hit.any(axis)) for axis in (1, 0))
     if rows.size == 0:
         return
@@ -59,7 +64,7 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, depth, radianc
     hit, t, slopes = hit[box], t[box], slopes[box]
     t = np.where(hit, t, np.median(t[hit]))
     # The mipmap is isotropic: a compromise between the short and the long axis of an oblique ray's footprint.
-    slant = np.abs(slopes[..., 0]) / np.float32(np.sqrt(area)) / np.linalg.norm(directions[box], axis=-1)
+    slant = np.abs(slopes[..., 0]) / np.float32(np.sqrt(area)) / lengths[box]
     footprint = 1.3 * spread * t / np.sqrt(np.maximum(slant, 0.05))
     colour = sample(patch.levels, a[box], 1.0 - b[box], np.log2(footprint / patch.texel), hit)
     hit = hit & (colour[..., 1] > 0.5)
@@ -82,10 +87,12 @@ def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
     return total
 
 
-def _block_bounds(directions: Float[np.ndarray, "h w 3"]) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
+def _block_bounds(
+    directions: Float[np.ndarray, "h w 3"], lengths: Float[np.ndarray, "h w"]
+) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
     """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid; infinite where one of them goes
     aside or back."""
-    aside = directions[..., 2:] < _ASIDE * np.linalg.norm(directions, axis=-1, keepdims=True)
+    aside = directions[..., 2:] < _ASIDE * lengths[..., None]
     slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
     edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
     below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
