@@ -34,19 +34,19 @@ _MOVING = (0.05, 0.2)  # metres a frame
 _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
 
 
-def photographs(drive: Drive, first: int = 0, *, folder: Path | None = None) -> Iterator[Pair]:
+def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] | None = None) -> Iterator[Pair]:
     """The pairs of a drive, from frame `first` on. They are rendered when first needed, 50 at a time, a quarter of a
     second each, and cached.
 
     Args:
         folder: of the cache, 15 MB for 100 frames; default in the user's cache.
     """
-    folder = user_cache_path("stereorecal") / "drives" if folder is None else folder
+    cache_folder = user_cache_path("stereorecal") / "drives" if folder is None else Path(folder)
     place, images = -1, None
     for frame in range(first, len(drive)):
         if images is None or drive.place(frame) != place:
             place = drive.place(frame)
-            images = _cached(drive, place, folder)
+            images = _cached(drive, place, cache_folder)
         left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
         yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
 

@@ -30,7 +30,7 @@ def test_pairs_are_kept_and_the_same(tmp_path: Path):
     first = list(photographs(drive, folder=tmp_path))
     assert [pair.size for pair in first] == [(320, 240)] * 2
     (kept,) = tmp_path.iterdir()
-    second = list(photographs(drive, folder=tmp_path))
+    second = list(photographs(drive, folder=str(tmp_path)))
     np.testing.assert_array_equal(first[1].right, second[1].right)
     kept.write_bytes(kept.read_bytes()[:100])
     third = list(photographs(drive, folder=tmp_path))
