@@ -114,6 +114,7 @@ def test_a_frame_that_one_camera_lost_is_told(command, seen, calibration, tmp_pa
     assert answer.err == "stereorecal: 1 frame has no partner in the other camera and is left out: left/c.png\n"
 
 
+@pytest.mark.slow
 def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
     """Names with spaces and percent signs are names like others."""
     left, right = image_files(tmp_path, seen, (["shot 1", "shot 2"], ["x 10%", "x 100%"]))

@@ -109,6 +109,7 @@ def test_a_platform_that_is_not_there(tmp_path: Path, platform: str):
     assert f"stereorecal: JAX_PLATFORMS is '{platform}', which JAX cannot use here" in answer.stderr
 
 
+@pytest.mark.slow  # as where there is no home
 def test_a_folder_of_the_users_that_cannot_be_made(tmp_path: Path):
     (tmp_path / "file").write_text("in the way")
     command = [sys.executable, "-m", "stereorecal", "score", tmp_path]

@@ -78,6 +78,7 @@ def test_extrinsics_must_be_free(scene):
         compare(scene().rig, scene().pairs, strategies=["compass"], free="intrinsic", **SMALL)
 
 
+@pytest.mark.slow
 def test_the_count_of_a_point_is_that_of_its_rig(scene):
     """Of the whole rig: its lenses too."""
     rig, pairs, matcher = scene().rig, scene().pairs, SMALL["matcher"]

@@ -160,6 +160,7 @@ def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.Monk
     assert answers[-1][0] is tuple  # which a step refuses
 
 
+@pytest.mark.slow
 def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp_path: Path):
     place = tmp_path / "state"
     known = sr.SAD(num_disparities=48)
