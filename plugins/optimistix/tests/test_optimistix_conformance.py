@@ -20,7 +20,7 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
-# Each class has tests of its own; a rig by its gradients: BFGS.
+# A rig by its gradients: BFGS; without them: stereorecal-nlopt. (Each class has test functions of its own.)
 for name in ("TestAdam", "TestNelderMead"):
     pytest.mark.slow(globals()[name].test_repairs_a_stereo_rig)
 

@@ -4,6 +4,7 @@ import json
 import pickle
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import jax
@@ -150,16 +151,40 @@ def test_depthai(tmp_path: Path):
     turned = np.array(content["stereoRectificationData"]["rectifiedRotationRight"])
     np.testing.assert_allclose(turned @ SMALL.translation, [-SMALL.baseline, 0, 0], atol=1e-12)
     inverse = np.linalg.inv(np.vstack([np.column_stack([SMALL.rotation, shift]), [0, 0, 0, 1]]))
-    right["extrinsics"] |= {"toCameraSocket": 1, "rotationMatrix": inverse[:3, :3].tolist()}
-    right["extrinsics"]["translation"] = dict(zip("xyz", inverse[:3, 3].tolist(), strict=True))
+    link(right, 1, inverse)
     left["extrinsics"]["toCameraSocket"] = -1
     path.write_text(json.dumps(content))
+    assert_read_and_written(path)
+    assert load_rig(path, size=(128, 96)).left.size == (128, 96)
+
+
+def test_depthai_whose_cameras_are_linked_to_a_third(tmp_path: Path):
+    path = tmp_path / "oak.json"
+    save_rig(SMALL, path, format="depthai")
+    content = json.loads(path.read_text())
+    (_, left), (_, right) = content["cameraData"]
+    to_third = np.eye(4)
+    to_third[:3, :3], to_third[:3, 3] = SMALL.rotation.T @ SMALL.rotation.T, [3.0, -1.0, 2.0]
+    from_left = np.vstack([np.column_stack([SMALL.rotation, 100 * SMALL.translation]), [0, 0, 0, 1]])
+    link(left, 0, to_third)
+    link(right, 0, to_third @ np.linalg.inv(from_left))
+    path.write_text(json.dumps(content))
+    assert_read_and_written(path)
+
+
+def link(camera: dict[str, Any], socket: int, motion: np.ndarray) -> None:
+    """Say where a camera is, seen from another one."""
+    camera["extrinsics"] |= {"toCameraSocket": socket, "rotationMatrix": motion[:3, :3].tolist()}
+    camera["extrinsics"]["translation"] = dict(zip("xyz", motion[:3, 3].tolist(), strict=True))
+
+
+def assert_read_and_written(path: Path) -> None:
+    """The file holds SMALL, and takes another rig in place."""
     rig = load_rig(path)
     np.testing.assert_allclose(rig.extrinsics, SMALL.extrinsics, atol=1e-12)
     moved = rig.with_extrinsics(rig.extrinsics + CHANGE)
     save_rig(moved, path, overwrite=True)
     np.testing.assert_allclose(load_rig(path).extrinsics, moved.extrinsics, atol=1e-12)
-    assert load_rig(path, size=(128, 96)).left.size == (128, 96)
 
 
 # --- what a rig remembers -----------------------------------------------------------------------------------
@@ -203,22 +228,3 @@ def test_real_boofcv(data_dir: Path, tmp_path: Path, name: str):
     np.testing.assert_allclose(load_rig(tmp_path / "new.yaml", unit="mm").extrinsics, moved.extrinsics, atol=1e-12)
     lines = zip(path.read_text().splitlines(), (tmp_path / "new.yaml").read_text().splitlines(), strict=True)
     assert sum(one != two for one, two in lines) == 12
-
-
-def test_depthai_whose_cameras_are_linked_to_a_third(tmp_path: Path):
-    path = tmp_path / "oak.json"
-    save_rig(SMALL, path, format="depthai")
-    content = json.loads(path.read_text())
-    (_, left), (_, right) = content["cameraData"]
-    to_third = np.eye(4)
-    to_third[:3, :3], to_third[:3, 3] = SMALL.rotation.T @ SMALL.rotation.T, [3.0, -1.0, 2.0]
-    from_left = np.vstack([np.column_stack([SMALL.rotation, 100 * SMALL.translation]), [0, 0, 0, 1]])
-    for camera, motion in ((left, to_third), (right, to_third @ np.linalg.inv(from_left))):
-        camera["extrinsics"] |= {"toCameraSocket": 0, "rotationMatrix": motion[:3, :3].tolist()}
-        camera["extrinsics"]["translation"] = dict(zip("xyz", motion[:3, 3].tolist(), strict=True))
-    path.write_text(json.dumps(content))
-    rig = load_rig(path)
-    np.testing.assert_allclose(rig.extrinsics, SMALL.extrinsics, atol=1e-12)
-    moved = rig.with_extrinsics(rig.extrinsics + CHANGE)
-    save_rig(moved, path, overwrite=True)
-    np.testing.assert_allclose(load_rig(path).extrinsics, moved.extrinsics, atol=1e-12)
