@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.estimation._rig_parameters import DRIFTING
 
@@ -85,9 +85,9 @@ class Explained:
 
     Attributes:
         log_evidence: (k,).
-        means: (k, n).
-        nuisance: (k, q) means of the nuisance parameters.
-        by_drift: (n, 5) how θ follows the drift.
+        without_drift: (n + q,) the mean of θ and ν if there were no drift.
+        by_drift: (n + q, 5) how they follow the drift.
+        drifts: (k, 5) its means.
         precision: (5, 5) of the drift, by the rows alone.
         sizes: (k, 5) standard deviations of each kind of drift.
         calibration: (n, n) a root of the covariance of c, and
@@ -95,13 +95,27 @@ class Explained:
     """
 
     log_evidence: Float[np.ndarray, "k"]
-    means: Float[np.ndarray, "k n"]
-    nuisance: Float[np.ndarray, "k q"]
-    by_drift: Float[np.ndarray, "n 5"]
+    without_drift: Float[np.ndarray, "m"]
+    by_drift: Float[np.ndarray, "m 5"]
+    drifts: Float[np.ndarray, "k 5"]
     precision: Float[np.ndarray, "5 5"]
     sizes: Float[np.ndarray, "k 5"]
     calibration: Float[np.ndarray, "n n"]
     lower: Float[np.ndarray, "m m"]
+
+    @property
+    def means(self) -> Float[np.ndarray, "k n"]:
+        """Of θ."""
+        return self._all_means[:, : len(self.calibration)]
+
+    @property
+    def nuisance(self) -> Float[np.ndarray, "k q"]:
+        """Means of the nuisance parameters."""
+        return self._all_means[:, len(self.calibration) :]
+
+    @cached_property
+    def _all_means(self) -> Float[np.ndarray, "k m"]:
+        return self.without_drift + self.drifts @ self.by_drift.T
 
     @cached_property
     def _covariance_without_drift(self) -> Float[np.ndarray, "n n"]:
@@ -112,9 +126,14 @@ class Explained:
 
     def covariance(self, index: int) -> Float[np.ndarray, "n n"]:
         """Of θ under one of them."""
-        size = self.sizes[index]
-        drift = size[:, None] * np.linalg.inv(np.eye(_DRIFTING) + size[:, None] * self.precision * size) * size
-        return self._covariance_without_drift + self.by_drift @ (0.5 * (drift + drift.T)) @ self.by_drift.T
+        return self.covariances(np.array([index]))[0]
+
+    def covariances(self, which: Int[np.ndarray, "s"]) -> Float[np.ndarray, "s n n"]:
+        """Of θ under some of them."""
+        across, down = self.sizes[which][:, None], self.sizes[which][:, :, None]
+        drift = down * np.linalg.inv(np.eye(_DRIFTING) + down * self.precision * across) * across
+        follows = self.by_drift[: len(self.calibration)]
+        return self._covariance_without_drift + follows @ (0.5 * (drift + drift.swapaxes(1, 2))) @ follows.T
 
 
 def all_explained(
@@ -157,26 +176,33 @@ def all_explained(
     at_zero = c - (pulled * solved[:, :, :1]).sum(axis=(1, 2))
     at_zero += 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
     evidence = log_weights - 0.5 * (at_zero[:, None] + information - (drifts @ pull[:, :, None])[:, :, 0])
-    by_drift = drift_response[:, :n] + np.eye(n, _DRIFTING)
-    means = prior_mean[:, None] + without_drift[:, None, :n, 0] + drifts @ by_drift.swapaxes(1, 2)
-    of_nuisance = without_drift[:, None, n:, 0] + drifts @ drift_response[:, n:].swapaxes(1, 2)
-    of_each = zip(evidence, means, of_nuisance, by_drift, precision, calibrations, lower, strict=True)
-    return [Explained(e, m, v, d, p, sizes, root, half) for e, m, v, d, p, root, half in of_each]
+    without_drift = without_drift[:, :, 0]
+    without_drift[:, :n] += prior_mean
+    by_drift = drift_response + np.eye(n + q, _DRIFTING)
+    of_each = zip(evidence, without_drift, by_drift, drifts, precision, calibrations, lower, strict=True)
+    return [Explained(e, w, f, d, p, sizes, root, half) for e, w, f, d, p, root, half in of_each]
 
 
 def _of_drifts(
     precision: Float[np.ndarray, "j 5 5"], pull: Float[np.ndarray, "j 5"], sizes: Float[np.ndarray, "k 5"]
 ) -> tuple[Float[np.ndarray, "j k 5"], Float[np.ndarray, "j k"]]:
     """The mean of the drift for each kind of it, and the logarithm of the determinant of 1 + s M s: elimination in all
-    of these thousands of small matrices together. They are positive definite and 1 at least, so no pivot is small."""
-    matrix = np.moveaxis(precision, 0, -1)[..., None] * (sizes.T[:, None, None] * sizes.T[None, :, None])
-    matrix += np.eye(_DRIFTING)[:, :, None, None]  # (5, 5, j, k)
-    rhs = pull.T[:, :, None] * sizes.T[:, None]
-    for p in range(_DRIFTING - 1):
-        share = matrix[p, p + 1 :] / matrix[p, p]  # symmetric
-        matrix[p + 1 :, p + 1 :] -= share[:, None] * matrix[p, p + 1 :]
-        rhs[p + 1 :] -= share * rhs[p]
-    logs = sum(np.log(matrix[p, p]) for p in range(_DRIFTING))
-    for p in reversed(range(_DRIFTING)):
-        rhs[p] = (rhs[p] - (matrix[p, p + 1 :] * rhs[p + 1 :]).sum(axis=0)) / matrix[p, p]
-    return np.moveaxis(rhs * sizes.T[:, None], 0, -1), np.asarray(logs)
+    of these thousands of small matrices together, entry by entry of their lower halves, which a cache holds. They are
+    positive definite and 1 at least, so no pivot is small."""
+    of_axis, axes = sizes.T, range(_DRIFTING)
+    lower = {
+        (i, j): precision[:, i, j, None] * (of_axis[i] * of_axis[j]) + (i == j) for i in axes for j in range(i + 1)
+    }
+    rhs = [pull[:, i, None] * of_axis[i] for i in axes]
+    for p in axes:
+        for i in range(p + 1, _DRIFTING):
+            share = lower[i, p] / lower[p, p]
+            for j in range(p + 1, i + 1):
+                lower[i, j] -= share * lower[j, p]
+            rhs[i] -= share * rhs[p]
+    for p in reversed(axes):
+        for i in range(p + 1, _DRIFTING):
+            rhs[p] -= lower[i, p] * rhs[i]
+        rhs[p] /= lower[p, p]
+    logs = np.log(np.prod([lower[p, p] for p in axes], axis=0))
+    return np.stack([of_axis[i] * rhs[i] for i in axes], axis=-1), logs

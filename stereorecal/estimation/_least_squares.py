@@ -140,9 +140,10 @@ def mixture(several: Sequence[Explanation]) -> Posterior:
     weights /= weights.sum()
     significant = np.argwhere(weights > _LEAST)
     some = weights[tuple(significant.T)]
+    kinds = [(several[i].found, significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
     whole = Posterior(
         some / some.sum(),
-        np.stack([several[i].found.means[k] for i, k in significant]),
-        np.stack([several[i].found.covariance(int(k)) for i, k in significant]),
+        np.concatenate([found.means[which] for found, which in kinds]),
+        np.concatenate([found.covariances(which) for found, which in kinds]),
     )
     return merged(whole, _MOST)

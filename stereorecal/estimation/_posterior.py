@@ -60,7 +60,7 @@ def merged(posterior: Posterior, most: int) -> Posterior:
 
     def distance_from(index: int) -> Float[np.ndarray, "m"]:
         squares = size + size[index]
-        distance = squares - 2.0 * features @ features[index]
+        distance = squares - 2.0 * (features @ features[index])
         return np.where(distance <= _ROUNDING * squares, 0.0, distance)  # the same, but for rounding, are one
 
     # One centre after the other where most weight is farthest from all others.

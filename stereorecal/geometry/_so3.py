@@ -4,26 +4,28 @@ Every function takes NumPy arrays (float64, on the host) or JAX arrays (any floa
 identity) and answers in kind.
 """
 
+from typing import Any
+
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Mat3, Vec3, namespace, product
+from stereorecal._arrays import AnyArray, Mat3, Vec3, is_host, namespace, product
 
 # Below this squared angle the Taylor series is exact to float64 rounding for the terms kept.
 _SMALL_ANGLE_SQUARED = 1e-8
+
+
+def _matrix(*rows: list[Any]) -> Mat3:
+    """Of numbers of one namespace; stacks of NumPy's would take most of the time of a rotation."""
+    return np.array(rows) if is_host(rows[0][0]) else jnp.stack([jnp.stack(row) for row in rows])
 
 
 def cross_matrix(v: Vec3) -> Mat3:
     """The matrix K with `K @ u == cross(v, u)`."""
     xp = namespace(v)
     zero = xp.zeros_like(v[0])
-    return xp.stack(
-        [
-            xp.stack([zero, -v[2], v[1]]),
-            xp.stack([v[2], zero, -v[0]]),
-            xp.stack([-v[1], v[0], zero]),
-        ]
-    )
+    return _matrix([zero, -v[2], v[1]], [v[2], zero, -v[0]], [-v[1], v[0], zero])
 
 
 def rotation_from_vector(vector: Vec3) -> Mat3:
@@ -63,12 +65,10 @@ def rotation_from_euler(angles: Vec3) -> Mat3:
     """(pitch, yaw, roll) [rad] to `R = Rz(roll) Ry(yaw) Rx(pitch)`."""
     xp = namespace(angles)
     (sx, sy, sz), (cx, cy, cz) = xp.sin(angles), xp.cos(angles)
-    return xp.stack(
-        [
-            xp.stack([cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx]),
-            xp.stack([sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx]),
-            xp.stack([-sy, cy * sx, cy * cx]),
-        ]
+    return _matrix(
+        [cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx],
+        [sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx],
+        [-sy, cy * sx, cy * cx],
     )
 
 

@@ -1,6 +1,6 @@
 """OpenCV's lens distortion: none, 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty)."""
 
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import jax
@@ -121,7 +121,7 @@ def undistort(
     return _undistort(jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32), iterations)
 
 
-_SETTLED = 1e-13  # of a step, normalised image points
+_SETTLED = 1e-9  # of a step, normalised image points: the next would be of its square
 _LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
 
 
@@ -140,9 +140,10 @@ def _undistort_on_host(
             (u, v), ((a, b), (c, d)) = _distorted_with_slopes(x, y, coefficients)
             u, v, determinant = u - goals[:, 0], v - goals[:, 1], a * d - b * c
             by_x, by_y = (d * u - b * v) / determinant, (a * v - c * u) / determinant
-            shorter = 1.0 / np.maximum(1.0, np.hypot(by_x, by_y) / _LONGEST)
+            length = np.sqrt(by_x * by_x + by_y * by_y)
+            shorter = 1.0 / np.maximum(1.0, length / _LONGEST)
             x, y = x - shorter * by_x, y - shorter * by_y
-            if not (np.any(np.abs(by_x) > _SETTLED) or np.any(np.abs(by_y) > _SETTLED)):
+            if not np.any(length > _SETTLED):
                 break
     return np.stack([x, y], axis=-1).reshape(shape)
 
@@ -151,19 +152,24 @@ def _distorted_with_slopes(
     x: Float[np.ndarray, "*n"], y: Float[np.ndarray, "*n"], coefficients: Float[np.ndarray, "c"]
 ):
     """`distort_planes`, and the derivatives of both by x and by y."""
-    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, *tilt = np.pad(coefficients, (0, max(0, 12 - coefficients.size)))
-    r2 = x * x + y * y
+    missing = [0.0] * (12 - coefficients.size)
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, *tilt = [*coefficients.tolist(), *missing]
+    xx, xy, yy = x * x, x * y, y * y
+    r2 = xx + yy
     radial, grows = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3)), k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3)
     if k4 or k5 or k6:
         below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
         radial = radial / below
         grows = (grows - radial * (k4 + r2 * (2.0 * k5 + 3.0 * r2 * k6))) / below
-    u = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (s1 + r2 * s2)
-    v = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (s3 + r2 * s4)
-    across, down = 2.0 * (s1 + 2.0 * r2 * s2), 2.0 * (s3 + 2.0 * r2 * s4)
-    mixed = 2.0 * (x * y * grows + p1 * x + p2 * y)
-    a, b = radial + 2.0 * (x * x * grows + p1 * y + 3.0 * p2 * x) + across * x, mixed + across * y
-    c, d = mixed + down * x, radial + 2.0 * (y * y * grows + 3.0 * p1 * y + p2 * x) + down * y
+    u = x * radial + 2.0 * p1 * xy + p2 * (r2 + 2.0 * xx)
+    v = y * radial + p1 * (r2 + 2.0 * yy) + 2.0 * p2 * xy
+    a = radial + 2.0 * (xx * grows + p1 * y + 3.0 * p2 * x)
+    d = radial + 2.0 * (yy * grows + 3.0 * p1 * y + p2 * x)
+    b = c = 2.0 * (xy * grows + p1 * x + p2 * y)
+    if s1 or s2 or s3 or s4:
+        across, down = 2.0 * (s1 + 2.0 * r2 * s2), 2.0 * (s3 + 2.0 * r2 * s4)
+        u, v = u + r2 * (s1 + r2 * s2), v + r2 * (s3 + r2 * s4)
+        a, b, c, d = a + across * x, b + across * y, c + down * x, d + down * y
     if not any(tilt):
         return (u, v), ((a, b), (c, d))
     m0, m1, m2 = _tilt_matrix(*tilt)
@@ -196,10 +202,15 @@ def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = FLAT_LIMIT
 
     Beyond it the polynomial folds back into the image, and pixels there would show the wrong rays.
     """
-    radii = np.linspace(0.0, limit, 4001)
-    points = np.stack([radii, np.zeros_like(radii)], axis=-1)
     radial_only = np.array(coefficients, float)
     radial_only[2:4] = 0.0
     radial_only[8:] = 0.0
-    falling = np.diff(distort(points, radial_only)[:, 0]) <= 0.0
+    return _turning_point(tuple(radial_only.tolist()), limit)
+
+
+@lru_cache(maxsize=64)  # two attributes of a camera are of it, and most cameras of a search have the lens of another
+def _turning_point(radial_only: tuple[float, ...], limit: float) -> float:
+    radii = np.linspace(0.0, limit, 4001)
+    distorted, _ = distort_planes(radii, np.zeros_like(radii), np.array(radial_only))
+    falling = np.diff(distorted) <= 0.0
     return float(radii[np.argmax(falling)]) if falling.any() else limit
