@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Float, Shaped
+from jaxtyping import Bool, Float, Shaped
 
 from stereorecal.synthetic.rendering._patch import Patch, Point
 
@@ -32,13 +32,17 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
     """Depth t (infinite where no patch is hit) and radiance (0 there) where each ray hits first, float32."""
     depth = np.full(rays.directions.shape[:2], np.inf, np.float32)
     radiance = np.zeros_like(depth)
+    if not patches:
+        return depth, radiance
     lengths = np.linalg.norm(rays.directions, axis=-1)
-    bounds = _block_bounds(rays.directions, lengths)
-    for patch in sorted(patches, key=lambda p: float(np.linalg.norm(p.corners.mean(0) - rays.centre))):
-        window = _window(patch, rays.centre, bounds)
-        if window is not None:
-            of_rays = rays.directions[window], lengths[window], depth[window], radiance[window]
-            _meet(patch, rays.centre, rays.spread, *of_rays)
+    corners = np.stack([patch.corners for patch in patches])
+    windows = _windows(corners - rays.centre, _block_bounds(rays.directions, lengths))
+    nearest_first = np.argsort(np.linalg.norm(corners.mean(axis=1) - rays.centre, axis=1), kind="stable")
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        for index in nearest_first:
+            if (window := windows[index]) is not None:
+                of_rays = rays.directions[window], lengths[window], depth[window], radiance[window]
+                _meet(patches[index], rays.centre, rays.spread, *of_rays)
     return depth, radiance
 
 
@@ -49,20 +53,19 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, lengths, depth
     if abs(start[0]) < 1e-9:
         return
     slopes = directions @ duals.T.astype(np.float32)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        t = np.float32(-start[0]) / slopes[..., 0]
-        in_front = (t > 0) & (t < depth)
-        if not in_front.any():
-            return
-        a = np.float32(start[1]) + t * slopes[..., 1]
-        b = np.float32(start[2]) + t * slopes[..., 2]
-        hit = in_front & (a >= 0) & (a < 1) & (b >= 0) & (b < 1)
+    t = np.float32(-start[0]) / slopes[..., 0]
+    in_front = (t > 0) & (t < depth)
+    if not in_front.any():
+        return
+    a = np.float32(start[1]) + t * slopes[..., 1]
+    b = np.float32(start[2]) + t * slopes[..., 2]
+    hit = in_front & (a >= 0) & (a < 1) & (b >= 0) & (b < 1)
     rows, columns = (np.flatnonzero(hit.any(axis)) for axis in (1, 0))
     if rows.size == 0:
         return
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
     hit, t, slopes = hit[box], t[box], slopes[box]
-    t = np.where(hit, t, np.median(t[hit]))
+    t = np.where(hit, t, np.float32(1.0))  # what is not hit is computed, and not used
     # The mipmap is isotropic: a compromise between the short and the long axis of an oblique ray's footprint.
     slant = np.abs(slopes[..., 0]) / np.float32(np.sqrt(area)) / lengths[box]
     footprint = 1.3 * spread * t / np.sqrt(np.maximum(slant, 0.05))
@@ -79,7 +82,7 @@ def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
     for index in range(int(np.floor(level.min())), int(np.ceil(level.max())) + 1):
         rows, columns = levels[index].shape[:2]
         x, y = u * np.float32(columns) - np.float32(0.5), v * np.float32(rows) - np.float32(0.5)
-        x, y = np.clip(x, -1.0, columns), np.clip(y, -1.0, rows)
+        x, y = (np.minimum(np.maximum(at, np.float32(-1.0)), np.float32(end)) for at, end in ((x, columns), (y, rows)))
         value = cv2.remap(levels[index], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         weighted = np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
         total = weighted if total is None else total + weighted
@@ -95,26 +98,46 @@ def _block_bounds(
     aside = directions[..., 2:] < _ASIDE * lengths[..., None]
     slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
     edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
-    below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
+    below, above = slopes, slopes
+    if aside.any():
+        below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
     low = np.minimum.reduceat(np.minimum.reduceat(below, edges[0], 0), edges[1], 1)
     high = np.maximum.reduceat(np.maximum.reduceat(above, edges[0], 0), edges[1], 1)
     return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
 
 
-def _window(patch: Patch, centre: Point, bounds) -> tuple[slice, slice] | None:
-    """Window of the grid outside which no ray can hit the patch; None if no ray can."""
+def _windows(
+    corners: Float[np.ndarray, "n 4 3"], bounds: tuple[Shaped[np.ndarray, "rows columns"], ...]
+) -> list[tuple[slice, slice] | None]:
+    """For each patch the window of the grid outside which no ray can hit it; None if no ray can.
+
+    Args:
+        corners: as seen from where the rays start.
+    """
     low_x, high_x, low_y, high_y = bounds
-    touched = np.isinf(high_x)
-    outline = _clip_near(patch.corners - centre)
-    if len(outline) > 0:
-        slopes = outline[:, :2] / outline[:, 2:]
-        (x0, y0), (x1, y1) = slopes.min(0) - 1e-4, slopes.max(0) + 1e-4
-        touched |= (low_x <= x1) & (high_x >= x0) & (low_y <= y1) & (high_y >= y0)
-    rows, columns = np.flatnonzero(touched.any(1)), np.flatnonzero(touched.any(0))
-    if rows.size == 0:
-        return None
-    top, bottom, left, right = rows[0], rows[-1] + 1, columns[0], columns[-1] + 1
-    return slice(top * _BLOCK, bottom * _BLOCK), slice(left * _BLOCK, right * _BLOCK)
+    ahead = corners[..., 2] >= _NEAR
+    low, high = np.full((2, len(corners), 2, 1, 1), np.inf)
+    high *= -1.0
+    for outlines, which in (
+        (corners[ahead.all(1)], ahead.all(1)),
+        *((_clip_near(corners[index])[None], [index]) for index in np.flatnonzero(ahead.any(1) & ~ahead.all(1))),
+    ):
+        slopes = outlines[..., :2] / outlines[..., 2:]
+        low[which], high[which] = slopes.min(1)[..., None, None] - 1e-4, slopes.max(1)[..., None, None] + 1e-4
+    touched = (low_x <= high[:, 0]) & (high_x >= low[:, 0]) & (low_y <= high[:, 1]) & (high_y >= low[:, 1])
+    touched |= np.isinf(high_x)
+    spans = [_span(touched.any(axis)) for axis in (2, 1)]
+    return [
+        (slice(top, bottom), slice(left, right)) if bottom > top else None
+        for (top, bottom), (left, right) in zip(*spans, strict=True)
+    ]
+
+
+def _span(touched: Bool[np.ndarray, "n blocks"]) -> list[list[int]]:
+    """First and last ray of the blocks that are touched, which is left out; (0, 0) where none is."""
+    blocks = touched.shape[1]
+    first, last = touched.argmax(1), blocks - touched[:, ::-1].argmax(1)
+    return (_BLOCK * np.where(touched.any(1), [first, last], 0)).T.tolist()
 
 
 def _clip_near(corners: Float[np.ndarray, "4 3"]) -> Float[np.ndarray, "_ 3"]:
