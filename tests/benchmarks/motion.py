@@ -1,7 +1,8 @@
 """Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
 
     python tests/benchmarks/motion.py [--data FOLDER] [--starts N] [--rigs N] [--first SEED] [--windows N]
-                                      [--cases NAME,…] [--only real|simulated|rendered|vehicle|step|stutter]
+                                      [--cases NAME,…] [--seeds N] [--size WIDTHxHEIGHT]
+                                      [--only real|simulated|rendered|vehicle|step|stutter]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
@@ -15,8 +16,8 @@ for motions that tell little or are half of other things, and how late the right
 
 Step: the filter's processor time at 640x480. Stutter: two pairs alone, and recordings that repeat pairs.
 
-Rendered: drives of 320x240 pairs, nine pairs about a baseline apart, from the truth, 0.3° and 2.5° away, and with a
-right shutter that is late by 0.2 of the time between two pairs.
+Rendered: drives, nine pairs about a baseline apart (320x240 unless --size is given), from the truth, 0.3° and 2.5°
+away, and with a right shutter that is late by 0.2 of the time between two pairs.
 """
 
 import argparse
@@ -176,6 +177,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
     parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
+    parser.add_argument("--size", default="320x240", help="of the pairs that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
     parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle", "step", "stutter"))
     options = parser.parse_args()
@@ -191,7 +193,8 @@ def main() -> None:
     if options.only in (None, "simulated"):
         simulated(options.rigs, options.first, options.windows, options.cases.split(","), console)
     if options.only in (None, "rendered"):
-        rendered(options.seeds, console)
+        width, height = map(int, options.size.split("x"))
+        rendered(options.seeds, (width, height), console)
 
 
 if __name__ == "__main__":

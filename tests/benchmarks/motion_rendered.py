@@ -1,6 +1,7 @@
 """Rendered drives for `motion.py`: what comes of images, where tracks alone come of a simulation."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import jax
 from rich.console import Console
@@ -22,15 +23,16 @@ def depth_error_percent(used: sr.StereoRig, true: sr.StereoRig, baselines: float
     return 100.0 * (1.0 / (1.0 + near) - 1.0)
 
 
-def taken(tour: str, seed: int, late: float) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
+def taken(tour: str, seed: int, late: float, size: tuple[int, int]) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
     """The true rig and some of the pairs of a drive in clear weather, on which things move."""
     every = EVERY[tour]
     number = (PAIRS - 1) * every + 1
     plan = plan_drive(tour, seed, number, weather=False, late=((0, number, late * every),) if late else ())
+    plan = replace(plan, rig=plan.rig.resized(size))
     return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
 
 
-def rendered(seeds: int, console: Console) -> None:
+def rendered(seeds: int, size: tuple[int, int], console: Console) -> None:
     """A table of repairs."""
     heads = (
         "drive",
@@ -45,7 +47,7 @@ def rendered(seeds: int, console: Console) -> None:
     for tour in TOURS:
         for seed in range(seeds):
             for degrees, late in STARTS:
-                true, pairs = taken(tour, seed, late)
+                true, pairs = taken(tour, seed, late, size)
                 given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
                 found = sr.recalibrate(given, pairs, motion=True)
                 seen = found.estimate
