@@ -194,7 +194,7 @@ def main() -> None:
         simulated(options.rigs, options.first, options.windows, options.cases.split(","), console)
     if options.only in (None, "rendered"):
         width, height = map(int, options.size.split("x"))
-        rendered(options.seeds, (width, height), console)
+        rendered(range(options.first, options.first + options.seeds), (width, height), console)
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ def taken(tour: str, seed: int, late: float, size: tuple[int, int]) -> tuple[sr.
     return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
 
 
-def rendered(seeds: int, size: tuple[int, int], console: Console) -> None:
+def rendered(seeds: Sequence[int], size: tuple[int, int], console: Console) -> None:
     """A table of repairs."""
     heads = (
         "drive",
@@ -45,7 +45,7 @@ def rendered(seeds: int, size: tuple[int, int], console: Console) -> None:
     )
     table = Table(*heads, "delay", "verdict", box=None)
     for tour in TOURS:
-        for seed in range(seeds):
+        for seed in seeds:
             for degrees, late in STARTS:
                 true, pairs = taken(tour, seed, late, size)
                 given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
