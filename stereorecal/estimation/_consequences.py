@@ -66,14 +66,21 @@ def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
 def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None = None) -> Float[np.ndarray, "2 p"]:
     """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
     again where nothing does. In views that are no pinhole, points count by the squares of their disparities."""
-    share = _share(rig, points)
-    ahead = (np.abs(share - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
-    every = np.ones(len(points))
-    weights = np.stack([every / len(points), ahead / ahead.sum() if ahead.any() else every / len(points)])
-    if view is None or view.projection == PINHOLE:
-        return weights
+    return _areas_of_each(rig, [points], view)[0]
+
+
+def _areas_of_each(
+    rig: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None
+) -> list[Float[np.ndarray, "2 _"]]:
+    """`areas` of several sets of points."""
+    points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
+    ahead = (np.abs(_share(rig, points) - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     by_squared_disparity = _stretch(rig, points, view) ** -2
-    return weights * by_squared_disparity / (weights @ by_squared_disparity)[:, None]
+    found = []
+    for inside, counts in zip(np.split(ahead, ends), np.split(by_squared_disparity, ends), strict=True):
+        weights = np.stack([counts, counts * inside if inside.any() else counts])
+        found.append(weights / weights.sum(axis=1, keepdims=True))
+    return found
 
 
 def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
@@ -138,8 +145,10 @@ def _rows_and_nearness(
 
 def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None) -> Float[np.ndarray, "p"]:
     """By how much the view stretches the rows of points, of which disparities tell less by as much."""
+    if view is None or view.projection == PINHOLE:
+        return np.ones(len(points))
     x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
-    return np.ones(len(points)) * _formulas(view).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+    return view.formulas.stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
 def readings_at(
@@ -149,7 +158,8 @@ def readings_at(
     disparities over the view, and ahead."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), view))
-    return rows, np.array([areas(true, points, view) @ some for points, some in zip(sets, nearness, strict=True)])
+    each = zip(_areas_of_each(true, sets, view), nearness, strict=True)
+    return rows, np.array([weights @ some for weights, some in each])
 
 
 def _focal(used: StereoRig) -> float:
@@ -210,7 +220,8 @@ def consequences(
     )
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([areas(used, points, view) @ part for points, part in zip(sets, by_distance, strict=True)])
+    weights = _areas_of_each(used, sets, view)
+    means = np.stack([weight @ part for weight, part in zip(weights, by_distance, strict=True)])
     roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
     variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
     return Consequences(distances, tuple(sets), tuple(np.split(rows.T, ends)), means, variation)
