@@ -65,12 +65,15 @@ class Expected:
         later: (m, 3) for the left camera.
         at_partner_times: (2, m, 3) for the left camera at the times when the right one sees them.
         right: (2, m, 3) for the right camera at both times.
+        by_later, by_right: (m, 2, 3), (2, m, 2, 3) derivatives of the pixels in which they appear by where they are.
         along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
     """
 
     later: Float[np.ndarray, "m 3"]
     at_partner_times: Float[np.ndarray, "2 m 3"]
     right: Float[np.ndarray, "2 m 3"]
+    by_later: Float[np.ndarray, "m 2 3"]
+    by_right: Float[np.ndarray, "2 m 2 3"]
     along: Float[np.ndarray, "2 m 2"]
 
 
@@ -82,13 +85,13 @@ class Residuals:
         value: (m, 4).
         by_nearness: (m, 4), by ρ.
         by_motion: (m, 4, 6).
-        along: (m, 2) the epipolar lines of the second pair.
+        expected: what this rests on.
     """
 
     value: Float[np.ndarray, "m 4"]
     by_nearness: Float[np.ndarray, "m 4"]
     by_motion: Float[np.ndarray, "m 4 6"]
-    along: Float[np.ndarray, "m 2"]
+    expected: Expected
 
 
 def track_readings(tracks: Tracks, rig: StereoRig) -> TrackReadings:
@@ -109,38 +112,35 @@ def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
 
 def residuals(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
     """Residuals of the tracks of points with these inverse depths [1 / m]."""
-    predicted = _expected(readings, rig, motion, nearness)
-    rotation, baseline, moved = rig.rotation, np.asarray(rig.translation), motion.translation
+    expected = _expected(readings, rig, motion, nearness)
+    rotation, baseline = rig.rotation, np.asarray(rig.translation)
+    moves = readings.after[..., None] * motion.translation
     value = np.empty((len(nearness), PER_TRACK))
     by_nearness, by_motion = np.empty_like(value), np.empty((*value.shape, MOVES))
-    moves = readings.after[..., None] * moved
 
-    def by_move(point: Float[np.ndarray, "m 3"], number: int) -> Float[np.ndarray, "m 6 3"]:
-        by_turn = _crossed(point - nearness[:, None] * moves[number])
-        whole = np.concatenate([by_turn, nearness[:, None, None] * np.eye(3)], axis=2).swapaxes(1, 2)
+    def by_move(by_point: Float[np.ndarray, "m k 3"], point: Float[np.ndarray, "m 3"], number: int):
+        """Derivatives by the motion, after a share of it, of what has these by a point of the left camera."""
+        by_turn = by_point @ _crossed(point - nearness[:, None] * moves[number])
+        whole = np.concatenate([by_turn, nearness[:, None, None] * by_point], axis=2)
         return readings.after[number][:, None, None] * whole
 
-    value[:, 1:3] = readings.tracks.left[1] - rig.left.project(predicted.later)
-    by_nearness[:, 1:3] = -_pixels(readings.later, predicted.later, moves[0])
-    of_later = _pixels(readings.later[:, None], predicted.later[:, None], by_move(predicted.later, 0))
-    by_motion[:, 1:3] = -of_later.swapaxes(1, 2)
+    value[:, 1:3] = readings.tracks.left[1] - rig.left.project(expected.later)
+    by_nearness[:, 1:3] = -_times(expected.by_later, moves[0])
+    by_motion[:, 1:3] = -by_move(expected.by_later, expected.later, 0)
     for time, index in enumerate(_PARTNERS):
-        right, along, pixels = predicted.right[time], predicted.along[time], readings.partners[time]
-        value[:, index] = _dot(along, readings.tracks.right[time] - rig.right.project(right))
-        shift = baseline + moves[1 + time] @ rotation.T
-        by_nearness[:, index] = -_dot(along, _pixels(pixels, right, shift))
-        of_right = _pixels(
-            pixels[:, None], right[:, None], by_move(predicted.at_partner_times[time], 1 + time) @ rotation.T
-        )
-        by_motion[:, index] = -_dot(along[:, None], of_right)
-    return Residuals(value, by_nearness, by_motion, predicted.along[1])
+        along, point = expected.along[time], expected.at_partner_times[time]
+        value[:, index] = _dot(along, readings.tracks.right[time] - rig.right.project(expected.right[time]))
+        by_right = along[:, None] @ expected.by_right[time]
+        by_nearness[:, index] = -_dot(by_right[:, 0], baseline + moves[1 + time] @ rotation.T)
+        by_motion[:, index] = -by_move(by_right @ rotation, point, 1 + time)[:, 0]
+    return Residuals(value, by_nearness, by_motion, expected)
 
 
 def parallax(readings: TrackReadings, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
     """How many pixels of the left camera's later image the translation moves each point, whatever the rotation."""
     move = nearness[:, None] * readings.after[0][:, None] * motion.translation
     turned = _turned(readings.rays, motion, readings.after[0])
-    return np.linalg.norm(_pixels(readings.later, turned + move, move), axis=1)
+    return np.linalg.norm(_times(_by_point(readings.later, turned + move), move), axis=1)
 
 
 def by_theta(
@@ -153,46 +153,39 @@ def by_theta(
     """Derivatives of the residuals by θ; as seen by the cameras of the rig there. Pixels stay pixels: longer focal
     lengths do not make errors smaller."""
     rig, found = chart.rig_at(theta), np.zeros((len(nearness), PER_TRACK, chart.dim))
-    predicted = _expected(readings, rig, motion, nearness)
+    expected = _expected(readings, rig, motion, nearness)
     outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    found[..., outer] = by_extrinsics(readings, rig, chart.extrinsic_slopes[outer], motion, nearness)
+    found[..., outer] = by_extrinsics(expected, rig, chart.extrinsic_slopes[outer], nearness)
     # Intrinsics of the left camera move the ray, and with it all that is expected.
     own, names = lens_parameters(chart, SIDES[0])
     units = chart.half_width[own, None, None]
     slopes = units * ray_slopes(rig.left, readings.rays, names)
     rays = np.concatenate([slopes, np.zeros_like(slopes[..., :1])], axis=-1)
     turned = [_turned(rays, motion, share) for share in readings.after]
-    of_pixels = units * pixel_slopes(rig.left, predicted.later, names)[1] + _pixels(
-        readings.later, predicted.later, turned[0]
-    )
+    of_pixels = units * pixel_slopes(rig.left, expected.later, names)[1] + _times(expected.by_later, turned[0])
     found[:, 1:3, own] = -np.moveaxis(of_pixels, 0, -1)
     for time, index in enumerate(_PARTNERS):
-        moved = _pixels(readings.partners[time], predicted.right[time], turned[1 + time] @ rig.rotation.T)
-        found[:, index, own] = -_dot(predicted.along[time], moved).T
+        moved = _times(expected.by_right[time], turned[1 + time] @ rig.rotation.T)
+        found[:, index, own] = -_dot(expected.along[time], moved).T
     own, names = lens_parameters(chart, SIDES[1])
     units = chart.half_width[own, None, None, None]
-    of_pixels = units * pixel_slopes(rig.right, predicted.right, names)[1]
+    of_pixels = units * pixel_slopes(rig.right, expected.right, names)[1]
     for time, index in enumerate(_PARTNERS):
-        found[:, index, own] = -_dot(predicted.along[time], of_pixels[:, time]).T
+        found[:, index, own] = -_dot(expected.along[time], of_pixels[:, time]).T
     return found
 
 
 def by_extrinsics(
-    readings: TrackReadings,
-    rig: StereoRig,
-    slopes: Float[np.ndarray, "e 6"],
-    motion: Motion,
-    nearness: Float[np.ndarray, "m"],
+    expected: Expected, rig: StereoRig, slopes: Float[np.ndarray, "e 6"], nearness: Float[np.ndarray, "m"]
 ) -> Float[np.ndarray, "m 4 e"]:
     """Derivatives of the residuals by what moves the extrinsics of a rig, as `RigChart.extrinsic_slopes` has it: they
     move what the right camera sees."""
-    predicted = _expected(readings, rig, motion, nearness)
     found = np.zeros((len(nearness), PER_TRACK, len(slopes)))
     by_angles, by_shift = np.split(slopes, 2, axis=1)
     turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
     for time, index in enumerate(_PARTNERS):
-        moved = predicted.at_partner_times[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
-        found[:, index] = -_dot(predicted.along[time], _pixels(readings.partners[time], predicted.right[time], moved)).T
+        moved = expected.at_partner_times[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
+        found[:, index] = -_dot(expected.along[time], _times(expected.by_right[time], moved)).T
     return found
 
 
@@ -202,10 +195,10 @@ def _expected(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness:
     points = turned + inverse_depth * readings.after[..., None] * motion.translation
     later, at_partner_times = points[0], points[1:]
     right = at_partner_times @ rig.rotation.T + inverse_depth * baseline
-    along = _pixels(readings.partners, right, baseline)
-    return Expected(
-        later, at_partner_times, right, along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
-    )
+    by_later, by_right = _by_point(readings.later, later), _by_point(readings.partners, right)
+    along = by_right @ baseline
+    along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
+    return Expected(later, at_partner_times, right, by_later, by_right, along)
 
 
 def _turned(
@@ -223,12 +216,16 @@ def _turned(
     return vectors + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
 
 
-def _pixels(
-    per_ray: Float[np.ndarray, "*#c 2 2"], point: Float[np.ndarray, "*#c 3"], moved: Float[np.ndarray, "*#c 3"]
-) -> Float[np.ndarray, "*c 2"]:
-    """How the pixel of a point moves with it."""
-    at_1 = point[..., :2] / point[..., 2:]
-    return (per_ray @ ((moved[..., :2] - at_1 * moved[..., 2:]) / point[..., 2:])[..., None])[..., 0]
+def _by_point(per_ray: Float[np.ndarray, "*c 2 2"], point: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 2 3"]:
+    """Derivatives of the pixel of a point by where it is."""
+    x, y, z = (point[..., axis, None] for axis in range(3))
+    by_x, by_y = per_ray[..., 0], per_ray[..., 1]
+    return np.stack([by_x, by_y, -(by_x * (x / z) + by_y * (y / z))], axis=-1) / z[..., None]
+
+
+def _times(slopes: Float[np.ndarray, "*#c 2 3"], moved: Float[np.ndarray, "*#c 3"]) -> Float[np.ndarray, "*c 2"]:
+    """How pixels move with their points."""
+    return (slopes @ moved[..., None])[..., 0]
 
 
 def _dot(one: Float[np.ndarray, "*#c 2"], other: Float[np.ndarray, "*#c 2"]) -> Float[np.ndarray, "*c"]:

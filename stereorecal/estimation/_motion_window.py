@@ -163,10 +163,10 @@ def _motion(
         if not round_:  # the first pair alone
             nearness = nearness - linear.value[:, 0] / linear.by_nearness[:, 0]
             continue
-        of_yaw = by_extrinsics(readings, rig, slopes, motion, nearness)
+        of_yaw = by_extrinsics(linear.expected, rig, slopes, nearness)
         columns = np.concatenate([linear.value[..., None], linear.by_motion, of_yaw], axis=2)
         depth_eliminated, pulls, _ = _without_depth(
-            _roots(linear.along, _approach(motion, nearness)), linear.by_nearness, columns
+            _roots(linear.expected.along[1], _approach(motion, nearness)), linear.by_nearness, columns
         )
         track_rms = np.sqrt(np.mean(depth_eliminated[..., 0] ** 2, axis=1))
         scale = max(float(np.median(track_rms)) / _MEDIAN, _LEAST_SCALE)
@@ -230,7 +230,7 @@ def _products(
     linear = residuals(readings, rig, found.motion, found.nearness)
     by = by_theta(readings, chart, theta, found.motion, found.nearness)
     columns = np.concatenate([linear.value[..., None], by, linear.by_motion], axis=2)
-    white = _roots(linear.along, _approach(found.motion, found.nearness))
+    white = _roots(linear.expected.along[1], _approach(found.motion, found.nearness))
     depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
     depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
     place = places_of(readings.tracks.left[0], readings.size)
