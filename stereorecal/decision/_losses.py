@@ -55,13 +55,14 @@ def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances
 
 
 def chances_of_harm(initial: Losses, after: Losses, limits: Tolerances) -> tuple[float, float]:
-    """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to
-    lose."""
+    """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to lose
+    to one that explains the rows. What leaves them misaligned may be wrong about anything."""
     # NaN is no proof of harmlessness.
     lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
     farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
     worse = float(np.mean(lost | farther))
-    return worse, float(np.mean(lost)) if is_beyond_matching(initial, limits) else worse
+    explains = bool(np.median(after.mean_rows) <= limits.good_rows_px)
+    return worse, float(np.mean(lost)) if explains and is_beyond_matching(initial, limits) else worse
 
 
 def is_beyond_matching(initial: Losses, limits: Tolerances) -> bool:

@@ -21,7 +21,7 @@ from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._motion import Windows, root_and_mean, together
 from stereorecal.estimation._motion_residuals import Motion
 from stereorecal.estimation._motion_window import Window, window
-from stereorecal.geometry import StereoRig, rotation_from_vector, vector_from_rotation
+from stereorecal.geometry import StereoRig, euler_from_rotation, rotation_from_vector, vector_from_rotation
 from stereorecal.objectives import RigChart
 
 _LATE = 0.005  # probability: as of an image that is late among single pairs
@@ -184,5 +184,5 @@ def of_motion(chart: RigChart, rig: StereoRig, motion: Motion) -> Float[np.ndarr
     turn = vector_from_rotation(motion.rotation)
     rotation = rig.rotation @ np.asarray(rotation_from_vector(_STEP * turn), float)
     translation = np.asarray(rig.translation) + _STEP * rig.rotation @ motion.translation
-    moved = StereoRig.from_rotation(rig.left, rig.right, rotation, translation)
-    return (chart.coordinates_of(moved) - chart.coordinates_of(rig)) / _STEP
+    moved = np.concatenate([euler_from_rotation(rotation), translation])
+    return (chart.coordinates(moved) - chart.coordinates(np.asarray(rig.extrinsics))) / _STEP

@@ -11,13 +11,15 @@ from stereorecal.scoring import Correspondences
 def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) -> tuple[Parameters, Decision]:
     """What may change, and the decision on it: as it is in the case; or everything, where that does not explain the
     rows of several places, and all parameters together do, also in frames that took no part. Where there are fewer
-    places, nothing refutes intrinsics that explain what the extrinsics leave.
+    places, nothing refutes intrinsics that explain what the extrinsics leave. What a late shutter leaves, they do not
+    explain.
 
     Args:
         found: that the estimate rests on.
     """
     held = decide(estimate, case.free.names, case.tolerances)
-    if not case.free.widens or held.verdict is Verdict.GOOD or held.explains:
+    late = estimate.delay is not None and estimate.delay.probability > 0.5
+    if not case.free.widens or held.verdict is Verdict.GOOD or held.explains or late:
         return case.free, held
     if not shows_several_places(estimate):
         return case.free, decide(estimate, case.free.names, case.tolerances, intrinsics_explain=True)
