@@ -18,11 +18,10 @@ from stereorecal.comparison.judges import (
     case_of,
     depth_by_truth,
     recipes_of,
+    row_error_px,
     scene_with_truth,
 )
 from stereorecal.comparison.judges._distance_travelled import Travelled, depth_at, disparity_offset_px, travelled
-from stereorecal.comparison.judges._optics import optics
-from stereorecal.comparison.judges._rendered_judge import Rendered
 from stereorecal.comparison.judges._simulated_calibration import calibrated, true_rig
 
 SIZE, FOCAL, BASELINE, SHIFT = (320, 240), 300.0, 0.3, 6.0
@@ -238,8 +237,9 @@ def test_wide_lenses_are_refused_before_any_method_runs(tmp_path):
     for judge in ("boards", "product", "motion"):
         with pytest.raises(sr.InputError, match=r"pinhole cameras \(radtan\) only, not equidistant"):
             recipes_of(f"{judge}={tmp_path}", Draws(square=0.03))
+    wide = sr.Scene("wide", wide_rig(), (sr.Pair(*images),))
     with pytest.raises(sr.InputError, match="pinhole cameras"):
-        optics(wide_rig())
+        row_error_px(wide_rig(), wide_rig(), wide)
     wall = lidar_scene(tmp_path / "wall")
     sr.io.save_scene(sr.Scene("wide", wide_rig([0.0] * 4), (sr.Pair(*images),)), tmp_path / "wide")
     told, wide = (json.loads((folder / "calib.json").read_text()) for folder in (wall, tmp_path / "wide"))
@@ -267,7 +267,7 @@ def test_a_folder_is_judged_as_it_is_stored_and_after_a_drift(tmp_path):
 
 @pytest.mark.slow
 def test_a_rendered_case_knows_its_truth():
-    case = Rendered("coast-0", 0, 0, 0.5, 0.01, "coast", 1).make()
+    case = case_of(recipes_of("rendered=coast", Draws())[0])
     before = case.judge(case.start)
     assert before.row_error_px > 1.0
     assert before.rotation_error_deg is not None
@@ -282,5 +282,5 @@ def test_the_offset_of_disparity_is_in_pixels_of_the_stored_camera():
     rays = np.column_stack([draw.uniform(-0.1, 0.1, (300, 2)), np.ones(300)])
     points = rays * depth[:, None]
     seen = Travelled(rig.left.project(points), rig.right.project(points + rig.translation), depth, 1)
-    assert optics(rig).focal < 0.9 * FOCAL
+    assert sr.rectification(rig).P1[0, 0] < 0.9 * FOCAL
     assert disparity_offset_px(turned(rig, yaw=0.2), rig, seen) == pytest.approx(np.radians(0.2) * FOCAL, rel=0.05)

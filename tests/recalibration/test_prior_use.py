@@ -10,8 +10,8 @@ from hypothesis import given, settings, strategies as st
 import stereorecal as sr
 from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
 from stereorecal.io import load_rig, save_rig
-from stereorecal.recalibration import Condition, _prior_use
-from stereorecal.recalibration._prior_use import fingerprint, prior_use
+from stereorecal.recalibration import Condition
+from stereorecal.recalibration._prior_use import fingerprint, known_after, prior_use
 
 DRIFT = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
 MATCHER = sr.SAD(num_disparities=32)
@@ -222,6 +222,6 @@ def test_of_a_repair_that_takes_intrinsics_as_exact_depth_is_not_known(scenes):
 
 def test_only_one_repair_back_is_kept(scenes, first):
     use = replace(prior_use(first.prior, first.rig, scenes[1][1:]), images=("11" * 8,))
-    after = _prior_use.known_after(use, first.estimate, first.rig, first.rig, [0], good=True)
+    after = known_after(use, first.estimate, first.rig, first.rig, [0], good=True)
     assert after.images == (*first.prior.images, "11" * 8)
     assert after.earlier.prior is first.prior.known
