@@ -15,9 +15,16 @@ from rides import Ride
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.online import Config, Event, Kind, MonitorProcess, State, _monitor_process, freeze, init, load, save
+from stereorecal.online import Config, Event, Kind, MonitorProcess, State, freeze, init, load, save
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
+
+
+@pytest.fixture(scope="module")
+def running(ride: Ride):
+    """One that tests which leave it alive share: a start takes a second."""
+    with MonitorProcess(ride.rig) as beside:
+        yield beside
 
 
 def test_a_process_that_died_is_told(ride: Ride):
@@ -121,43 +128,42 @@ def told_corners(state: State) -> tuple[State, tuple[Event, ...]]:
     return state, (Event(state.frame, Kind.HEALTHY, "lost" if state.corners is None else "kept"),)
 
 
-@pytest.mark.slow
-def test_the_images_of_corners_stay_in_the_process(ride: Ride):
-    with MonitorProcess(ride.rig) as beside:
-        beside.change(with_corners)
-        beside.change(told_corners)
-        (event,) = told(beside, Kind.HEALTHY)
-        assert event.why == "kept"
-        assert beside.latest()[0].corners is None
+def test_the_images_of_corners_stay_in_the_process(running: MonitorProcess):
+    running.latest()  # what happened before
+    running.change(with_corners)
+    running.change(told_corners)
+    (event,) = told(running, Kind.HEALTHY)
+    assert event.why == "kept"
+    assert running.latest()[0].corners is None
 
 
-def test_the_times_of_pairs_reach_the_steps(ride: Ride, monkeypatch: pytest.MonkeyPatch):
+def followed(state: State, since: int) -> tuple[State, tuple[Event, ...]]:
+    """Corners that were found so many pairs ago, at 4 seconds; a step that cannot find them again looks sooner."""
+    none = np.zeros((0, 2))
+    corners = Corners(np.zeros((240, 320), np.uint8), none, none)
+    return state.replace(corners=corners, corners_frame=state.frame - since, corners_time=4.0, tracked_pairs=4), ()
+
+
+def test_the_times_of_pairs_reach_the_steps(running: MonitorProcess):
     """What is followed is given up where the clock jumps back."""
-    noise, answers = np.random.default_rng(0).integers(0, 255, (2, 240, 320), np.uint8), []
-    pairs = [(*noise, 5.0), Pair(*noise.astype(np.float32), time=5.5), (*noise, 3.0), tuple(noise), (0 * noise[0],) * 2]
-
-    def stepped(state: State, pair: Pair | tuple, seconds: float | None):
-        time = pair.time if isinstance(pair, Pair) else None
-        answers.append((type(pair), time, state.last is None))
-        return state.replace(last=noise[0]), ()
-
-    class Pipe:
-        def __init__(self):
-            self.waiting = [*map(_monitor_process._images_alone, pairs), None]
-
-        def recv(self):
-            return self.waiting.pop(0)
-
-        def send(self, answer):
-            assert answer[0].last is None
-
-    monkeypatch.setattr(_monitor_process, "step", stepped)
-    monkeypatch.setattr(_monitor_process.os, "nice", lambda _: None)
-    monkeypatch.setattr(_monitor_process.signal, "signal", lambda *_: None)
-    _monitor_process._worker(Pipe(), init(ride.rig), None, 0.0, 0, None, 1.0)
-    assert [time for _, time, _ in answers] == [5.0, 5.5, 3.0, None, None]
-    assert [anew for _, _, anew in answers] == [True, False, True, False, False]
-    assert answers[-1][0] is tuple  # which a step refuses
+    left, right = np.random.default_rng(0).integers(0, 4, (2, 240, 320), np.uint8) * 64  # too coarse for a look
+    pairs = [
+        ((left, right, 5.0), 50, True),
+        (Pair(left.astype(np.float32), right.astype(np.float32), time=5.5), 50, True),
+        ((left, right, 5.2), 50, False),
+        ((left, right), 50, False),
+        ((left, right), 5, True),
+        ((left, right, 7.0), 50, False),
+    ]
+    start, until = running.latest()[0].frame, time.perf_counter() + 120
+    for number, (pair, since, looked_for) in enumerate(pairs, start + 1):
+        running.change(partial(followed, since=since))
+        running.put(pair)
+        while running.latest()[0].frame < number and time.perf_counter() < until:
+            time.sleep(0.005)
+        state, _ = running.latest()
+        assert (state.frame, state.tracked_pairs) == (number, 2 if looked_for else 4)
+        assert state.last is None  # images stay there
 
 
 @pytest.mark.slow
@@ -169,7 +175,8 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
 
     def settled(state: State, config: Config) -> State:
         save(state, place)
-        return _monitor_process._set(load(place, ride.rig), init(ride.rig, config))
+        with MonitorProcess(ride.rig, config, keep=place) as beside:
+            return beside.latest()[0]
 
     same = settled(narrow, Config())
     assert same.matcher == known
@@ -185,17 +192,17 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
     assert not settled(freeze(narrow), Config(every=2)).config.repair
 
 
-def test_what_cannot_be_sent_is_refused_where_it_is_given(ride: Ride):
+@pytest.mark.usefixtures("unchecked")
+def test_what_cannot_be_sent_is_refused_where_it_is_given(running: MonitorProcess):
     image = np.zeros((240, 320), np.uint8)
-    with MonitorProcess(ride.rig) as beside:
-        with pytest.raises((AttributeError, TypeError, PicklingError)):
-            beside.change(lambda state: (state, ()))
-        for pair in ((image,), (image, np.array([None])), (image, image, "now"), 3):
-            with pytest.raises(InputError, match="the pair"):
-                beside.put(pair)
-        beside.change(told_corners)
-        assert told(beside, Kind.HEALTHY)
-        assert beside.alive
+    with pytest.raises((AttributeError, TypeError, PicklingError)):
+        running.change(lambda state: (state, ()))
+    for pair in ((image,), (image, np.array([None])), (image, image, "now"), 3):
+        with pytest.raises(InputError, match="the pair"):
+            running.put(pair)
+    running.change(told_corners)
+    assert told(running, Kind.HEALTHY)
+    assert running.alive
 
 
 class Unreadable(str):
