@@ -7,9 +7,8 @@ import pytest
 from simulated_tracks import tracks_of
 
 from stereorecal.estimation import Normal
-from stereorecal.online import _moving
-from stereorecal.online._filter import Measurement
-from stereorecal.online._moving import _after_window, _longest, _measurement, moved
+from stereorecal.online import State, _moving, step
+from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
 
@@ -17,67 +16,71 @@ def with_corners(state, pairs=5, since=None):
     grid = np.stack(np.meshgrid(np.arange(20.0, 300.0, 20.0), np.arange(20.0, 220.0, 40.0)), axis=-1).reshape(-1, 2)
     image = np.random.default_rng(0).integers(0, 255, (240, 320), dtype=np.uint8)
     corners = Corners(image, grid, grid - np.array([8.0, 0.0]))
-    return state.replace(corners=corners, corners_frame=state.frame - pairs, corners_time=since)
+    return state.replace(corners=corners, corners_frame=state.frame - pairs, corners_time=since, tracked_pairs=4)
+
+
+def after_coarse(state: State, readout: float = 0.0, time: float | None = None) -> State:
+    """The state after a pair of so few grey levels that only corners are looked for; it tells nothing of the rig."""
+    left, right = np.random.default_rng(1).integers(0, 4, (2, 240, 320)).astype(np.float32) * 64.0
+    after, _ = step(state, Pair(left, right, time=time).read_out(readout))
+    np.testing.assert_array_equal(after.estimate.mean, state.later().estimate.mean)
+    return after
 
 
 @pytest.mark.parametrize("time", [10.0, 9.0, 12.5, 10_000.0])
-def test_times_that_stand_go_back_or_jump_end_it(ride, ridden, time):
-    state = with_corners(ridden[-1].state, since=10.0)
-    after = moved(state, replace(ride.pairs[-1], time=time))
-    assert after.corners is None
-    assert after.estimate is state.estimate
+def test_times_that_stand_go_back_or_jump_end_it(ridden, time):
+    after = after_coarse(with_corners(ridden[-1].state, since=10.0), time=time)
+    assert (after.corners, after.tracked_pairs) == (None, 4)  # not even looked for
 
 
 @pytest.mark.parametrize(("since", "time"), [(None, None), (10.0, None), (None, 10.5)])
 @pytest.mark.parametrize(("pairs", "soon"), [(16, True), (17, False), (500, False)])
-def test_where_times_are_not_known_sixteen_pairs_end_it(ride, ridden, since, time, pairs, soon):
+def test_where_times_are_not_known_sixteen_pairs_end_it(ridden, since, time, pairs, soon):
     """As a repair takes, during which corners are not looked for."""
-    state = with_corners(ridden[-1].state, pairs, since).replace(tracked_pairs=4)
-    after = moved(state, replace(ride.pairs[-1], time=time))
+    after = after_coarse(with_corners(ridden[-1].state, pairs, since), time=time)
     assert after.corners is None
     assert after.tracked_pairs == (2 if soon else 4)  # looked for, and not seen again; or not asked
-    assert after.estimate is state.estimate
 
 
 def test_looks_that_are_far_apart_stay_within_sixteen_pairs(ridden):
     for every, longest in ((1, 16), (5, 15), (30, 1)):
         state = ridden[-1].state
-        assert _longest(state.replace(config=replace(state.config, every=every))) == longest
+        assert _moving._longest(state.replace(config=replace(state.config, every=every))) == longest
 
 
-def test_until_the_rig_may_have_moved_nothing_is_asked(ride, ridden):
-    state = with_corners(ridden[-1].state, pairs=1).replace(tracked_pairs=2)
-    assert moved(state, ride.pairs[-1]) is state
+def test_until_the_rig_may_have_moved_nothing_is_asked(ridden):
+    state = with_corners(ridden[-1].state, pairs=3)
+    after = after_coarse(state)
+    assert after.corners is state.corners
+    assert after.tracked_pairs == 4
 
 
-def test_corners_that_are_not_seen_again_are_looked_for_sooner(ride, ridden):
-    state = with_corners(ridden[-1].state).replace(tracked_pairs=4)
-    after = moved(state, ride.pairs[-1])
-    assert (after.tracked_pairs, after.corners) == (2, None)
-    assert after.estimate is state.estimate
+def test_corners_that_are_not_seen_again_are_looked_for_sooner(ridden):
+    after = after_coarse(with_corners(ridden[-1].state))
+    assert (after.corners, after.tracked_pairs) == (None, 2)
 
 
 def test_what_lenses_leave_of_the_yaw_is_in_common_to_all_windows(ridden):
     """It does not blur each of them by itself, or many would be surer of it."""
     state, info = ridden[-1].state, np.diag([0.0, 1e6, 0.0, 0.0, 0.0])
-    told = _measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
+    told = _moving._measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
     assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
     assert told.doubt == 0.02
     exact = state.replace(config=replace(state.config, prior="exact"))
-    assert _measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
+    assert _moving._measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
 
 
 def told_yaw(state, degrees, sigma=0.02):
-    offset, information = np.zeros(5), np.zeros((5, 5))
-    offset[1], information[1, 1] = state.estimate.offset[1] + degrees, sigma**-2.0
-    return Measurement(state.frame, offset, information, np.zeros(5), keystone=False)
+    """By a window whose own deviation is so much, wider than its tracks say by three."""
+    info, yaw = np.diag([0.0, 9.0 * sigma**-2.0, 0.0, 0.0, 0.0]), state.estimate.offset[1] + degrees
+    return _moving._measurement(state, Normal(info, info @ (yaw * np.eye(5)[1] - state.using), 0.0), np.zeros(3))
 
 
 def test_a_boat_that_crosses_the_view_has_no_say(ridden):
     """Window after window, it tells a yaw of which rows know nothing."""
     state = ridden[-1].state
     for _ in range(6):
-        state = _after_window(state, told_yaw(ridden[-1].state, 0.7))
+        state = _moving._after_window(state, told_yaw(ridden[-1].state, 0.7))
     assert state.estimate.offset[1] == pytest.approx(ridden[-1].state.estimate.offset[1])
 
 
@@ -87,9 +90,9 @@ def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden
     mean[9] = mean[1] + 0.5
     state = state.standing_at(replace(state.estimate, mean=mean))
     told = told_yaw(state, 0.5)
-    once = _after_window(state, told)
+    once = _moving._after_window(state, told)
     assert once.estimate.offset[1] == pytest.approx(state.estimate.offset[1], abs=1e-3)
-    twice = _after_window(once, told)
+    twice = _moving._after_window(once, told)
     assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
 
 
@@ -101,23 +104,21 @@ def test_two_windows_of_a_boat_are_not_believed_either(ridden):
         mean[9] = keystone
         start = after = state.standing_at(replace(state.estimate, mean=mean))
         for _ in range(3):
-            after = _after_window(after, told_yaw(start, -0.7))
+            after = _moving._after_window(after, told_yaw(start, -0.7))
         assert after.estimate.offset[1] == pytest.approx(start.estimate.offset[1], abs=1e-3)
         assert after.others > 0.9
 
 
-def test_a_rolling_shutter_whose_times_are_not_known_tells_nothing(ride, ridden):
-    state = with_corners(ridden[-1].state)
-    after = moved(state, ride.pairs[-1].read_out(0.02))
-    assert after.corners is None
-    assert after.estimate is state.estimate
+def test_a_rolling_shutter_whose_times_are_not_known_tells_nothing(ridden):
+    after = after_coarse(with_corners(ridden[-1].state), readout=0.02)
+    assert (after.corners, after.tracked_pairs) == (None, 4)
 
 
 def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
-    """A delay counts in frames, and corners are followed over several."""
-    state, turn, told = with_corners(ridden[-1].state, pairs=4), (0.004, -0.008, 0.002), []
-    state = state.replace(tracked_pairs=2)
+    """A delay counts in frames, and corners are followed over several. A filter that is sure of another yaw waits for
+    the next window, and keeps what this one told."""
+    state, turn = with_corners(ridden[-1].state, pairs=4), (0.004, -0.008, 0.002)
+    sure = state.estimate.moved(state.estimate.offset + [0.0, 1.0, 0.0, 0.0, 0.0], 1e-4 * np.eye(5))
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
-    monkeypatch.setattr(_moving, "_after_window", lambda after, measured: told.append(measured) or after)
-    _moving.moved(state, ride.pairs[-1])
-    np.testing.assert_allclose(told[0].turn[:3], np.degrees(turn) / 4, rtol=0.02)
+    after = _moving.moved(state.standing_at(sure), ride.pairs[-1])
+    np.testing.assert_allclose(after.outlier_motion.turn[:3], np.degrees(turn) / 4, rtol=0.02)
