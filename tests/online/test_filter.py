@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.online import Config
+from stereorecal.online import Config, init
 from stereorecal.online._filter import OF_LENSES, FilterEstimate, Measurement, at_start
-from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
+from stereorecal.synthetic import default_rig
 
 SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])
 PRIOR = np.ones(5)
@@ -276,14 +276,16 @@ def test_exact_intrinsics_have_no_keystone():
 @pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])
 def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)
-    pace = Pace.at(at_start(PRIOR, config))
+    state = init(default_rig(), config)
     for frame in range(80):
         truth[:3] += step * draw.standard_normal(3)
-        pace = pace.later(config).updated(measured(frame, truth, draw))
-    learnt = pace.config(config)
+        state = state.later().measured(measured(frame, truth, draw))
+    learnt = state.pace.config(config)
     assert (learnt.wander[0] > 5.0 * config.wander[0]) is faster
-    again = pace.again(at_start(PRIOR, config))
-    assert again.config(config) == learnt  # a knock says nothing of it
+    again = state.standing_at(at_start(PRIOR, config))
+    assert again.pace.config(config) == learnt  # a knock says nothing of it
+    wider = again.later().estimate.covariance[0, 0] - again.estimate.covariance[0, 0]
+    assert wider == pytest.approx(config.heating[0] ** 2 + learnt.wander[0] ** 2, rel=1e-6)
 
 
 def test_heat_is_as_likely_after_an_hour_as_at_first():

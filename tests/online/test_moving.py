@@ -118,7 +118,7 @@ def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
     """A delay counts in frames, and corners are followed over several. A filter that is sure of another yaw waits for
     the next window, and keeps what this one told."""
     state, turn = with_corners(ridden[-1].state, pairs=4), (0.004, -0.008, 0.002)
-    sure = state.estimate.moved(state.estimate.offset + [0.0, 1.0, 0.0, 0.0, 0.0], 1e-4 * np.eye(5))
+    sure = state.estimate.moved(state.estimate.offset + np.eye(5)[1], 1e-4 * np.eye(5))
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
     after = _moving.moved(state.standing_at(sure), ride.pairs[-1])
     np.testing.assert_allclose(after.outlier_motion.turn[:3], np.degrees(turn) / 4, rtol=0.02)
