@@ -11,8 +11,6 @@ import numpy as np
 import pytest
 
 from stereorecal import _compile_cache
-from stereorecal._background import in_background
-from stereorecal._compile_cache import cached_program
 from stereorecal.matching import SAD
 
 try:
@@ -51,7 +49,7 @@ def folder(tmp_path, configured):
 
 
 def result(fresh=None, value: float = 1.0, **static):
-    call = fresh or cached_program(program, static=("matcher", "times"))
+    call = fresh or _compile_cache.cached_program(program, static=("matcher", "times"))
     return [np.asarray(leaf) for leaf in call({"x": jnp.full(3, value)}, np.float32(2.0), **static)]
 
 
@@ -66,7 +64,7 @@ def test_traced_once_for_all_processes(folder):
 
 
 def test_everything_that_makes_another_program_does(folder):
-    call = cached_program(program, static=("matcher", "times"))
+    call = _compile_cache.cached_program(program, static=("matcher", "times"))
     for static in ({}, {"times": 2}, {"matcher": SAD(num_disparities=16)}, {"matcher": SAD(num_disparities=32)}):
         result(call, **static)
         result(call, **static)
@@ -121,13 +119,13 @@ def test_off_where_jax_keeps_nothing(folder, configured, off):
 
 
 def test_compiled_in_the_background_is_compiled_once(folder):
-    call = cached_program(program, static=("matcher", "times"))
+    call = _compile_cache.cached_program(program, static=("matcher", "times"))
     arguments = ({"x": jnp.full(3, 1.0)}, np.float32(2.0))
     for _ in range(3):
         call.compile_in_background(*arguments, times=3)
     np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
     call.compile_in_background(*arguments, times=3)
-    called = cached_program(program, static=("matcher", "times"))
+    called = _compile_cache.cached_program(program, static=("matcher", "times"))
     called(*arguments, times=2)
     called.compile_in_background(*arguments, times=2)  # which it is already
     assert len(TRACES) == 2
@@ -144,7 +142,7 @@ def test_a_call_waits_for_what_is_begun(folder):
             assert go_on.wait(30)
         return (2 * x,)
 
-    call = cached_program(slow)
+    call = _compile_cache.cached_program(slow)
     call.compile_in_background(np.ones(2))
     assert begun.wait(30)
     with ThreadPoolExecutor(1) as other:
@@ -160,7 +158,7 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
     def broken(x):
         raise ValueError("no such program")
 
-    call, after = cached_program(broken), cached_program(program, static=("times",))
+    call, after = _compile_cache.cached_program(broken), _compile_cache.cached_program(program, static=("times",))
     call.compile_in_background(np.ones(3))
     after.compile_in_background({"x": jnp.zeros(3)}, np.float32(0))
     with pytest.raises(ValueError, match="no such program"):
@@ -171,7 +169,7 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
 
 def test_compiled_in_the_background_without_a_cache(folder, configured):
     configured(jax_enable_compilation_cache=False)
-    call = cached_program(program, static=("times",))
+    call = _compile_cache.cached_program(program, static=("times",))
     call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
     np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])
     assert len(TRACES) == 1
@@ -179,7 +177,7 @@ def test_compiled_in_the_background_without_a_cache(folder, configured):
 
 def test_settings_of_one_thread_make_another_program(folder):
     """Contexts of JAX are those of a thread: the background thread has its own."""
-    call = cached_program(program, static=("times",))
+    call = _compile_cache.cached_program(program, static=("times",))
     with enable_x64(True):
         call.compile_in_background({"x": np.ones(3)}, np.ones(3))
         found = call({"x": np.ones(3)}, np.ones(3))
@@ -188,21 +186,17 @@ def test_settings_of_one_thread_make_another_program(folder):
     assert len(TRACES) == 2
 
 
-def test_a_program_that_ends_waits_for_nothing_that_has_not_begun():
+def test_what_runs_in_the_background():
+    """One after the other; a program that ends waits for nothing that has not begun."""
     code = """
 import threading, time
 from stereorecal._background import in_background
+for over in [in_background(lambda n=n: print(n, flush=True)) for n in range(5)]:
+    over.result(timeout=30)
 began = threading.Event()
-in_background(lambda: (began.set(), time.sleep(0.5), print("first", flush=True)))
-in_background(lambda: print("second", flush=True))
+in_background(lambda: (began.set(), time.sleep(0.5), print("last", flush=True)))
+in_background(lambda: print("never", flush=True))
 began.wait()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert (done.stdout.split(), done.stderr) == (["first"], "")
-
-
-def test_one_after_the_other():
-    seen: list[int] = []
-    for over in [in_background(lambda n=n: seen.append(n)) for n in range(5)]:
-        over.result(timeout=30)
-    assert seen == [0, 1, 2, 3, 4]
+    assert (done.stdout.split(), done.stderr) == ([*"01234", "last"], "")
