@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 
-from stereorecal.comparison import _trial, compare_scenes
+from stereorecal.comparison import compare_scenes
+from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.recalibration import recalibrate_case
-from stereorecal.scoring.host import Score
+from stereorecal.recordings import Pair
+from stereorecal.scoring.host import score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=5)}
@@ -59,21 +61,22 @@ def test_a_strategy_that_does_not_move_changes_nothing(scene):
     assert table.summary[0].success_rate == 0.0
 
 
-def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene, monkeypatch):
-    """Or r would compare a few frames with all."""
-    given_scene, whole = scene("harbour", 0, (160, 120), 2), []
-
-    def leaves_out(*arguments):
-        solution = recalibrate_case(*arguments)
-        whole.append(solution)
-        half = Score(solution.score_before.count // 2, solution.score_before.pixels // 2)
-        frames = replace(solution.frames, used=(0,))
-        return replace(solution.with_findings(score_before=half, score_after=half), frames=frames)
-
-    monkeypatch.setattr(_trial, "recalibrate_case", leaves_out)
-    table = compare_scenes([given_scene], strategies={"idle": Idle()}, **(SMALL | {"draws": 1}))
-    assert [trial.score_initial for trial in table.trials] == [found.score_before.count for found in whole]
-    assert [trial.score_final for trial in table.trials] == [found.score_before.count for found in whole]
+def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene):
+    """Or r would compare a few frames with all. Of a pair that is too dark, which matches all the same."""
+    given = scene("harbour", 0, (160, 120), 2)
+    light, other = given.pairs
+    dark = Pair(*(np.rint(0.1 * image) for image in (other.left, other.right)), name="dark")
+    both = replace(given, pairs=(light, dark))
+    options = SMALL | {"draws": 1, "budget": None}
+    for strategies, accepted in (({"idle": Idle()}, False), ({"compass": strategy("compass")}, True)):
+        (trial,) = compare_scenes([both], strategies=strategies, **options).trials
+        assert trial.accepted is accepted
+        start, final = (given.rig.with_extrinsics(np.array(trial.extrinsics[name])) for name in ("start", "final"))
+        at = {"matcher": options["matcher"], "view": view(start)}
+        assert (trial.score_initial, trial.score_final) == tuple(
+            score(rig, both.pairs, **at).count for rig in (start, final)
+        )
+        assert trial.score_initial > score(start, [light], **at).count
 
 
 def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):
