@@ -10,7 +10,6 @@ import stereorecal as sr
 from stereorecal.estimation import estimate
 from stereorecal.geometry import changed_camera, view
 from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason, row_errors_of
-from stereorecal.recalibration._expected import expected_of
 from stereorecal.recalibration._repair_report import conclusion_of, report_of
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
@@ -159,11 +158,12 @@ def test_lenses(repaired, harbour):
     assert intrinsics_of(None) == intrinsics_of(replace(seen, outcome=kept)) == []
 
 
-def test_what_is_to_be_expected_of_rows_has_the_sign_of_the_rows(rig, chart, seen):
+def test_what_is_to_be_expected_of_rows_has_the_sign_of_the_rows(repaired, rig, chart, seen):
     """As `sr.difference` has them: the row in the left rectified image less the one in the right."""
     true = chart.rig_at(np.r_[0.3, 0.0, 0.2, np.zeros(chart.dim - 3)])
     shown, columns, rows = view(rig), np.linspace(0, 639, 17), np.linspace(0, 479, 13)
-    found = expected_of(estimate(seen(rig, true, cells=900), rig), rig, shown, 0.0)
+    kept = replace(repaired, initial=rig, reason=Reason.ALREADY_GOOD, search=replace(repaired.search, view=shown))
+    found = kept.with_findings(estimate=estimate(seen(rig, true, cells=900), rig)).expected
     apart = row_errors_of(rig, true, shown, columns, rows, (10.0,))[0]
     assert np.nanmean(np.abs(apart)) > 1.0
     assert np.nanmax(np.abs(found.rows - apart) / found.rows_deviation) < 5.0
