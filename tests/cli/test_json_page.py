@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from json_page import differences, listed, matched, paths
+from simulated_tracks import tracks_of
 
 import stereorecal as sr
 from stereorecal.comparison import errors_by_truth
-from stereorecal.estimation import Estimate, Posterior, rig_parameters
+from stereorecal.estimation import Estimate, Posterior, Windows, rig_parameters
 from stereorecal.recalibration import RangesSeen
-from stereorecal.recalibration._motion_report import motion_as_dict
 
 INTRINSICS = sr.Intrinsics(  # freeing them takes longer than a test may
     sr.IntrinsicsOutcome.REFINED, ("k1",), ("",), np.zeros(1), np.ones(1), (), 0.2, 0.1, 0.9, 0.1
@@ -25,6 +25,7 @@ MOVED = Estimate(
     1,
     0.0,
     np.ones(CHART.dim),
+    windows=Windows((tracks_of(RIG),), ((0, 1),), (1.0,)),
 )
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
 
@@ -51,7 +52,9 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         assert content["repairs"][0]["motion"] is None
         content["repairs"][0]["intrinsics"] = INTRINSICS.as_dict()
         content["repairs"][0]["ranges"] = RangesSeen(5, 4, 1).as_dict()
-        content["repairs"][0]["motion"] = motion_as_dict(MOVED)
+        given = sr.io.load_scene(drifted_scene)
+        repaired = sr.recalibrate(given.rig, given.pairs, budget=1)
+        content["repairs"][0]["motion"] = repaired.with_findings(estimate=MOVED).to_dict(expected=False)["motion"]
     if schema == "compare":  # of a scene whose true rig is not known
         (trial,), (row,) = content["trials"], content["summary"]
         assert trial["by_truth"] is row["harmful"] is row["row_error_px_median"] is None
