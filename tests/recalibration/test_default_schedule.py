@@ -9,14 +9,13 @@ from rich.console import Console
 
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Reason, Repair, Schedule, ScoreKind, Solution, Stage, as_settings, recalibrate
-from stereorecal.recalibration._ending import Ending
+from stereorecal.objectives import Reach, as_parameters
+from stereorecal.recalibration import Case, Reason, Repair, Schedule, ScoreKind, Solution, Stage, recalibrate
 from stereorecal.recalibration._initial_assessment import InitialAssessment, assess_initial_rig
-from stereorecal.recalibration._prepared_case import prepared
 from stereorecal.recalibration._recalibrate import search_stands
-from stereorecal.recalibration._search_start import started
 from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
+from stereorecal.scoring import pyramid
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
 from stereorecal.synthetic import default_rig, photographs, plan_drive
 
@@ -275,11 +274,13 @@ def test_a_look_repairs_nothing_where_a_search_saw_more_and_doubts(harbour):
 
 
 @pytest.fixture(scope="module")
-def look(harbour) -> InitialAssessment:
-    start, schedule = drifted((0.2, -0.3, -0.2, 0.0, 0.0)), Schedule.default()
-    settings = as_settings({"matcher": SAD_48, "prior": "exact", "schedule": schedule})
-    case, *_ = started(prepared(start, harbour, settings), schedule)
-    return assess_initial_rig(case.with_free(settings.free), schedule.stages[-1])
+def case(harbour) -> Case:
+    return Case(pyramid(drifted((0.2, -0.3, -0.2, 0.0, 0.0)), harbour), SAD_48, Reach(), as_parameters(None))
+
+
+@pytest.fixture(scope="module")
+def look(case) -> InitialAssessment:
+    return assess_initial_rig(case, Schedule.default().stages[-1])
 
 
 def that_leaves(look: InitialAssessment, rows: float) -> InitialAssessment:
@@ -298,10 +299,10 @@ def test_a_look_is_sure_only_of_rows_that_align(look, row_error):
 @pytest.mark.parametrize(
     ("by_search", "by_look", "stands"), [(0.1, 0.05, True), (0.5, 0.1, False), (0.4, 0.6, True), (0.6, 0.4, False)]
 )
-def test_a_repair_of_the_search_goes_before_one_of_a_look_that_leaves_more(look, by_search, by_look, stands):
+def test_a_repair_of_the_search_goes_before_one_of_a_look_that_leaves_more(case, look, by_search, by_look, stands):
     """Or, if it explains the rows, before any."""
-    decision = that_leaves(look, by_search).answer.decision
-    ending = Ending(RIG, Reason.IMPROVED, np.zeros((2, 1, 1), int), decision=decision)
+    ending = that_leaves(look, by_search).ending(case)
+    assert ending.reason is Reason.IMPROVED
     assert search_stands(ending, (), that_leaves(look, by_look)) == stands
 
 

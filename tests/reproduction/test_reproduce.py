@@ -21,7 +21,7 @@ from stereorecal.reproduction import (
     write_files,
 )
 from stereorecal.reproduction._figures import experiment_figures
-from stereorecal.reproduction._pixel_counter import counter_of
+from stereorecal.scoring.host import with_disparity_range
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)
 COUNT = {"schedules": ("count",), "extent": TINY}
@@ -93,7 +93,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     judged = sr.reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = counter_of(log, mission, sr.Reach(), sr.SAD()).matcher
+    ranged = with_disparity_range(sr.SAD(), rig, mission.unstarred, view, np.radians(sr.Reach().degrees))
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])
