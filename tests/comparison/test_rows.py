@@ -2,14 +2,12 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
 import pytest
 
-from stereorecal.comparison import compare_scenes
-from stereorecal.geometry import view
+from stereorecal.comparison import _trial, compare_scenes
 from stereorecal.matching import SAD
-from stereorecal.recordings import Pair
-from stereorecal.scoring.host import score
+from stereorecal.recalibration import recalibrate_case
+from stereorecal.scoring.host import Score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=5)}
@@ -61,23 +59,21 @@ def test_a_strategy_that_does_not_move_changes_nothing(scene):
     assert table.summary[0].success_rate == 0.0
 
 
-def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene):
+def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene, monkeypatch):
     """Or r would compare a few frames with all."""
-    given, matcher = scene("harbour", 0, (160, 120), 3), SMALL["matcher"]
-    *others, last = given.pairs
-    pairs = (*others, Pair(last.left, np.roll(last.right, 6, axis=0), "of another rig"))
-    table = compare_scenes(
-        [replace(given, pairs=pairs)], strategies=["compass"], draws=1, schedule="default", matcher=matcher
-    )
-    (trial,) = table.trials
-    assert trial.accepted
-    start, final = (given.rig.with_extrinsics(np.array(trial.extrinsics[name])) for name in ("start", "final"))
-    of_all, of_others = (
-        tuple(score(rig, some, matcher=matcher, view=view(start)).count for rig in (start, final))
-        for some in (pairs, others)
-    )
-    assert (trial.score_initial, trial.score_final) == of_all
-    assert min(of_all) > max(of_others)  # that rig's matches count
+    given_scene, whole = scene("harbour", 0, (160, 120), 2), []
+
+    def leaves_out(*arguments):
+        solution = recalibrate_case(*arguments)
+        whole.append(solution)
+        half = Score(solution.score_before.count // 2, solution.score_before.pixels // 2)
+        frames = replace(solution.frames, used=(0,))
+        return replace(solution.with_findings(score_before=half, score_after=half), frames=frames)
+
+    monkeypatch.setattr(_trial, "recalibrate_case", leaves_out)
+    table = compare_scenes([given_scene], strategies={"idle": Idle()}, **(SMALL | {"draws": 1}))
+    assert [trial.score_initial for trial in table.trials] == [found.score_before.count for found in whole]
+    assert [trial.score_final for trial in table.trials] == [found.score_before.count for found in whole]
 
 
 def test_a_need_that_is_not_met_is_skipped_with_the_reason(scene):
