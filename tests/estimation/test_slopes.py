@@ -6,13 +6,14 @@ from lenses import LENSES, WIDE_LENSES
 
 import stereorecal as sr
 from stereorecal.estimation import (
+    DISTANCES,
     _calibration_prior as of_boards,
     consequences,
     points_of_view,
     readings,
     rig_parameters,
 )
-from stereorecal.estimation._consequences import DISTANCES, areas
+from stereorecal.geometry import rectifying_rotations
 
 SIZES = {"deg": 0.3, "%": 0.3, "px": 3.0, "": 1e-3}
 
@@ -49,6 +50,16 @@ def pixels_of(rig: sr.StereoRig, points: np.ndarray) -> np.ndarray:
     return np.concatenate([np.asarray(side) for side in sides], axis=-1)
 
 
+def weights(used: sr.StereoRig, points: np.ndarray, shown: sr.View) -> np.ndarray:
+    """Of points in a mean over the view, and over the middle of the left image, by the squares of their disparities:
+    less, where the view stretches rows."""
+    x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
+    squares = (shown.formulas.stretch(y, z, np.sqrt(x**2 + y**2 + z**2)) * np.ones(len(points))) ** -2
+    share = np.asarray(used.left.project(points / points[:, 2:])) / np.array(used.left.size)
+    both = squares * [np.ones(len(points)), np.abs(share - 0.5).max(axis=1) < 0.25]
+    return both / both.sum(axis=1, keepdims=True)
+
+
 @pytest.mark.slow(after=3)
 @pytest.mark.parametrize(
     ("coefficients", "projection"),
@@ -69,7 +80,7 @@ def test_consequences_by_theta_whatever_the_lens_and_the_view(rig, coefficients,
 
         both = -differences(chart, steps, theta, read)
         assert_near(found.rows[index].T, both[:, 0])
-        assert_near(found.nearness[index].T, both[:, 1] @ areas(used, points, shown).T)
+        assert_near(found.nearness[index].T, both[:, 1] @ weights(used, points, shown).T)
 
 
 def test_what_boards_tell_of_the_rig_where_their_poses_are_not_known(chart, steps):
