@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal.estimation import CalibrationPrior, Normal, Recording, estimate, estimate_together, with_free_together
-from stereorecal.estimation._several_recordings import after
+from stereorecal.estimation import Recording, estimate, estimate_together, with_free_together
 
 DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])
 
@@ -71,25 +70,3 @@ def test_what_is_written_is_one_calibration(together, chart):
     assert np.abs(thetas[0][:3] - thetas[1][:3]).min() > 0.05
     (alone,) = with_free_together(together[:1], names)
     np.testing.assert_allclose(alone, together[0].with_free(names), atol=1e-9)
-
-
-def test_a_prior_after_something_else_is_bayes():
-    """Against the textbook, of two normal distributions with means."""
-    rng = np.random.default_rng(0)
-    roots, means = rng.normal(size=(2, 3, 3)), rng.normal(size=(2, 3))
-    line, told = rng.normal(size=(5, 3)), rng.normal(size=5)
-    known = Normal(line.T @ line, line.T @ told, float(told @ told))
-    found = after(CalibrationPrior(roots, np.array([0.3, 0.7]), means=means), known)
-    logs = []
-    for index, (one, mean) in enumerate(zip(roots, means, strict=True)):
-        covariance = one @ one.T
-        of_told = np.eye(5) + line @ covariance @ line.T
-        gain = covariance @ line.T @ np.linalg.inv(of_told)
-        np.testing.assert_allclose(found.means[index], mean + gain @ (told - line @ mean), atol=1e-9)
-        np.testing.assert_allclose(
-            found.roots[index] @ found.roots[index].T, covariance - gain @ line @ covariance, atol=1e-9
-        )
-        apart = told - line @ mean
-        logs.append(-0.5 * (apart @ np.linalg.solve(of_told, apart) + np.linalg.slogdet(of_told)[1]))
-    weights = np.array([0.3, 0.7]) * np.exp(logs)
-    np.testing.assert_allclose(found.weights, weights / weights.sum(), rtol=1e-9)
