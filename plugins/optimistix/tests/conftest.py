@@ -93,3 +93,19 @@ def traces():
     """One entry for each time that a traced function was traced."""
     Residuals.traced.clear()
     return Residuals.traced
+
+
+@pytest.fixture
+def compilations():
+    """One entry for each program that is compiled."""
+    if not hasattr(jax.monitoring, "unregister_event_duration_listener"):
+        pytest.skip("this JAX never lets a listener go")
+    names: list[str] = []
+
+    def note(event: str, seconds: float, **details) -> None:
+        if "backend_compile" in event:
+            names.append(event)
+
+    jax.monitoring.register_event_duration_secs_listener(note)
+    yield names
+    jax.monitoring.unregister_event_duration_listener(note)
