@@ -7,7 +7,6 @@ import jax
 import numpy as np
 import pytest
 from stereorecal_features import Features, _fit
-from stereorecal_features._fit import _five_point_pose, _sampson
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
@@ -181,8 +180,8 @@ def exact_matches(rig: StereoRig, nearest: float, farthest: float, count=400):
 def test_exact_matches_have_no_error():
     left, right = seen_by_both(RIG, [exact_matches(RIG, 2, 30)])
     chart = count_chart(RIG, Reach())
-    np.testing.assert_allclose(_sampson(chart, np.zeros(5), left, right), 0.0, atol=1e-4)
-    assert np.abs(_sampson(chart, np.full(5, 0.1), left, right)).min() > 0.1
+    np.testing.assert_allclose(_fit._sampson(chart, np.zeros(5), left, right), 0.0, atol=1e-4)
+    assert np.abs(_fit._sampson(chart, np.full(5, 0.1), left, right)).min() > 0.1
 
 
 def test_errors_are_pixels():
@@ -193,7 +192,9 @@ def test_errors_are_pixels():
         rig = StereoRig(camera, camera, np.array([0, 0, 0, -0.3, 0, 0]))
         pixels, off = np.array([[320.0, 240.0], [320.0, 400.0], [320.0, 60.0]]), np.array([0.0, 1.0])
         seen = seen_by_both(rig, [(pixels, pixels + off)])
-        np.testing.assert_allclose(np.abs(_sampson(count_chart(rig, Reach()), np.zeros(5), *seen)), 0.5**0.5, rtol=0.01)
+        np.testing.assert_allclose(
+            np.abs(_fit._sampson(count_chart(rig, Reach()), np.zeros(5), *seen)), 0.5**0.5, rtol=0.01
+        )
 
 
 @pytest.mark.parametrize(("nearest", "farthest", "free", "within"), [(2, 30, 5, 0.02), (18, 40, 3, 0.3)])
@@ -206,7 +207,7 @@ def test_the_pose_of_the_essential_matrix(nearest, farthest, free, within):
     others[wrong] += np.random.default_rng(1).uniform(-40.0, 40.0, (wrong.sum(), 2))
     left, right = seen_by_both(rig, [(pixels, others)])
     bad = decalibrate(rig, jax.random.key(1), 1.0, 0.01)
-    pose, agree = _five_point_pose(images_around(bad), left, right, 0.5, 0)
+    pose, agree = _fit._five_point_pose(images_around(bad), left, right, 0.5, 0)
     assert agree[~wrong].mean() > 0.9
     assert agree[wrong].mean() < 0.1  # some lie on their epipolar line by chance
     truth = count_chart(bad, Reach()).coordinates(rig.extrinsics)
@@ -223,7 +224,7 @@ def test_the_pose_of_noisy_matches():
         noisy = others + draw.normal(0.0, 0.3, others.shape)
         noisy[::3] += draw.uniform(-40.0, 40.0, noisy[::3].shape)
         left, right = seen_by_both(RIG, [(pixels + draw.normal(0.0, 0.3, pixels.shape), noisy)])
-        pose, agree = _five_point_pose(images_around(RIG), left, right, 1.0, seed)
+        pose, agree = _fit._five_point_pose(images_around(RIG), left, right, 1.0, seed)
         assert np.delete(agree, np.s_[::3]).mean() > 0.95
         turned = np.asarray(count_chart(RIG, Reach()).extrinsics(pose))[:3] - RIG.extrinsics[:3]
         errors.append(np.degrees(np.abs(turned)).max())
@@ -233,7 +234,7 @@ def test_the_pose_of_noisy_matches():
 def test_without_an_essential_matrix_nothing_agrees():
     """All matches are the same one."""
     left, right = seen_by_both(RIG, [(np.full((20, 2), 300.0), np.full((20, 2), 280.0))])
-    pose, agree = _five_point_pose(images_around(RIG), left, right, 0.5, 0)
+    pose, agree = _fit._five_point_pose(images_around(RIG), left, right, 0.5, 0)
     assert not agree.any()
     np.testing.assert_array_equal(pose, 0.0)
 
