@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal._compile_cache import CachedProgram
 from stereorecal.geometry import with_unit_baseline
 
 MATCHER = sr.SAD(num_disparities=24)
@@ -186,8 +185,16 @@ def test_a_comparison(compilations, given):
 
 
 @pytest.mark.slow
-def test_what_later_stages_need_is_begun_before_they_come(given, monkeypatch):
-    begun: list[str] = []
-    monkeypatch.setattr(CachedProgram, "compile_in_background", lambda self, frame, *_: begun.append(self.__name__))
-    sr.recalibrate(given.rig, given.pairs, matcher=MATCHER)
-    assert begun == ["rectified", "refined"]  # images as small as these are never scaled down for them
+def test_what_later_stages_need_is_begun_before_they_come(scene, caplog):
+    """Rectified images and refined matches, beside the search; images as small as these are never scaled down for
+    them."""
+    given = scene(size=(172, 120))  # of no other test: nothing of it is compiled before
+    jax.config.update("jax_log_compiles", True)  # in all threads
+    try:
+        with caplog.at_level("WARNING"):
+            sr.recalibrate(given.rig, given.pairs, matcher=MATCHER)
+    finally:
+        jax.config.update("jax_log_compiles", False)
+    compiled = [one for one in caplog.records if one.message.startswith("Finished XLA compilation")]
+    assert len([one for one in compiled if one.threadName == "background"]) == 2
+    assert len(compiled) > 2
