@@ -11,7 +11,7 @@ import pytest
 import stereorecal_nlopt
 from hypothesis import given, settings, strategies as st
 from stereorecal_nlopt import Bobyqa, Cobyla, Crs2, Direct, Isres, Mlsl, NelderMead, NewuoaBound, Sbplx
-from stereorecal_nlopt._search import Memory, over_the_box, search
+from stereorecal_nlopt._search import Memory, search
 
 from stereorecal.strategies import Budget, BudgetExhausted, Need, Objective, Problem, Status, run_strategy
 
@@ -245,9 +245,3 @@ def test_nothing_is_left_behind(strategy):
     del objective
     gc.collect()
     assert left() is None
-
-
-def test_bounds_are_those_of_the_box():
-    opt = over_the_box(nlopt.LN_BOBYQA, 2)
-    np.testing.assert_array_equal(opt.get_lower_bounds(), -1.0)
-    np.testing.assert_array_equal(opt.get_upper_bounds(), 1.0)
