@@ -1,17 +1,17 @@
 """A count belongs to its candidate: it does not know which others were asked with it, or in which order."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import machine
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.geometry import view, with_unit_baseline
-from stereorecal.matching import BM, SAD
-from stereorecal.scoring import prepare
-from stereorecal.scoring.host import _disparities, counts, counts_at_once, counts_by_tile, disparities
+from stereorecal.geometry import Camera, StereoRig, view, with_unit_baseline
+from stereorecal.matching import BM, SAD, AbstractMatcher, Disparity
+from stereorecal.recordings import Pair
+from stereorecal.scoring import ScoringData, prepare
+from stereorecal.scoring.host import counts, counts_at_once, counts_by_tile, disparities
 
 SAD_24, SAD_32 = SAD(num_disparities=24), SAD(num_disparities=32)
 SMALL, LARGE = ((160, 120), SAD_24), ((320, 240), SAD_32)
@@ -69,38 +69,70 @@ def test_all_at_once_as_one_by_one(scene):
 # --- blocks of rows -----------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40)
-@given(height=st.integers(16, 2000), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
-def test_blocks_cover_every_row_once_with_their_halo(height, cores, block_size):
-    matcher = SAD(block_size=block_size)
-    with machine.cores(cores):
-        blocks = _disparities.blocks(height, matcher)
-    rows = [np.arange(height)[block.given] for block in blocks]
-    assert len({len(seen) for seen in rows}) == 1  # one program for all
-    kept = [seen[block.used] for seen, block in zip(rows, blocks, strict=True)]
-    np.testing.assert_array_equal(np.concatenate(kept), np.arange(height))
-    for seen, own in zip(rows, kept, strict=True):
-        assert seen[0] <= max(0, own[0] - matcher.halo)
-        assert seen[-1] >= min(height - 1, own[-1] + matcher.halo)
-
-
 @dataclass(frozen=True)
-class RowByRow(SAD):
-    """A matcher whose own search needs no other row."""
+class Reading(AbstractMatcher):
+    """Reads the number of each row, and says the first and the last one that it was given with it."""
 
-    halo: ClassVar[int] = 0
+    reach: int | None = 0
+
+    @property
+    def halo(self) -> int | None:
+        return self.reach
+
+    def match(self, left, right):
+        rows = np.rint(256.0 * left[:, 8] + left[:, 16])
+        told = np.column_stack([rows, np.full_like(rows, rows[0]), np.full_like(rows, rows[-1])])
+        values = np.zeros(left.shape, np.float32)
+        values[:, :3] = told
+        return Disparity(values, np.ones(left.shape, bool))
+
+    search = match
 
 
-def test_the_texture_check_needs_its_window_whatever_the_matcher_needs():
-    with machine.cores(2):
-        first, second = _disparities.blocks(480, RowByRow(block_size=11))
-    assert first.given == slice(0, 252)
-    assert second.used == slice(12, 252)
+@pytest.fixture(scope="module")
+def numbered() -> ScoringData:
+    """487 rows with their numbers in the left image."""
+    camera = Camera((24, 487), np.array([[100.0, 0.0, 11.5], [0.0, 100.0, 243.0], [0.0, 0.0, 1.0]]))
+    rig = StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.1, 0.0, 0.0]))
+    image = np.zeros((487, 24), np.float32)
+    image[:, 5:11], image[:, 13:20] = (np.arange(487)[:, None] // 256), (np.arange(487)[:, None] % 256)
+    return prepare(rig, [Pair(image, 255.0 - image)], view(rig))
 
 
-def test_a_matcher_that_looks_everywhere_sees_the_frame_whole():
-    with machine.cores(8):
-        assert len(_disparities.blocks(2000, BM())) == 1
+def told_by(matcher: Reading, numbered: ScoringData, cores: int) -> np.ndarray:
+    """For each row what `Reading` tells."""
+    with machine.cores(cores):
+        (found,) = disparities(numbered, np.array([0.0, 0.0, 0.0, -1.0, 0.0, 0.0]), matcher)
+    rows, first, last = found.values[:, :3].T.astype(int)
+    np.testing.assert_array_equal(rows, np.arange(487))
+    return np.stack([first, last])
+
+
+@settings(max_examples=40)
+@given(reach=st.integers(0, 40), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
+def test_every_row_is_matched_once_and_with_its_halo(numbered, reach, cores, block_size):
+    first, last = told_by(Reading(reach=reach, block_size=block_size), numbered, cores)
+    assert len(set(last - first)) == 1  # one program for all
+    assert (first <= np.maximum(0, np.arange(487) - reach)).all()
+    assert (last >= np.minimum(486, np.arange(487) + reach)).all()
+    assert len(set(first)) <= cores
+
+
+@pytest.mark.parametrize(("cores", "expected"), [(1, 1), (2, 2), (3, 3), (64, 4)])
+def test_there_are_as_many_blocks_as_cores_unless_their_halos_cost_a_tenth(numbered, cores, expected):
+    first, last = told_by(Reading(reach=6, block_size=11), numbered, cores)
+    assert len(set(first)) == expected
+    assert set(last - first + 1) == {min(487, -(-487 // expected) + 12)}
+
+
+def test_the_texture_check_needs_its_window_whatever_the_matcher_needs(numbered):
+    first, last = told_by(Reading(reach=0, block_size=11), numbered, 2)
+    np.testing.assert_array_equal(last - first + 1, 244 + 12)
+
+
+def test_a_matcher_that_looks_everywhere_sees_the_frame_whole(numbered):
+    first, last = told_by(Reading(reach=None), numbered, 8)
+    assert (first.max(), last.min()) == (0, 486)
 
 
 @pytest.mark.slow
@@ -112,7 +144,6 @@ def test_blocks_change_nothing(scene):
     found = []
     for number in (1, 3):
         with machine.cores(number):
-            assert len(_disparities.blocks(480, SAD_32)) == number
             found += disparities(prepared, extrinsics, SAD_32)
     for name in ("values", "valid"):
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))
