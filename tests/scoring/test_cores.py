@@ -1,11 +1,22 @@
 """Work spread over the cores: in order, one level deep, and errors come through."""
 
 import threading
+from dataclasses import dataclass, field
 
+import numpy as np
 import pytest
 from machine import cores
 
-from stereorecal.scoring.host._cores import on_all_cores
+from stereorecal import MatcherError
+from stereorecal.geometry import with_unit_baseline
+from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.recordings import Pair
+from stereorecal.scoring import ScoringData, prepare
+from stereorecal.scoring.host import counts_one_by_one
+from stereorecal.synthetic import default_rig
+
+RIG = default_rig().resized((160, 120))
+MAIN = threading.main_thread()
 
 
 @pytest.fixture(autouse=True)
@@ -14,34 +25,67 @@ def two_cores():
         yield
 
 
-def test_order_is_kept_and_threads_are_used():
-    seen = on_all_cores(lambda i: (i, threading.current_thread() is threading.main_thread()), range(20))
-    assert [i for i, _ in seen] == list(range(20))
-    assert not any(main for _, main in seen)
+@dataclass(frozen=True)
+class Watched(AbstractMatcher):
+    """Finds all that is bright, once it has said on which thread it looks at which frame."""
 
+    seen: list = field(default_factory=list, compare=False)
+    fails_at: int | None = None
 
-def test_a_piece_of_such_work_stays_on_its_thread():
-    """Else pieces would wait for pieces, for ever."""
-
-    def outer(i):
-        here = threading.current_thread()
-        return all(on_all_cores(lambda _: threading.current_thread() is here, range(5)))
-
-    assert all(on_all_cores(outer, range(8)))
-
-
-def test_errors_come_through():
-    def fails(i):
-        if i == 3:
+    def match(self, left, right):
+        frame = int(np.rint(left[60, 80]))
+        self.seen.append((threading.current_thread(), frame))
+        if frame == self.fails_at:
             raise ValueError("three")
-        return i
+        return Disparity(np.zeros(left.shape, np.float32), np.asarray(left) > 100.0)
 
-    with pytest.raises(ValueError, match="three"):
-        on_all_cores(fails, range(6))
-    assert on_all_cores(lambda i: i, range(3)) == [0, 1, 2]
+    search = match
 
 
-def test_one_item_and_one_core_need_no_thread():
-    assert on_all_cores(lambda _: threading.current_thread(), [0]) == [threading.main_thread()]
+@pytest.fixture(scope="module")
+def frames() -> list[ScoringData]:
+    """Of one to five pairs, whose middles are as bright as their numbers, and whose edges come and go with a pitch."""
+    pairs = []
+    for number in range(5):
+        left = np.where(np.abs(np.arange(120.0) - 60.0)[:, None] < 50.0, number, 200.0) * np.ones((120, 160))
+        pairs.append(Pair(left.astype(np.float32), np.float32(255.0) - left.astype(np.float32)))
+    return [prepare(RIG, pairs[:number]) for number in range(1, 6)]
+
+
+def candidates(number: int) -> np.ndarray:
+    pitch = np.linspace(-0.05, 0.05, number)[:, None] * np.eye(6)[0]
+    return with_unit_baseline(RIG.extrinsics) + pitch
+
+
+def test_order_is_kept_and_threads_are_used(frames):
+    matcher, points = Watched(), candidates(20)
+    found = counts_one_by_one(frames[0], points, matcher)
+    assert len(matcher.seen) == 20
+    assert MAIN not in {thread for thread, _ in matcher.seen}
+    assert len(set(found)) > 10
+    np.testing.assert_array_equal(found, [counts_one_by_one(frames[0], one[None], matcher)[0] for one in points])
+
+
+def test_a_piece_of_such_work_stays_on_its_thread(frames):
+    """Else pieces would wait for pieces, for ever: all frames of a candidate, one after the other."""
+    matcher = Watched()
+    counts_one_by_one(frames[4], candidates(8), matcher)
+    for thread in {thread for thread, _ in matcher.seen}:
+        of_thread = [frame for one, frame in matcher.seen if one is thread]
+        assert of_thread == [*range(5)] * (len(of_thread) // 5)
+
+
+def test_errors_come_through(frames):
+    with pytest.raises(MatcherError, match="three"):
+        counts_one_by_one(frames[4], candidates(6), Watched(fails_at=3))
+    assert len(counts_one_by_one(frames[4], candidates(3), Watched())) == 3
+
+
+def test_one_item_and_one_core_need_no_thread(frames):
+    alone, on_one_core, of_frames = Watched(), Watched(), Watched()
+    counts_one_by_one(frames[0], candidates(1), alone)
     with cores(1):
-        assert set(on_all_cores(lambda _: threading.current_thread(), [0, 1])) == {threading.main_thread()}
+        counts_one_by_one(frames[4], candidates(2), on_one_core)
+    counts_one_by_one(frames[4], candidates(1), of_frames)
+    assert {thread for thread, _ in alone.seen + on_one_core.seen} == {MAIN}
+    assert MAIN not in {thread for thread, _ in of_frames.seen}
