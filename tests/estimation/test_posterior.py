@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.estimation import Posterior
-from stereorecal.estimation._posterior import merged, root
+from stereorecal.estimation._posterior import merged
 
 UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
 
@@ -38,10 +38,12 @@ def test_what_explanations_differ_by_is_uncertain():
 
 @settings(max_examples=30)
 @given(seed=st.integers(0, 999), rank=st.integers(0, 4))
-def test_roots_of_singular_covariances(seed, rank):
+def test_samples_of_singular_covariances(seed, rank):
+    """Those of the identity, turned and scaled: they say by which root of the covariance."""
     wanted = covariance(seed, rank)
-    half = root(wanted)
-    np.testing.assert_allclose(half @ half.T / np.outer(UNITS, UNITS), wanted / np.outer(UNITS, UNITS), atol=1e-12)
+    white, drawn = (Posterior(np.ones(1), np.zeros((1, 4)), one[None]).samples(20, seed) for one in (np.eye(4), wanted))
+    half = np.linalg.lstsq(white, drawn / UNITS, rcond=None)[0].T
+    np.testing.assert_allclose(half @ half.T, wanted / np.outer(UNITS, UNITS), atol=1e-12)
 
 
 def test_samples_stay_where_the_covariance_is():

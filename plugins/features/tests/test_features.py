@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 from stereorecal_features import Features, _fit
-from stereorecal_features._matches import matched_pixels, seen_by_both
+from stereorecal_features._matches import seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.objectives import Reach, StereoImages, count_chart
@@ -267,7 +267,7 @@ def test_matches_are_those_of_opencv(coast):
     for ratio in (1.0, 0.8):
         lowe = cv2.BFMatcher(cv2.NORM_L2).knnMatch(words_a, words_b, k=2)
         near = {(m.queryIdx, m.trainIdx) for m, n in lowe if m.distance < ratio * n.distance} & mutual
-        left, right = matched_pixels(pair.left, pair.right, 300, 0.04, ratio)
+        left, right = Features(features=300, contrast=0.04, ratio=ratio).matched(pair.left, pair.right)
         assert len(left) == len(near)
         assert set(map(tuple, left)) == {a[i].pt for i, _ in near}
         assert set(map(tuple, right)) == {b[i].pt for _, i in near}
@@ -283,7 +283,7 @@ def test_features_lie_where_they_are():
     for column, row in centres:
         image += 200 * np.exp(-((x - column) ** 2 + (y - row) ** 2) / 18.0)
     image = image.clip(0, 255).astype(np.float32)
-    found, _ = matched_pixels(image, image, 500, 0.04, 0.8)
+    found, _ = Features(features=500).matched(image, image)
     apart = found[:, None] - centres
     near = apart[np.arange(len(found)), np.linalg.norm(apart, axis=-1).argmin(1)]
     hits = near[np.linalg.norm(near, axis=1) < 1.0]
