@@ -13,9 +13,14 @@ WAYS = [((0.05 * k, 0.0, -0.4 - 0.2 * k), (0.004 * k - 0.006, 0.008 - 0.005 * k,
 STEADY = [WAYS[2]] * 4
 
 
-def solved(rig, true, prior, seen, late, ways=WAYS):
-    """The estimate of four frames of a rig whose right shutter is late by a share of the time between two pairs."""
+def solved(rig, true, prior, seen, late, ways=WAYS, first=None):
+    """The estimate of four frames of a rig whose right shutter is late by a share of the time between two pairs.
+
+    Args:
+        first: tracks in place of those of the first way.
+    """
     tracks = tuple(tracks_of(true, *way, seed=k, number=300, late=late) for k, way in enumerate(ways))
+    tracks = tracks if first is None else (first, *tracks[1:])
     frames = [seen(rig, late_rig(true, *way, late), k, frames=1, cells=400) for k, way in enumerate(ways)]
     parts = {
         name: np.concatenate([getattr(one, name) for one in frames]) for name in ("left", "right", "weight", "tile")
@@ -46,3 +51,15 @@ def test_on_a_steady_way_a_delay_and_a_shift_are_one(rig, prior, seen):
     found = solved(rig, rig, prior, seen, 0.1, STEADY)
     low, high = found.intervals[found.names.index("z")]
     assert low < 0.0 < high
+
+
+def test_a_window_that_moves_by_a_hundred_baselines_is_no_error(rig, chart, prior, seen):
+    """What the right camera would see then is no rig: its baseline points the other way."""
+
+    def far_away(rays):
+        return np.full(len(rays), 1 / 3000)
+
+    leap = tracks_of(rig, (200.0, 0.0, -20.0), nearness=far_away)
+    found = solved(rig, rig, prior, seen, 0.0, first=leap)
+    assert max(window.metres[0] for window in found.motions) > 100.0 * float(rig.baseline)
+    assert found.delay is None or found.delay.probability < 0.1

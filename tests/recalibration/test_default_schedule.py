@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from io import StringIO
 
+import jax
 import numpy as np
 import pytest
 from rich.console import Console
@@ -17,7 +18,7 @@ from stereorecal.recordings import Pair
 from stereorecal.report.repair_tables import repairs_table
 from stereorecal.scoring import pyramid
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
-from stereorecal.synthetic import default_rig, photographs, plan_drive
+from stereorecal.synthetic import decalibrate, default_rig, photographs, plan_drive
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 RIG = default_rig().resized((320, 240))
@@ -313,3 +314,14 @@ def test_a_late_shutter_is_told_from_a_drift_though_neither_leaves_good_rows():
     found = recalibrate(drifted((0.2, 0.2, -0.2, 0.0, 0.0)), pairs, motion=True).estimate
     assert found.delay.probability > 0.9
     assert found.delay.seconds == pytest.approx(0.2, abs=0.05)  # of the time between two pairs
+
+
+@pytest.mark.slow
+def test_what_a_late_shutter_leaves_frees_no_intrinsics():
+    """Lenses would explain some of it, also in frames that are left out."""
+    plan = plan_drive("street", 1, 25, weather=False, late=((0, 25, 0.6),))
+    plan = replace(plan, rig=plan.rig.resized((640, 480)))
+    given = decalibrate(plan.truth(12), jax.random.key(1), 0.3, 0.0027)
+    found = recalibrate(given, list(photographs(plan))[::3], motion=True)
+    assert found.estimate.delay.probability > 0.9
+    assert found.intrinsics is None
