@@ -145,12 +145,8 @@ def _decided(
     intrinsics_explain: bool,
 ) -> Decision:
     """The decision between θ = 0, with the losses `before`, and a candidate, with the losses `after`."""
-    worse, counted_harm = chances_of_harm(before, after, limits)
     rows_before, rows_after = before.mean_rows, after.mean_rows
     better = float(np.mean(rows_after < rows_before - limits.gain_px))
-    harmless = counted_harm < limits.alpha and (
-        proven or is_beyond_matching(before, limits) or not _costs_a_region(estimate, theta, limits)
-    )
     ranges_agree = bool(estimate.matched_ranges.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
     nearer = float(np.mean(after.depth < before.depth - limits.worse_depth_points)) > 1.0 - limits.alpha
     # What most frames show bears it out: no posterior knows all ways in which lenses err, and where they do, one frame
@@ -163,7 +159,7 @@ def _decided(
         verdict=Verdict.GOOD if good else Verdict.CANNOT_TELL,
         theta=theta,
         keeps_depth=keeps_depth,
-        worse=worse,
+        worse=chances_of_harm(before, after, limits)[0],
         better=better,
         loss=after.expected,
         rows_px=np.percentile([rows_before, rows_after], [50.0, 2.5, 97.5], axis=1).T,
@@ -176,6 +172,10 @@ def _decided(
     by_rows = better > 1.0 - limits.alpha and borne_out
     left_to_intrinsics = by_rows and not no_repair.explains and intrinsics_explain and _is_explained(estimate, limits)
     by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or left_to_intrinsics)
+    _, counted_harm = chances_of_harm(before, after, limits, left_to_intrinsics=left_to_intrinsics)
+    harmless = counted_harm < limits.alpha and (
+        proven or is_beyond_matching(before, limits) or not _costs_a_region(estimate, theta, limits)
+    )
     if harmless and (depth_gain or by_rows):
         return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows, left_to_intrinsics=left_to_intrinsics)
     return no_repair

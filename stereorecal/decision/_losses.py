@@ -54,15 +54,21 @@ def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances
     return chances_of_harm(losses_of(estimate, np.zeros_like(theta)), losses_of(estimate, theta), limits)[1]
 
 
-def chances_of_harm(initial: Losses, after: Losses, limits: Tolerances) -> tuple[float, float]:
+def chances_of_harm(
+    initial: Losses, after: Losses, limits: Tolerances, *, left_to_intrinsics: bool = False
+) -> tuple[float, float]:
     """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to lose
-    to one that explains the rows. What leaves them misaligned may be wrong about anything."""
+    to one that explains the rows. What leaves them misaligned may be wrong about anything.
+
+    Args:
+        left_to_intrinsics: whether intrinsics that stay explain the rows that it leaves.
+    """
     # NaN is no proof of harmlessness.
     lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
     farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
     worse = float(np.mean(lost | farther))
-    explains = bool(np.median(after.mean_rows) <= limits.good_rows_px)
-    return worse, float(np.mean(lost)) if explains and is_beyond_matching(initial, limits) else worse
+    understood = left_to_intrinsics or bool(np.median(after.mean_rows) <= limits.good_rows_px)
+    return worse, float(np.mean(lost)) if understood and is_beyond_matching(initial, limits) else worse
 
 
 def is_beyond_matching(initial: Losses, limits: Tolerances) -> bool:
