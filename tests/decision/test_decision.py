@@ -138,6 +138,20 @@ def test_what_a_repair_leaves_may_be_explained_by_intrinsics(drifted, intrinsics
     assert decide(Leaving(**seen.__getstate__()), AXES).refused, "of intrinsics that something may refute"
 
 
+def test_a_blind_rig_has_no_depth_to_lose_either_where_intrinsics_explain_the_rows(drifted):
+    _, seen = drifted[0]
+
+    class Doubtful(type(seen)):
+        def losses(self, used):
+            rows = BLIND if not np.any(used) else 0.1 if np.array_equal(used, seen.theta) else 0.6
+            depth = np.where(np.arange(1000) < 50, 2.0, 0.0) if np.any(used) else np.zeros(1000)
+            return np.full((3, 1000), rows), depth
+
+    blind = Doubtful(**seen.__getstate__())
+    assert decide(blind, AXES, intrinsics_explain=True).verdict is Verdict.REPAIR
+    assert decide(blind, AXES).refused
+
+
 @pytest.mark.parametrize("what", ["rows", "depth"])
 def test_what_is_no_number_is_not_harmless(drifted, what):
     _, seen = drifted[0]
