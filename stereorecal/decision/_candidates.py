@@ -173,9 +173,8 @@ def _decided(
     left_to_intrinsics = by_rows and not no_repair.explains and intrinsics_explain and _is_explained(estimate, limits)
     by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or left_to_intrinsics)
     _, counted_harm = chances_of_harm(before, after, limits, left_to_intrinsics=left_to_intrinsics)
-    harmless = counted_harm < limits.alpha and (
-        proven or is_beyond_matching(before, limits) or not _costs_a_region(estimate, theta, limits)
-    )
+    blind = is_beyond_matching(before, limits) and (no_repair.explains or left_to_intrinsics)
+    harmless = counted_harm < limits.alpha and (proven or blind or not _costs_a_region(estimate, theta, limits))
     if harmless and (depth_gain or by_rows):
         return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows, left_to_intrinsics=left_to_intrinsics)
     return no_repair

@@ -48,7 +48,8 @@ def with_nearest_distance(estimate: Estimate, tolerances: Tolerances) -> Estimat
 
 
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
-    """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows."""
+    """Probability that a change makes rows or depth worse; of a calibration whose rows blind the matcher, rows, if the
+    change explains them."""
     limits = DEFAULT if tolerances is None else tolerances
     estimate = with_nearest_distance(estimate, limits)
     return chances_of_harm(losses_of(estimate, np.zeros_like(theta)), losses_of(estimate, theta), limits)[1]

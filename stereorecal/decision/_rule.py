@@ -35,9 +35,9 @@ def decide(
 
        and if it is harmless: the probability is below 1 % that rows, of near or far things, or depth, over the view or
        ahead, are worse. Where the rows of the calibration blind the matcher, which leaves it no depth to lose, rows
-       alone count. One that changes intrinsics must, with 95 %, cost no region of the view rows that a matcher notices,
-       but one that gains them on average, unless frames that took no part prove it, or the calibration blinds the
-       matcher.
+       alone count, if the candidate explains them or leaves them to intrinsics that stay. One that changes intrinsics
+       must, with 95 %, cost no region of the view rows that a matcher notices, but one that gains them on average,
+       unless frames that took no part prove it, or rows alone count.
     3. Of several, the one that keeps depth is taken, unless that costs rows that a matcher notices, ranges ask for
        another, or another's depth is surely the better one: of the rigs for which it matters, in 95 %.
     4. If none may replace it, the calibration is good if its rows are, with 95 %, and motion tells no better depth;

@@ -22,7 +22,8 @@ class Tolerances:
         worse_rows_px: of row error that a repair may lose: what repairs that end well lose by noise.
         worse_depth_points: of the error of depth, in percentage points at the farthest distance, likewise.
         alpha: probability of a change for the worse, and of none for the better, at most.
-        blind_rows_px: of row error beyond which a matcher's windows show other things: such a rig has no depth to lose.
+        blind_rows_px: of row error beyond which a matcher's windows show other things: such a rig has no depth to
+            lose to one that explains the rows.
         good_rows_px: of row error that good calibrations have.
         good_surely: probability with which they do, at least; and with which a change of what depth reads is for the
             better.

@@ -63,16 +63,12 @@ def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
     return np.stack(np.meshgrid(*share), axis=-1).reshape(-1, 2) * [size[0] - 1, size[1] - 1]
 
 
-def areas(rig: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None = None) -> Float[np.ndarray, "2 p"]:
-    """Weights of points in a mean over the view, and over what lies ahead: the middle of the left image; over the view
-    again where nothing does. In views that are no pinhole, points count by the squares of their disparities."""
-    return _areas_of_each(rig, [points], view)[0]
-
-
-def _areas_of_each(
+def _weights(
     rig: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None
 ) -> list[Float[np.ndarray, "2 _"]]:
-    """`areas` of several sets of points."""
+    """For each set of points their weights in a mean over the view, and over what lies ahead: the middle of the left
+    image; over the view again where nothing does. In views that are no pinhole, points count by the squares of their
+    disparities."""
     points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
     ahead = (np.abs(_share(rig, points) - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     by_squared_disparity = _stretch(rig, points, view) ** -2
@@ -158,7 +154,7 @@ def readings_at(
     disparities over the view, and ahead."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), view))
-    each = zip(_areas_of_each(true, sets, view), nearness, strict=True)
+    each = zip(_weights(true, sets, view), nearness, strict=True)
     return rows, np.array([weights @ some for weights, some in each])
 
 
@@ -220,8 +216,7 @@ def consequences(
     )
     ends = np.cumsum([len(points) for points in sets])[:-1]
     by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    weights = _areas_of_each(used, sets, view)
-    means = np.stack([weight @ part for weight, part in zip(weights, by_distance, strict=True)])
+    means = np.stack([weights @ part for weights, part in zip(_weights(used, sets, view), by_distance, strict=True)])
     roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
     variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
     return Consequences(distances, tuple(sets), tuple(np.split(rows.T, ends)), means, variation)

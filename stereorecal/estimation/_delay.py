@@ -43,6 +43,11 @@ class Delay:
     probability: float
     seconds: float
 
+    @property
+    def likely(self) -> bool:
+        """Whether there is one, rather than none."""
+        return self.probability > 0.5
+
 
 @dataclass(frozen=True, eq=False)
 class Late:

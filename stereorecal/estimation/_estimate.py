@@ -99,6 +99,11 @@ class Estimate:
         return np.percentile(self._readings.samples, [2.5, 97.5], axis=0).T
 
     @property
+    def is_late(self) -> bool:
+        """Whether a delay of the right shutter is more probable than none."""
+        return self.delay is not None and self.delay.likely
+
+    @property
     def mean_rig(self) -> StereoRig:
         """The rig at the posterior's mean: all parameters change."""
         return self._readings.mean_rig

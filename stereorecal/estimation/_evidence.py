@@ -87,7 +87,7 @@ class Explained:
         log_evidence: (k,).
         without_drift: (n + q,) the mean of θ and ν if there were no drift.
         by_drift: (n + q, 5) how they follow the drift.
-        drifts: (k, 5) its means.
+        drifts: (k, 5) means of the drift.
         precision: (5, 5) of the drift, by the rows alone.
         sizes: (k, 5) standard deviations of each kind of drift.
         calibration: (n, n) a root of the covariance of c, and
@@ -204,5 +204,5 @@ def _of_drifts(
         for i in range(p + 1, _DRIFTING):
             rhs[p] -= lower[i, p] * rhs[i]
         rhs[p] /= lower[p, p]
-    logs = np.log(np.prod([lower[p, p] for p in axes], axis=0))
+    logs = np.sum([np.log(lower[p, p]) for p in axes], axis=0)
     return np.stack([of_axis[i] * rhs[i] for i in axes], axis=-1), logs

@@ -91,7 +91,7 @@ def fit(
     delay = None
     if (late := fit_with_delay(rows, chart, prior, several)) is not None:
         delay, several = late.delay(several), several + late.several
-        if delay.probability > 0.5:
+        if delay.likely:
             rows, misfit = late.rows, best_of(late.several)[0].misfit
     evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))

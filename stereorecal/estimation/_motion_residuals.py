@@ -65,7 +65,8 @@ class Expected:
         later: (m, 3) for the left camera.
         at_partner_times: (2, m, 3) for the left camera at the times when the right one sees them.
         right: (2, m, 3) for the right camera at both times.
-        by_later, by_right: (m, 2, 3), (2, m, 2, 3) derivatives of the pixels in which they appear by where they are.
+        by_later, by_right: (m, 2, 3), (2, m, 2, 3) derivatives of their pixels by where they are, with the slopes that
+            the lenses have in the pixels that were seen.
         along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
     """
 
@@ -85,7 +86,7 @@ class Residuals:
         value: (m, 4).
         by_nearness: (m, 4), by ρ.
         by_motion: (m, 4, 6).
-        expected: what this rests on.
+        expected: where the points should be.
     """
 
     value: Float[np.ndarray, "m 4"]
@@ -118,7 +119,9 @@ def residuals(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness:
     value = np.empty((len(nearness), PER_TRACK))
     by_nearness, by_motion = np.empty_like(value), np.empty((*value.shape, MOVES))
 
-    def by_move(by_point: Float[np.ndarray, "m k 3"], point: Float[np.ndarray, "m 3"], number: int):
+    def by_move(
+        by_point: Float[np.ndarray, "m k 3"], point: Float[np.ndarray, "m 3"], number: int
+    ) -> Float[np.ndarray, "m k 6"]:
         """Derivatives by the motion, after a share of it, of what has these by a point of the left camera."""
         by_turn = by_point @ _crossed(point - nearness[:, None] * moves[number])
         whole = np.concatenate([by_turn, nearness[:, None, None] * by_point], axis=2)
@@ -228,7 +231,7 @@ def _times(slopes: Float[np.ndarray, "*#c 2 3"], moved: Float[np.ndarray, "*#c 3
     return (slopes @ moved[..., None])[..., 0]
 
 
-def _dot(one: Float[np.ndarray, "*#c 2"], other: Float[np.ndarray, "*#c 2"]) -> Float[np.ndarray, "*c"]:
+def _dot(one: Float[np.ndarray, "*#c k"], other: Float[np.ndarray, "*#c k"]) -> Float[np.ndarray, "*c"]:
     return np.sum(one * other, axis=-1)
 
 

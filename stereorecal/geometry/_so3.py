@@ -17,8 +17,8 @@ _SMALL_ANGLE_SQUARED = 1e-8
 
 
 def _matrix(*rows: list[Any]) -> Mat3:
-    """Of numbers of one namespace; stacks of NumPy's would take most of the time of a rotation."""
-    return np.array(rows) if is_host(rows[0][0]) else jnp.stack([jnp.stack(row) for row in rows])
+    """The matrix of these numbers. (`stack` on the host takes longer than all else that a rotation needs.)"""
+    return np.array(rows) if is_host(*rows[0]) else jnp.stack([jnp.stack(row) for row in rows])
 
 
 def cross_matrix(v: Vec3) -> Mat3:

@@ -38,6 +38,10 @@ class Reason(enum.Enum):
         "differ, or something moved between the two exposures; four scenes or more would determine the "
         "intrinsics too, best with ranges or frames taken while the rig moves"
     )
+    LATE_SHUTTER = (
+        "the two images of a pair are not taken at the same time: one shutter is late, as the line on motion says; "
+        "trigger both cameras at once, or give frames taken at rest"
+    )
     FRAMES_DISAGREE = "the frames show different rigs; take them at rest, or check the synchronisation of the cameras"
     CANNOT_TELL = (
         "no improvement is significant, and the initial calibration may be wrong; other scenes, frames taken while "

@@ -18,8 +18,7 @@ def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) ->
         found: that the estimate rests on.
     """
     held = decide(estimate, case.free.names, case.tolerances)
-    late = estimate.delay is not None and estimate.delay.probability > 0.5
-    if not case.free.widens or held.verdict is Verdict.GOOD or held.explains or late:
+    if not case.free.widens or held.verdict is Verdict.GOOD or held.explains or estimate.is_late:
         return case.free, held
     if not shows_several_places(estimate):
         return case.free, decide(estimate, case.free.names, case.tolerances, intrinsics_explain=True)

@@ -170,7 +170,7 @@ def ended_by(case: Case, answer: Answer) -> Ending:
         excluded=answer.excluded,
         row_errors=errors,
         uncertainty=uncertainty_of(estimated, candidate, judged.chart),
-        misfit=misfit(rows),
+        misfit=misfit(rows, late=estimated.is_late),
         intrinsics=_intrinsics(answer, judged, errors, reason, outcome_if_accepted),
         estimate=estimated,
         decision=decision,
@@ -190,15 +190,20 @@ def _reason(case: Case, answer: Answer, tiles: Int[np.ndarray, "2 k tiles"], can
     doubtful = decision.verdict is Verdict.CANNOT_TELL or not (decision.refused or decision.is_understood)
     if (at_the_edge(z) and doubtful) or (is_beyond(z) and not decision.refused):
         return Reason.REACH_EDGE
-    return reason_of(decision, tiles)
+    return reason_of(decision, tiles, late=answer.estimate.is_late)
 
 
-def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
-    """The decision in words, of tiles that have these counts before and after."""
+def reason_of(decision: Decision, tiles: Int[np.ndarray, "2 k tiles"], *, late: bool) -> Reason:
+    """The decision in words, of tiles that have these counts before and after.
+
+    Args:
+        late: whether one of the two shutters is.
+    """
     if decision.verdict is Verdict.GOOD:
         return Reason.ALREADY_GOOD
     if decision.verdict is Verdict.CANNOT_TELL:
-        return Reason.CANNOT_TELL if decision.explains else Reason.MISFIT
+        unexplained = Reason.LATE_SHUTTER if late else Reason.MISFIT
+        return Reason.CANNOT_TELL if decision.explains else unexplained
     if loses_regions(tiles):
         return Reason.FEWER_MATCHES
     if decision.by_motion:

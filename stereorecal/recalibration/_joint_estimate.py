@@ -83,7 +83,7 @@ class JointEstimate:
         z = drift_within_reach(repair.initial, self.rig(at), repair.settings.reach)
         if is_beyond(z) and not self.decisions[at].refused:
             return Reason.REACH_EDGE
-        return reason_of(self.decisions[at], tiles)
+        return reason_of(self.decisions[at], tiles, late=self.estimates[at].is_late)
 
 
 def joint_estimate(
@@ -127,8 +127,9 @@ def _estimated_jointly(
     estimates = tuple(estimate_together(several, each=each))
     limits = recordings[0].repair.tolerances
     decisions = tuple(decide_together(estimates, free.names, limits))
-    if one and free.widens and decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains:
-        (merged,), (joint,), wider = several, estimates, free.widest(several[0].rig)
+    joint, unexplained = estimates[0], decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains
+    if one and free.widens and unexplained and not joint.is_late:
+        (merged,), wider = several, free.widest(several[0].rig)
         freed = decided_by_cross_validation(joint, merged.found, merged.rig, merged.prior, wider.names, limits)
         free, decisions = (free, decisions) if freed is None else (wider, (freed,))
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)

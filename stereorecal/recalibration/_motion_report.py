@@ -50,7 +50,7 @@ def _still(summary: dict[str, Any]) -> str:
 
 
 def _late(delay: dict[str, Any] | None) -> str:
-    if delay is None or delay["probability"] < 0.5:
+    if delay is None or delay["probability"] <= 0.5:
         return ""
     unit = "s" if delay["unit"] == "s" else "of the time between pairs"
     return f"; the right shutter is late by {delay['value']:.2g} {unit}"

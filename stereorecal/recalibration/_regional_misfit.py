@@ -27,6 +27,7 @@ class Cause(enum.Enum):
 
     ROWS = "it grows with the row: a shutter that rolls in one image, or focal lengths that do not fit"
     RADIAL = "it is radial: the lens distortion does not fit"
+    LATE = "the two images of a pair are not taken at the same time"
     REGIONS = (
         "regions differ in epipolar error: something moved between the two exposures, or the intrinsics do not fit"
     )
@@ -88,8 +89,12 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
     return float(np.sqrt(max(np.mean(medians**2 - error**2), 0.0))) if medians.size else 0.0
 
 
-def misfit(found: RowResiduals) -> Misfit:
-    """The misfit of a solution."""
+def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
+    """The misfit of a solution.
+
+    Args:
+        late: whether one of the two shutters is, which then is the cause.
+    """
     tiles, counts = np.unique(found.tile, return_counts=True)
     regions = []
     for tile, number in zip(tiles, counts, strict=True):
@@ -101,7 +106,7 @@ def misfit(found: RowResiduals) -> Misfit:
             regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
     frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
     frame, place = frame.astype(int), place.astype(int)
-    return Misfit(frame, place, *medians, cause=_cause(place, medians[1]))
+    return Misfit(frame, place, *medians, cause=Cause.LATE if late else _cause(place, medians[1]))
 
 
 def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:

@@ -93,7 +93,7 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
             repair.findings,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
             row_errors=row_errors(rows_by_solution[at]),
-            misfit=misfit(rows_by_solution[at]),
+            misfit=misfit(rows_by_solution[at], late=estimated.is_late),
             uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=estimated,
             decision=decision,

@@ -34,6 +34,7 @@ def test_a_late_shutter_is_told_and_does_no_harm(rig, chart, prior, seen, late):
     true = chart.rig_at(np.r_[0.2, 0.3, -0.3, 0.2, -0.3, np.zeros(chart.dim - 5)])
     found = solved(rig, true, prior, seen, late)
     assert found.delay.probability > 0.99
+    assert found.is_late
     assert found.delay.seconds == pytest.approx(late * SECONDS, abs=0.03 * SECONDS)
     error = 100.0 * float(readings(found.mean_rig, true, points_of_view(true, 30))[1].mean())
     assert abs(error) < 3.0
@@ -43,6 +44,7 @@ def test_a_late_shutter_is_told_and_does_no_harm(rig, chart, prior, seen, late):
 def test_a_shutter_in_time_is_not_late(rig, chart, prior, seen):
     found = solved(rig, rig, prior, seen, 0.0)
     assert found.delay is None or found.delay.probability < 0.1
+    assert not found.is_late
 
 
 @pytest.mark.slow

@@ -323,5 +323,8 @@ def test_what_a_late_shutter_leaves_frees_no_intrinsics():
     plan = replace(plan, rig=plan.rig.resized((640, 480)))
     given = decalibrate(plan.truth(12), jax.random.key(1), 0.3, 0.0027)
     found = recalibrate(given, list(photographs(plan))[::3], motion=True)
-    assert found.estimate.delay.probability > 0.9
+    assert found.estimate.is_late
     assert found.intrinsics is None
+    assert found.reason is Reason.LATE_SHUTTER
+    assert found.misfit.cause.name == "LATE"
+    assert "trigger both cameras at once" in str(found)

@@ -40,6 +40,10 @@ def test_the_likely_cause(spoil, cause):
     assert misfit(seen(spoil)).cause is cause
 
 
+def test_a_late_shutter_is_the_cause_whatever_it_looks_like():
+    assert misfit(seen(lambda x, y: 1.5 * y), late=True).cause is Cause.LATE
+
+
 def test_nothing_to_look_at():
     found, none = seen(nothing), slice(0)
     rows = {name: getattr(found, name)[none] for name in ("residual", "start_residual", "tile")}

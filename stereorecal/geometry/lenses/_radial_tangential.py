@@ -208,7 +208,7 @@ def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = FLAT_LIMIT
     return _turning_point(tuple(radial_only.tolist()), limit)
 
 
-@lru_cache(maxsize=64)  # two attributes of a camera are of it, and most cameras of a search have the lens of another
+@lru_cache(maxsize=64)  # each camera asks twice, for its radius and its field, and many cameras have one lens
 def _turning_point(radial_only: tuple[float, ...], limit: float) -> float:
     radii = np.linspace(0.0, limit, 4001)
     distorted, _ = distort_planes(radii, np.zeros_like(radii), np.array(radial_only))

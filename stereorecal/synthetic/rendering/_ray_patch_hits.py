@@ -134,7 +134,7 @@ def _windows(
 
 
 def _span(touched: Bool[np.ndarray, "n blocks"]) -> list[list[int]]:
-    """First and last ray of the blocks that are touched, which is left out; (0, 0) where none is."""
+    """The first ray of the blocks that are touched, and one past the last; (0, 0) where none is."""
     blocks = touched.shape[1]
     first, last = touched.argmax(1), blocks - touched[:, ::-1].argmax(1)
     return (_BLOCK * np.where(touched.any(1), [first, last], 0)).T.tolist()
