@@ -116,6 +116,7 @@ def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypa
     assert [row.status for row in found] == ["BUDGET", "BUDGET"]
 
 
+@pytest.mark.slow  # tests/comparison/test_ctrl_c.py has processes
 def test_ctrl_c_cancels_what_waits(workers, scene, serial):
     def interrupt(finished, total):
         raise KeyboardInterrupt
