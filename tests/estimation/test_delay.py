@@ -13,11 +13,12 @@ WAYS = [((0.05 * k, 0.0, -0.4 - 0.2 * k), (0.004 * k - 0.006, 0.008 - 0.005 * k,
 STEADY = [WAYS[2]] * 4
 
 
-def solved(rig, true, prior, seen, late, ways=WAYS, first=None):
+def solved(rig, true, prior, seen, late, ways=WAYS, first=None, seconds=SECONDS):
     """The estimate of four frames of a rig whose right shutter is late by a share of the time between two pairs.
 
     Args:
         first: tracks in place of those of the first way.
+        seconds: from one pair to the next.
     """
     tracks = tuple(tracks_of(true, *way, seed=k, number=300, late=late) for k, way in enumerate(ways))
     tracks = tracks if first is None else (first, *tracks[1:])
@@ -25,7 +26,7 @@ def solved(rig, true, prior, seen, late, ways=WAYS, first=None):
     parts = {
         name: np.concatenate([getattr(one, name) for one in frames]) for name in ("left", "right", "weight", "tile")
     }
-    windows = Windows(tracks, tuple((k, k) for k in range(len(ways))), (SECONDS,) * len(ways))
+    windows = Windows(tracks, tuple((k, k) for k in range(len(ways))), (seconds,) * len(ways))
     return estimate(replace(frames[0], **parts), rig, prior, windows=windows)
 
 
@@ -45,6 +46,13 @@ def test_a_shutter_in_time_is_not_late(rig, chart, prior, seen):
     found = solved(rig, rig, prior, seen, 0.0)
     assert found.delay is None or found.delay.probability < 0.1
     assert not found.is_late
+
+
+def test_the_unit_of_time_does_not_matter(rig, prior, seen):
+    """How probable a delay is, depends on its share of the time between two pairs."""
+    told = [solved(rig, rig, prior, seen, 0.009, seconds=seconds).delay for seconds in (1.0, 0.02)]
+    assert told[0].seconds == pytest.approx(told[1].seconds / 0.02, rel=1e-3)
+    assert 1.0 - told[0].probability == pytest.approx(1.0 - told[1].probability, rel=0.05)
 
 
 @pytest.mark.slow

@@ -123,3 +123,11 @@ def test_a_rig_with_which_most_ranges_disagree_does_not_fit_them(chart, wrong, b
     seen = ranges_of(true, relative=0.0)
     seen.metres[: round(wrong * len(seen.metres))] *= 3.0
     assert seen.fit_better(chart.rig, true) is better
+
+
+def test_a_few_ranges_of_other_things_decide_nothing_however_far_off(chart):
+    true = chart.rig_at(longer(chart, -5.0))
+    seen = ranges_of(true, relative=0.0)
+    seen.metres[:4] *= 5.0
+    assert seen.fit_better(chart.rig, true)
+    assert not seen.fit_better(true, chart.rig)

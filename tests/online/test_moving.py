@@ -7,9 +7,10 @@ import pytest
 from simulated_tracks import tracks_of
 
 from stereorecal.estimation import Normal
-from stereorecal.online import State, _moving, step
+from stereorecal.online import State, _moving, init, step
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
+from stereorecal.synthetic import default_rig
 
 
 def with_corners(state, pairs=5, since=None):
@@ -122,3 +123,11 @@ def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
     after = _moving.moved(state.standing_at(sure), ride.pairs[-1])
     np.testing.assert_allclose(after.outlier_motion.turn[:3], np.degrees(turn) / 4, rtol=0.02)
+
+
+def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_switch():
+    using, further = np.array([0.1, 0.4, -0.2, 1.0, -2.0]), np.array([0.0, 0.05, 0.0, 0.0, 0.0])
+    information = np.diag([1e4, 1e4, 1e4, 1e2, 1e2])
+    told = Normal(information, information @ further, 0.0)
+    measured = _moving._measurement(init(default_rig()).using_now(using), told, np.zeros(3))
+    np.testing.assert_allclose(measured.offset, using + further, atol=1e-9)

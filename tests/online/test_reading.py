@@ -278,3 +278,13 @@ def test_after_a_knock_nothing_that_came_before_is_on_trial(ridden, begun, ride,
     assert (Kind.KNOCK in told) is (good_rows_px < 1.0)
     assert state.ready == 0
     assert state.trial is None or state.trial.since == state.frame - 1
+
+
+@pytest.mark.parametrize(
+    ("delay", "sigma", "late"),
+    [(0.1, 0.02, True), (-0.1, 0.02, True), (0.1, 0.03, False), (0.029, 0.001, False), (0.031, 0.001, True)],
+)
+def test_a_shutter_is_late_by_four_standard_errors_and_by_what_matters(healthy, delay, sigma, late):
+    mean, known = healthy.estimate.mean.copy(), healthy.estimate.covariance.copy()
+    mean[5], known[5, 5] = delay, sigma**2
+    assert reading(healthy.standing_at(replace(healthy.estimate, mean=mean, covariance=known))).late is late
