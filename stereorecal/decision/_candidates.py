@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.decision._decision import Decision, Verdict
-from stereorecal.decision._losses import Losses, chances_of_harm, is_beyond_matching, losses_of, with_nearest_distance
+from stereorecal.decision._losses import Losses, chances_of_harm, losses_of, rows_count_alone, with_nearest_distance
 from stereorecal.decision._tolerances import Tolerances
 from stereorecal.estimation import Estimate, with_free_together
 from stereorecal.objectives import BASELINE
@@ -145,6 +145,7 @@ def _decided(
     intrinsics_explain: bool,
 ) -> Decision:
     """The decision between θ = 0, with the losses `before`, and a candidate, with the losses `after`."""
+    worse, rows_worse = chances_of_harm(before, after, limits)
     rows_before, rows_after = before.mean_rows, after.mean_rows
     better = float(np.mean(rows_after < rows_before - limits.gain_px))
     ranges_agree = bool(estimate.matched_ranges.fit_better(estimate.chart.rig, estimate.chart.rig_at(theta)))
@@ -159,7 +160,7 @@ def _decided(
         verdict=Verdict.GOOD if good else Verdict.CANNOT_TELL,
         theta=theta,
         keeps_depth=keeps_depth,
-        worse=chances_of_harm(before, after, limits)[0],
+        worse=worse,
         better=better,
         loss=after.expected,
         rows_px=np.percentile([rows_before, rows_after], [50.0, 2.5, 97.5], axis=1).T,
@@ -172,9 +173,9 @@ def _decided(
     by_rows = better > 1.0 - limits.alpha and borne_out
     left_to_intrinsics = by_rows and not no_repair.explains and intrinsics_explain and _is_explained(estimate, limits)
     by_rows = by_rows and (no_repair.explains or no_repair.corrects_most or left_to_intrinsics)
-    _, counted_harm = chances_of_harm(before, after, limits, left_to_intrinsics=left_to_intrinsics)
-    blind = is_beyond_matching(before, limits) and (no_repair.explains or left_to_intrinsics)
-    harmless = counted_harm < limits.alpha and (proven or blind or not _costs_a_region(estimate, theta, limits))
+    rows_alone = rows_count_alone(before, after, limits, left_to_intrinsics=left_to_intrinsics)
+    harm = rows_worse if rows_alone else worse
+    harmless = harm < limits.alpha and (proven or rows_alone or not _costs_a_region(estimate, theta, limits))
     if harmless and (depth_gain or by_rows):
         return replace(no_repair, verdict=Verdict.REPAIR, by_rows=by_rows, left_to_intrinsics=left_to_intrinsics)
     return no_repair

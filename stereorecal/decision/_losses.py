@@ -52,25 +52,29 @@ def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances
     change explains them."""
     limits = DEFAULT if tolerances is None else tolerances
     estimate = with_nearest_distance(estimate, limits)
-    return chances_of_harm(losses_of(estimate, np.zeros_like(theta)), losses_of(estimate, theta), limits)[1]
+    return counted_harm(losses_of(estimate, np.zeros_like(theta)), losses_of(estimate, theta), limits)
 
 
-def chances_of_harm(
-    initial: Losses, after: Losses, limits: Tolerances, *, left_to_intrinsics: bool = False
-) -> tuple[float, float]:
-    """Probability that rows or depth become worse, and the harm that counts: a rig that is blind has no depth to lose
-    to one that explains the rows. What leaves them misaligned may be wrong about anything.
+def counted_harm(initial: Losses, after: Losses, limits: Tolerances) -> float:
+    """Probability of the harm that counts."""
+    worse, rows_worse = chances_of_harm(initial, after, limits)
+    return rows_worse if rows_count_alone(initial, after, limits) else worse
+
+
+def chances_of_harm(initial: Losses, after: Losses, limits: Tolerances) -> tuple[float, float]:
+    """Probability that rows or depth become worse, and that rows do."""
+    # NaN is no proof of harmlessness.
+    lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
+    farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
+    return float(np.mean(lost | farther)), float(np.mean(lost))
+
+
+def rows_count_alone(initial: Losses, after: Losses, limits: Tolerances, *, left_to_intrinsics: bool = False) -> bool:
+    """Whether there is no depth to lose: the calibration's rows blind the matcher, and the candidate explains them.
+    What leaves them misaligned may be wrong about anything.
 
     Args:
         left_to_intrinsics: whether intrinsics that stay explain the rows that it leaves.
     """
-    # NaN is no proof of harmlessness.
-    lost = ~np.all(after.rows <= initial.rows + limits.worse_rows_px, axis=0)
-    farther = ~(after.depth <= initial.depth + limits.worse_depth_points)
-    worse = float(np.mean(lost | farther))
     understood = left_to_intrinsics or bool(np.median(after.mean_rows) <= limits.good_rows_px)
-    return worse, float(np.mean(lost)) if understood and is_beyond_matching(initial, limits) else worse
-
-
-def is_beyond_matching(initial: Losses, limits: Tolerances) -> bool:
-    return float(np.mean(initial.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha
+    return understood and float(np.mean(initial.mean_rows > limits.blind_rows_px)) > 1.0 - limits.alpha

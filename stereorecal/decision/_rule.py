@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from stereorecal.decision._candidates import candidates_of, chosen
 from stereorecal.decision._decision import Decision
-from stereorecal.decision._losses import chances_of_harm
+from stereorecal.decision._losses import counted_harm
 from stereorecal.decision._tolerances import DEFAULT, Tolerances
 from stereorecal.estimation import Estimate
 
@@ -114,7 +114,7 @@ def decide_for_trial(
     better = [
         one.decisions[0]
         for one in (*candidates.changing, candidates.keeping)
-        if one.loss < initial.expected - 1.0 and chances_of_harm(initial, one.after[0], limits)[1] <= harm
+        if one.loss < initial.expected - 1.0 and counted_harm(initial, one.after[0], limits) <= harm
     ]
     return decision, min(better, key=lambda one: one.loss).theta if better else None
 

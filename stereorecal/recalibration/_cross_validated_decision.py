@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stereorecal.decision import Decision, Tolerances, decide, with_nearest_distance
+from stereorecal.decision import Decision, Tolerances, Verdict, decide, with_nearest_distance
 from stereorecal.estimation import Estimate, Prior, as_prior, estimate, frames_by_place, is_exact, largest_loss
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._unmatched import without_frames_of
@@ -16,6 +16,12 @@ _PARTS = 4  # of the places, each left out once
 def shows_several_places(estimated: Estimate) -> bool:
     """Whether frames that take no part can be asked."""
     return estimated.shown is not None and len(frames_by_place(estimated.shown)) >= _PARTS
+
+
+def asks_for_intrinsics(estimated: Estimate, held: Decision) -> bool:
+    """Whether a decision on extrinsics leaves rows that intrinsics might explain; what a late shutter leaves, they do
+    not."""
+    return held.verdict is not Verdict.GOOD and not held.explains and not estimated.is_late
 
 
 def decided_by_cross_validation(

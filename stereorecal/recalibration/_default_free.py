@@ -1,10 +1,14 @@
 """The parameters that a repair frees where nothing is said: the extrinsics, or all where frames bear that out."""
 
-from stereorecal.decision import Decision, Verdict, decide
+from stereorecal.decision import Decision, decide
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation, shows_several_places
+from stereorecal.recalibration._cross_validated_decision import (
+    asks_for_intrinsics,
+    decided_by_cross_validation,
+    shows_several_places,
+)
 from stereorecal.scoring import Correspondences
 
 
@@ -18,7 +22,7 @@ def free_and_decision(case: Case, found: Correspondences, estimate: Estimate) ->
         found: that the estimate rests on.
     """
     held = decide(estimate, case.free.names, case.tolerances)
-    if not case.free.widens or held.verdict is Verdict.GOOD or held.explains or estimate.is_late:
+    if not (case.free.widens and asks_for_intrinsics(estimate, held)):
         return case.free, held
     if not shows_several_places(estimate):
         return case.free, decide(estimate, case.free.names, case.tolerances, intrinsics_explain=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import Decision, Verdict, decide_together
+from stereorecal.decision import Decision, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     CalibrationPrior,
@@ -24,7 +24,7 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
 from stereorecal.recalibration._acceptance import Reason, drift_within_reach, is_beyond
-from stereorecal.recalibration._cross_validated_decision import decided_by_cross_validation
+from stereorecal.recalibration._cross_validated_decision import asks_for_intrinsics, decided_by_cross_validation
 from stereorecal.recalibration._estimate_and_decide import reason_of
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
@@ -127,9 +127,8 @@ def _estimated_jointly(
     estimates = tuple(estimate_together(several, each=each))
     limits = recordings[0].repair.tolerances
     decisions = tuple(decide_together(estimates, free.names, limits))
-    joint, unexplained = estimates[0], decisions[0].verdict is not Verdict.GOOD and not decisions[0].explains
-    if one and free.widens and unexplained and not joint.is_late:
-        (merged,), wider = several, free.widest(several[0].rig)
+    if one and free.widens and asks_for_intrinsics(estimates[0], decisions[0]):
+        (merged,), (joint,), wider = several, estimates, free.widest(several[0].rig)
         freed = decided_by_cross_validation(joint, merged.found, merged.rig, merged.prior, wider.names, limits)
         free, decisions = (free, decisions) if freed is None else (wider, (freed,))
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)

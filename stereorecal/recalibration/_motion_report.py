@@ -40,7 +40,9 @@ def motion_text(estimated: Estimate) -> str:
         return f"{summary['windows']} windows, too few points could be followed"
     return (
         f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
-        f"rig, {summary['metres']:.3g} m from one pair to the next (median)" + _still(summary) + _late(summary["delay"])
+        f"rig, {summary['metres']:.3g} m from one pair to the next (median)"
+        + _still(summary)
+        + (_late(summary["delay"]) if estimated.is_late else "")
     )
 
 
@@ -49,9 +51,7 @@ def _still(summary: dict[str, Any]) -> str:
     return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
 
 
-def _late(delay: dict[str, Any] | None) -> str:
-    if delay is None or delay["probability"] <= 0.5:
-        return ""
+def _late(delay: dict[str, Any]) -> str:
     unit = "s" if delay["unit"] == "s" else "of the time between pairs"
     return f"; the right shutter is late by {delay['value']:.2g} {unit}"
 
