@@ -9,7 +9,7 @@ Rendered and real scenes are spoiled in many ways, half of which the model expla
 away; with several frames, what moves does so differently in each. Judges: rows by correspondences that were found on
 the CLEAN images under the true rig, depth at 30 baselines by the true rig (not of real scenes: what stands there
 for the true rig is the consensus of repairs of the clean images). Harmful: accepted, and the median row error grown by
-more than 0.02 px, or the median error of depth by more than a percentage point. Kinds that parameters of the model
+more than 0.02 px, or the median |error of depth| by more than a percentage point. Kinds that parameters of the model
 explain, so that no image can tell them from a rig, are printed by themselves and not counted.
 
 With --turning: what no single frame can tell, a late right image on a rig that only turns, which is another pose of the
@@ -130,10 +130,10 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
 
 
 def depth_error(used: sr.StereoRig, true: sr.StereoRig) -> float:
-    """|Error of depth| at 30 baselines in percent, median over the view; what lies beyond infinity counts as ten times
-    as far."""
+    """|Error of depth| at 30 baselines in percent, median over the view: errors that differ in sign do not make up for
+    each other; what lies beyond infinity counts as ten times as far."""
     _, nearness = readings(used, true, points_of_view(true, 30))
-    return 100.0 * abs(1.0 / max(1.0 + float(np.median(nearness)), 0.1) - 1.0)
+    return 100.0 * float(np.median(np.abs(1.0 / np.maximum(1.0 + nearness, 0.1) - 1.0)))
 
 
 def features(solution: sr.Solution) -> dict:

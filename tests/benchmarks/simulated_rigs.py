@@ -15,7 +15,7 @@ Calibrations are kept in a folder, by seed (`simulated_calibrations.py`); all el
 
 import argparse
 import functools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -154,13 +154,19 @@ class Simulated:
     def depth_error_percent(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES) -> np.ndarray:
         """Median error of the depth that `rig` reads over the central half of the view, positive: too far; infinite
         where points seem to lie beyond infinity."""
-        errors = []
+        return np.array([_median(errors) for errors in self._depth_errors_percent(rig, baselines)])
+
+    def absolute_depth_error_percent(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES) -> np.ndarray:
+        """The same of |errors|: where depth is too near on one side of the view and too far on the other, the median
+        error is none, and every depth is wrong."""
+        return np.array([_median(np.abs(errors)) for errors in self._depth_errors_percent(rig, baselines)])
+
+    def _depth_errors_percent(self, rig: sr.StereoRig, baselines: Sequence[float]) -> Iterator[np.ndarray]:
         for (_, nearness, along), distance in zip(self.readings(rig, baselines), baselines, strict=True):
             near = nearness[self._central]
             depth = along[self._central] * float(rig.baseline) / np.where(near > 0.0, near, np.nan)
             depth = np.where(near <= 0.0, np.inf, depth)
-            errors.append(100.0 * (_median(depth) / (distance * self._baseline) - 1.0))
-        return np.array(errors)
+            yield 100.0 * (depth / (distance * self._baseline) - 1.0)
 
     def calibration_errors(self) -> dict[str, float]:
         """What the calibration left: each parameter less the truth before the drift, raw cameras: f in percent, centres
