@@ -12,7 +12,7 @@ class Cost:
         starts: a look at the images through the initial calibration, and counts that choose between starts.
         search: what strategies asked; with `correspondences`, what a budget pays for.
         correspondences: matches that found correspondences.
-        judging: counts that nominations and the end of the schedule were judged by, and matches at other rows.
+        judging: counts that nominations and the end of the schedule were judged by, and matches at vertical offsets.
     """
 
     survey: float = 0.0

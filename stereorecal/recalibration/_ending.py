@@ -28,7 +28,7 @@ class Ending:
         excluded: numbers of the frames that show another rig than the others; all of them count all the same where they
             are too many to say which are wrong.
         status, message: how the search ended, or that none was needed.
-        matching_cost: units that went into matches for the verdict alone.
+        judging_cost: units that went into matches for the verdict alone.
         others: of `Findings`, by its names.
     """
 
@@ -44,7 +44,7 @@ class Ending:
     decision: Decision | None = None
     status: Status = Status.CONVERGED
     message: str = "one look at the images was enough"
-    matching_cost: float = 0.0
+    judging_cost: float = 0.0
 
     @property
     def without(self) -> tuple[int, ...]:

@@ -7,9 +7,9 @@ from stereorecal.recalibration._acceptance import Reason, verdict_on_count
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._ending import Ending, counts
 from stereorecal.recalibration._estimate_and_decide import ended_by, estimate_and_decide
-from stereorecal.recalibration._other_rows import with_other_rows
 from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._stages import FEWEST, StageRun, last_matched
+from stereorecal.recalibration._vertical_offsets import with_vertical_offsets
 from stereorecal.strategies import Status
 
 
@@ -33,9 +33,9 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     end_rig = stages[-1].ended if stages else case.rig
     run = last_matched(stages)
     if not cut and run is not None and run.found is not None and run.found.found >= FEWEST:
-        judged = with_other_rows(case, run, end_rig)
-        ending = ended_by(case, estimate_and_decide(case, judged, end_rig, corners=True))
-        return replace(ending, matching_cost=judged.matching_cost - run.matching_cost)
+        with_offsets = with_vertical_offsets(case, run, end_rig)
+        ending = ended_by(case, estimate_and_decide(case, with_offsets, end_rig, corners=True))
+        return replace(ending, judging_cost=with_offsets.matching_cost - run.matching_cost)
     tiles = counts(case, end_rig)
     if cut:
         return Ending(end_rig, Reason.OUT_OF_BUDGET, tiles)  # the count alone hardly sees a wrong yaw

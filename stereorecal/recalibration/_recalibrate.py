@@ -78,7 +78,8 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     to_decide = case.with_free(settings.free)
     ending = ending_of(to_decide, schedule, stages)
     if initial is not None and initial.repairs and not search_stands(ending, stages, initial):
-        ending, stages = initial.ending(to_decide), (*stages, initial.run_at_no_cost)
+        ending = replace(initial.ending(to_decide), judging_cost=ending.judging_cost)
+        stages = (*stages, initial.run_at_no_cost)
 
     # Report.
     return solution_of(to_decide, settings, stages, ending, cost, began)

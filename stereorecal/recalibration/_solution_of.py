@@ -71,7 +71,7 @@ def solution_of(
                 starts=cost.starts,
                 search=sum(stage.search_cost for stage in stages),
                 correspondences=sum(stage.matching_cost for stage in stages),
-                judging=sum(stage.judging_cost for stage in stages) + ending.matching_cost + 2 * whole.cost,
+                judging=sum(stage.judging_cost for stage in stages) + ending.judging_cost + 2 * whole.cost,
             ),
             seconds=time.perf_counter() - began,
         ),

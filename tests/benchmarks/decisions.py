@@ -3,9 +3,9 @@
     python tests/benchmarks/decisions.py [--rigs N] [--first SEED] [--frames N]
 
 The rigs are those of `simulated_rigs.py` (even seeds unless --first is odd): calibrated by OpenCV on simulated boards,
-drifted, seen through simulated correspondences, so that thousands can be counted. Nothing is searched or matched; what
-follows is what `recalibrate` does, with the default prior: it frees intrinsics where frames of several places bear that
-out.
+drifted, seen through simulated correspondences, so that thousands can be counted. Nothing is searched or matched: what
+is estimated, with the default prior, is decided on as in `recalibrate`, which frees intrinsics where frames of several
+places bear that out.
 
 Good: it is called good. Harmful: accepted, and rows at 5, 10 or 30 baselines are worse by more than 0.02 px (root mean
 square over the view), or depth at 30 baselines by more than a point: the median of |error| over the view. By |median|:

@@ -51,6 +51,7 @@ def test_a_folder_judges(command, folder, tmp_path):
     assert command(*words, "--json", target).code == 2  # it exists
 
 
+@pytest.mark.slow
 def test_killed_and_resumed(command, folder, tmp_path, moody):
     target = tmp_path / "a.json"
     words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *MOODY, "--json", target)

@@ -11,6 +11,7 @@ SIZE = (168, 120)  # of no other test: nothing of it is compiled before
 FAR = np.radians([-1.5, 1.0, 2.0, 0.0, 0.0, 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(jax.default_backend() != "cpu", reason="a GPU's batches depend on the number of frames")
 def test_nothing_is_left_to_compile(scene, caplog):
     two = scene("street", 0, SIZE, 2)
