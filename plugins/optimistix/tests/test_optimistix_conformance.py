@@ -20,8 +20,8 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
-# A rig by its gradients: BFGS; without them: stereorecal-nlopt. (Each class has test functions of its own.)
-for name in ("TestAdam", "TestNelderMead"):
+# A rig by its gradients or without: stereorecal-nlopt. (Each class has test functions of its own.)
+for name in ("TestAdam", "TestBFGS", "TestNelderMead"):
     pytest.mark.slow(globals()[name].test_repairs_a_stereo_rig)
 
 
