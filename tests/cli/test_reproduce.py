@@ -63,6 +63,7 @@ def test_json_to_a_pipe_is_nothing_but_json(command, words):
     assert len(content["rows"]["ex_nihilo"]) == 1
 
 
+@pytest.mark.slow
 def test_interrupted(command, words, moody):
     words = ("reproduce", "validity", "ex-nihilo", *words, "--strategy", "moody")
     moody(raising(KeyboardInterrupt))

@@ -46,7 +46,7 @@ def test_what_moved_is_seen_and_bends_the_rig_by_less(shown, repaired, spoilt):
     assert abs(moved) == pytest.approx(ROWS, abs=0.5)
     error = axis_errors(found.candidate, shown.rig).rotation_deg
     assert error["pitch"] < 0.05
-    assert error["roll"] < 0.18
+    assert error["roll"] < 0.2
 
 
 def test_what_matches_nowhere_changes_nothing(shown, repaired):
