@@ -26,10 +26,12 @@ def with_vertical_offsets(case: Case, run: StageRun, end_rig: StereoRig) -> Stag
     Args:
         end_rig: where the stage ended, with the cameras of the case's rig.
     """
-    found, (pair, *more) = run.found, case.images.pairs
+    found, pairs = run.found, case.images.pairs
     assert found is not None
-    texture = image_quality(pair).texture
-    if more or case.free.intrinsics or not LIKELY * texture <= found.covered < (1.0 - LIKELY) * texture:
+    if len(pairs) > 1 or case.free.intrinsics:
+        return run
+    texture = image_quality(next(iter(pairs))).texture
+    if not LIKELY * texture <= found.covered < (1.0 - LIKELY) * texture:
         return run
     data, extrinsics = case.images.at(run.scale, run.stage.frames), with_unit_baseline(end_rig.extrinsics)
     moved = np.zeros(len(_share_of_tiles(found)), bool)
