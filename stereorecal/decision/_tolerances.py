@@ -1,4 +1,5 @@
-"""What a change must gain, what counts as worse, and how sure that must be: all constants of the decision."""
+"""What a change must gain, what counts as worse, how sure that must be, and what images must show: all numbers of the
+decision."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -8,9 +9,9 @@ import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal.estimation import JUDGED_AT
+from stereorecal.estimation import Matters
 
-_PROBABILITIES = ("alpha", "good_surely")
+_SHARES = ("leaves", "better", "harm", "predicts", "good_surely")
 
 
 @dataclass(frozen=True)
@@ -18,39 +19,39 @@ class Tolerances:
     """What is asked of a change of calibration. The defaults are the same for all rigs.
 
     Attributes:
-        gain_px: of row error (root mean square over the view) that a repair must gain: what a matcher notices.
-        worse_rows_px: of row error that a repair may lose: what repairs that end well lose by noise.
-        worse_depth_points: of the error of depth, in percentage points at the farthest distance, likewise.
-        alpha: probability of a change for the worse, and of none for the better, at most.
-        blind_rows_px: of row error beyond which a matcher's windows show other things: such a rig has no depth to
-            lose to one that explains the rows.
-        good_rows_px: of row error that good calibrations have.
-        good_surely: probability with which they do, at least; and with which a change of what depth reads is for the
-            better.
-        distances: in baselines, at which rows are judged, besides the nearest that the images show, if that is nearer;
-            depth at the farthest of them.
+        rows_px: of row error, that a matcher notices: the unit of the loss, and more than this is worse.
+        depth_points: the same of the error of depth, in percentage points.
+        leaves: share of the expected loss that a repair leaves, at most; it gains one unit of it, at least.
+        better: probability that the loss falls, at least.
+        harm: probability that rows, or depth at the farthest distance, become worse, at most.
+        predicts: row error of parts of the images that were left out, under what the rest says, at most, as a share of
+            theirs under the initial calibration.
+        good_rows_px: row error of a good calibration, at most, where images show something.
+        good_surely: probability of that, at least.
+        distances: in baselines, at which rows and depth count over the view.
 
     Raises:
         InputError: if a value makes no sense.
     """
 
-    gain_px: float = 0.05
-    worse_rows_px: float = 0.02
-    worse_depth_points: float = 1.0
-    alpha: float = 0.01
-    blind_rows_px: float = 1.5
+    rows_px: float = 0.05
+    depth_points: float = 1.0
+    leaves: float = 0.7
+    better: float = 0.9
+    harm: float = 0.02
+    predicts: float = 0.8
     good_rows_px: float = 0.3
     good_surely: float = 0.95
-    distances: tuple[float, ...] = JUDGED_AT
+    distances: tuple[float, ...] = Matters().distances
 
     def __post_init__(self) -> None:
         for name, value in self.limits.items():
             if not isinstance(value, Real) or isinstance(value, bool) or not np.isfinite(float(value)):
                 raise InputError(f"tolerances: {name} is {value!r}; give a number.")
-            if name in _PROBABILITIES and not 0.0 < value < 1.0:
-                raise InputError(f"tolerances: {name} is {value:g}; a probability lies between 0 and 1.")
-            if value < 0.0:
-                raise InputError(f"tolerances: {name} is {value:g}; give 0 or more.")
+            if name in _SHARES and not 0.0 < value < 1.0:
+                raise InputError(f"tolerances: {name} is {value:g}; it lies between 0 and 1.")
+            if value <= 0.0:
+                raise InputError(f"tolerances: {name} is {value:g}; give more than 0.")
         try:
             distances = tuple(float(distance) for distance in self.distances)
         except (TypeError, ValueError):
@@ -67,6 +68,11 @@ class Tolerances:
     def limits(self) -> dict[str, float]:
         """All but the distances, by name."""
         return {name: value for name, value in asdict(self).items() if name != "distances"}
+
+    @property
+    def matters(self) -> Matters:
+        """What counts as an error."""
+        return Matters(self.rows_px, self.depth_points, self.distances)
 
 
 DEFAULT = Tolerances()
@@ -88,3 +94,30 @@ def as_tolerances(given: Tolerances | Mapping[str, object] | None) -> Tolerances
     for name in given:
         checked_choice(name, [*LIMITS, "distances"], "tolerance")
     return Tolerances(**given)  # pyright: ignore[reportArgumentType]: checked there
+
+
+@dataclass(frozen=True)
+class Enough:
+    """What images must show for a verdict.
+
+    Attributes:
+        matches: correspondences: five parameters from fewer would be guessing.
+        covered: share of the image that they cover: good rigs cover a half, chance matches a twentieth.
+        places: tiles of a frame that show something.
+        of_texture: share of what has texture that an aligned rig covers: a half and more; rigs a degree out a fifth.
+        lost: of what the candidate matches, what it may lose where the initial calibration matches: 0 to 0.11 where
+            repairs end well.
+        reach: how far a candidate may lie away, in reaches: the search goes so far.
+        misfit_px: systematic errors in no parameter: more is no rig.
+    """
+
+    matches: int = 60
+    covered: float = 0.1
+    places: int = 6
+    of_texture: float = 0.25
+    lost: float = 0.15
+    reach: float = 2.0
+    misfit_px: float = 0.8
+
+
+ENOUGH = Enough()

@@ -22,18 +22,17 @@ from stereorecal.estimation._consequences import (
     consequences as consequences,
     points_of_view as points_of_view,
     readings as readings,
-    regions as regions,
 )
-from stereorecal.estimation._cross_validation import frames_by_place as frames_by_place, largest_loss as largest_loss
 from stereorecal.estimation._estimate import (
     DISTANCES as DISTANCES,
-    JUDGED_AT as JUDGED_AT,
     Estimate as Estimate,
     estimate as estimate,
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._groups import PLACES as PLACES
+from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
+from stereorecal.estimation._losses import Losses as Losses, Matters as Matters
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,

@@ -144,27 +144,27 @@ def physical_prior(chart: RigChart) -> CalibrationPrior:
     """No more than what is physical: where the boards of the calibration are at hand, they tell what it left, and the
     same boards must not count again as a simulated calibration."""
     of_squares = np.array([SQUARES * (name == BASELINE) for name in chart.names])
-    return CalibrationPrior.around_given(np.diag(np.hypot(_widest(chart), of_squares))[None], np.ones(1))
+    return CalibrationPrior.around_given(np.diag(np.hypot(widest(chart), of_squares))[None], np.ones(1))
 
 
 def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
     """The covariance of θ that a calibration leaves: for each kind of views, one after the other, each of KAPPAS."""
-    widest = np.diag(1.0 / _widest(chart) ** 2)
+    physical = np.diag(1.0 / widest(chart) ** 2)
     noise = _CORNER_NOISE * chart.rig.left.size[0] / _WIDTH
-    scale, of_squares = _widest(chart), np.diag([SQUARES**2 * (name == BASELINE) for name in chart.names])
+    scale, of_squares = widest(chart), np.diag([SQUARES**2 * (name == BASELINE) for name in chart.names])
     found = []
     boards = [_boards(chart.rig, views) for views in _KINDS]
     of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once
     ends = np.cumsum([len(some) for some in boards])[:-1]
     for information in (part.sum(axis=0) for part in np.split(of_boards, ends)):
         for kappa in KAPPAS:
-            inverse = np.linalg.inv(scale[:, None] * (information / (kappa * noise) ** 2 + widest) * scale)
+            inverse = np.linalg.inv(scale[:, None] * (information / (kappa * noise) ** 2 + physical) * scale)
             found.append(scale[:, None] * inverse * scale + of_squares)
     return np.stack(found)
 
 
-def _widest(chart: RigChart) -> Float[np.ndarray, "n"]:
-    """The largest standard deviations, in the units of θ."""
+def widest(chart: RigChart) -> Float[np.ndarray, "n"]:
+    """The largest standard deviations that are physical, in the units of θ."""
     width = chart.rig.left.size[0] / _WIDTH
     found = []
     for parameter in chart.parameters:

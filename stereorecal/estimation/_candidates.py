@@ -1,20 +1,23 @@
-"""Rigs that may be written: the one that loses least, and the most probable one that reads depth as the given one."""
+"""Rigs that may be written: the one of least expected loss, and the one of least loss to which a change of depth costs
+its square."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.estimation._consequences import Consequences, readings_at
-from stereorecal.geometry import View
+from stereorecal.estimation._calibration_prior import widest
+from stereorecal.estimation._losses import Errors, PointwiseLoss
+from stereorecal.estimation._one_thread import one_blas_thread
+from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.objectives import RigChart
 
-_STEPS = 4
-_ROWS_MATTER = 0.1  # pixels: what a matcher notices
-_DEPTH_MATTERS = 0.01  # of the disparity
-_DEPTH_KEPT = 0.0005  # likewise, where depth is not to change
-_NEAR_MEAN = 0.1  # of what a matcher notices, for each deviation of a parameter from its mean
+_ROUNDS, _SETTLED = 40, 0.02  # standard deviations of θ
+_HALVINGS = 10
+_CHANGE = 0.01  # of the loss, for a change of a parameter by all that is physical: what nothing tells stays as given
+_NORMALS = 8  # of a posterior: so many hold what its loss depends on
+_KEPT = 0.5  # of the loss, for a change of depth by what matters, everywhere; four times as much for twice that change
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,105 +25,119 @@ class Known:
     """What is known of a rig, as far as candidates are chosen by it.
 
     Attributes:
-        chart: from θ to rigs.
-        maps: the linear maps at the mean.
-        mean: of θ.
-        deviations: of θ: what neither rows nor depth tell stays near the mean.
-        nearness: (d, 2) relative disparity that a rig should read, less that of the rig at the mean, at each distance
-            of the maps, on average over the view, and ahead.
-        judged_at: those of the distances at which it counts, baselines.
-        view: the view; None: the rig's own.
+        errors: of rigs near the posterior's mean.
+        posterior: of θ.
+        initial: errors of the initial rig, if that at the mean is true.
     """
 
-    chart: RigChart
-    maps: Consequences
-    mean: Float[np.ndarray, "n"]
-    deviations: Float[np.ndarray, "n"]
-    nearness: Float[np.ndarray, "d 2"]
-    judged_at: tuple[float, ...]
-    view: View | None = None
+    errors: Errors
+    posterior: Posterior
+    initial: Float[np.ndarray, "2p"]
+
+    @property
+    def chart(self) -> RigChart:
+        """From θ to rigs."""
+        return self.errors.chart
+
+    @property
+    def deviations(self) -> Float[np.ndarray, "n"]:
+        """Of θ."""
+        return np.sqrt(np.maximum(np.diag(self.posterior.covariance), 1e-24))
 
 
+@one_blas_thread()
 def least_loss(
     several: Sequence[Known],
     free: Bool[np.ndarray, "n"],
     shared: Bool[np.ndarray, "n"],
-    depth_matters: float = _DEPTH_MATTERS,
+    *,
+    keep_depth: bool = False,
+    linear: bool = False,
 ) -> list[Float[np.ndarray, "n"]]:
-    """θ of each rig, which together lose least, in rows over the view and in depth, of those whose held parameters are
-    as given (0).
+    """θ of each rig, which together lose least, of those whose held parameters are as given (0); 0, if no rigs stand
+    there.
+
+    Reweighted least squares: the pointwise loss is convex, and a quadratic bound of it falls with each step.
 
     Args:
         several: rigs, with the same parameters.
         free: which parameters may change.
         shared: which are the same for all.
-        depth_matters: share of the disparity that weighs as much as rows that a matcher notices.
+        keep_depth: a change of depth, against the initial rig, costs its square: depth changes by little where rows
+            need it, and by less where nothing does.
+        linear: take errors as linear near the mean, which spares most of the time.
     """
-    if free.all() and len(several) == 1 and not several[0].nearness.any():
-        return [several[0].mean]
-    own, common, count = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared), len(several)
+    searches = [_Search(one, keep_depth, linear) for one in several]
     units = [np.where(shared, several[0].deviations, one.deviations) for one in several]
-    maps, goals = [], []
-    for index, (one, unit) in enumerate(zip(several, units, strict=True)):
-        slopes, goal = _loss(one, free, depth_matters)
-        slopes = slopes * unit
-        empty = np.zeros((len(goal), len(own)))
-        maps.append(
-            np.column_stack([*[slopes[:, own] if at == index else empty for at in range(count)], slopes[:, common]])
-        )
-        goals.append(goal)
-    found = np.linalg.lstsq(np.concatenate(maps), np.concatenate(goals), rcond=None)[0]
-    thetas = [np.zeros(len(free)) for _ in several]
-    for theta, unit, of_own in zip(thetas, units, found[: count * len(own)].reshape(count, -1), strict=True):
-        theta[own], theta[common] = of_own * unit[own], found[count * len(own) :] * unit[common]
+    own, common = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared)
+    moves, size = np.concatenate([own, common]), len(several) * len(own) + len(common)
+    where = [
+        np.r_[index * len(own) : (index + 1) * len(own), size - len(common) : size] for index in range(len(several))
+    ]
+
+    def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "2p"]]]:
+        if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
+            return np.inf, []
+        found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
+        return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found
+
+    thetas = [np.where(free, one.posterior.mean, 0.0) for one in several]
+    loss, found = at(thetas)
+    if not np.isfinite(loss):
+        thetas = [np.zeros_like(theta) for theta in thetas]
+        loss, found = at(thetas)
+    for _ in range(_ROUNDS):
+        curvature, slope = np.zeros((size, size)), np.zeros(size)
+        for search, theta, of_rig, unit, own_and_common in zip(searches, thetas, found, units, where, strict=True):
+            a, b = search.quadratic(theta, of_rig)
+            scale = unit[moves]
+            curvature[np.ix_(own_and_common, own_and_common)] += scale[:, None] * a[np.ix_(moves, moves)] * scale
+            slope[own_and_common] += scale * b[moves]
+        step = -np.linalg.solve(curvature, slope)
+        for _ in range(_HALVINGS):
+            moved = [theta.copy() for theta in thetas]
+            for theta, unit, own_and_common in zip(moved, units, where, strict=True):
+                theta[moves] += unit[moves] * step[own_and_common]
+            lower, errors = at(moved)
+            if lower <= loss:
+                break
+            step = 0.5 * step
+        else:
+            break
+        thetas, loss, found = moved, lower, errors
+        if np.abs(step).max(initial=0.0) < _SETTLED:
+            break
     return thetas
 
 
-def _loss(
-    one: Known, free: Bool[np.ndarray, "n"], depth_matters: float
-) -> tuple[Float[np.ndarray, "k n"], Float[np.ndarray, "k"]]:
-    """Maps and goal: what the rig at θ loses is the square of maps θ - goal. Disparities count over the whole view, as
-    rows do: depth that is as it should be on average may be wrong everywhere. How they vary is the mean's, since that
-    comes from lenses, of which rows tell."""
-    maps, goal = [], []
-    for index, distance in enumerate(one.maps.distances):
-        if distance in one.judged_at:
-            points = np.sqrt(len(one.maps.rows[index]))
-            rows = one.maps.rows[index] / (_ROWS_MATTER * points * np.sqrt(len(one.judged_at)))
-            counts = depth_matters * np.sqrt(len(one.maps.nearness[index]))
-            nearness = one.maps.nearness[index] / counts
-            variation = one.maps.variation[index] / (_DEPTH_MATTERS * points)
-            maps += [rows, nearness, variation]
-            goal += [
-                rows @ one.mean,
-                nearness @ one.mean + one.nearness[index] / counts,
-                variation @ one.mean,
-            ]
-    near_mean = _NEAR_MEAN * np.diag(1.0 / np.maximum(one.deviations, 1e-12))[free]
-    return np.concatenate([*maps, near_mean]), np.concatenate([*goal, near_mean @ one.mean])
+class _Search:
+    """One rig's part of the loss."""
 
+    def __init__(self, known: Known, keep_depth: bool, linear: bool) -> None:
+        posterior = merged(known.posterior, 1 if linear else _NORMALS)
+        self.known, self.keep_depth, self.linear = known, keep_depth, linear
+        self.loss = PointwiseLoss.under(known.errors, posterior)
+        self.change = _CHANGE / widest(known.chart) ** 2
 
-def least_loss_of_depth_kept(
-    several: Sequence[Known], free: Bool[np.ndarray, "n"], shared: Bool[np.ndarray, "n"]
-) -> list[Float[np.ndarray, "n"]]:
-    """The same of those that read depth as the rigs at θ = 0 do, on average over the view and ahead; Newton steps,
-    since depth is not linear as far as a drift may reach."""
-    means = [one.chart.rig_at(one.mean) for one in several]
-    target_nearness = [
-        readings_at(one.chart.rig, mean, one.maps.points, one.view)[1] for one, mean in zip(several, means, strict=True)
-    ]
-    best, least = [np.zeros_like(one.mean) for one in several], np.inf
-    for _ in range(_STEPS):
-        retargeted = [replace(one, nearness=nearness) for one, nearness in zip(several, target_nearness, strict=True)]
-        thetas = least_loss(retargeted, free, shared, _DEPTH_KEPT)
-        if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
-            break
-        off = [
-            readings_at(one.chart.rig_at(theta), one.chart.rig, one.maps.points, one.view)[1]
-            for one, theta in zip(several, thetas, strict=True)
-        ]
-        if not np.abs(off).max() < least:
-            break
-        best, least = thetas, float(np.abs(off).max())
-        target_nearness = [nearness - error for nearness, error in zip(target_nearness, off, strict=True)]
-    return best
+    def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2p"]:
+        errors = self.known.errors
+        return errors.slopes @ (theta - errors.at) if self.linear else errors.of(theta)
+
+    def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "2p"]) -> float:
+        """What is minimised."""
+        loss = self.loss.expected(found) + float(self.change @ theta**2)
+        if self.keep_depth:
+            loss += _KEPT * float(self.known.errors.of_depth @ (found - self.known.initial) ** 2)
+        return loss
+
+    def quadratic(
+        self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "2p"]
+    ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
+        """Curvature and slope of a bound, by θ."""
+        slopes = self.known.errors.slopes
+        curvature, slope = self.loss.quadratic(found)
+        if self.keep_depth:
+            kept = 2.0 * _KEPT * self.known.errors.of_depth
+            curvature, slope = curvature + kept, slope + kept * (found - self.known.initial)
+        by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * np.diag(self.change)
+        return by_theta, slopes.T @ slope + 2.0 * self.change * theta

@@ -3,7 +3,8 @@
 Twenty parameters explain half of an image that moved better than five do, and a field of small errors that stay
 together lets them. What belongs to no rig has a cause: a region that moved, a shutter that rolled, an image that is
 late. Each is a few parameters beside θ; where one wins, the rig solved beside it is the answer, and where it ties with
-the rig alone the posterior has both. Of a single frame: what moves differs between frames, and they outvote it.
+the rig alone the posterior has both. With several frames, a region that all of them have in common, as behind glass:
+what moves in one of them is outvoted by the others.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +17,14 @@ from jaxtyping import Float
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, best_of, explained_by
+from stereorecal.estimation._explanations import (
+    Explanation,
+    Hypothesis,
+    best_of,
+    explained_by,
+    explanations,
+    with_common_field,
+)
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._misfit import DEVIATIONS
@@ -29,6 +37,7 @@ from stereorecal.objectives import RigChart
 _REGION, _ROLLING, _LATE = 0.05, 0.01, 0.005
 # Pixels of row: what moves between two exposures, or while one is read, moves by a row or two; more finds no match.
 MOVED = 1.5
+ACROSS = 5.0  # of column, likewise: those cost no match
 _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their height
 # Of the right camera between two exposures, percent of the baseline and degrees: as a vehicle moves in milliseconds,
 # unlike a drift, which turns rather than shifts.
@@ -63,39 +72,44 @@ class Rival:
 
 
 @dataclass(frozen=True, eq=False)
-class RivalFit:
-    """θ beside a rival: explanations for `mixture`, of which the rival's probability is a part."""
+class Fitted:
+    """What a hypothesis makes of rows: explanations for `mixture`, of which its probability is a part."""
 
-    rival: Rival
+    hypothesis: Hypothesis
     several: list[Explanation]
 
 
 def fits_with_rivals(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
-) -> list[RivalFit]:
+) -> list[Fitted]:
     """θ beside each rival that may have a say.
 
     Args:
-        rows: of one frame, near the rig that was fitted alone.
+        rows: near the rig that was fitted alone.
         chart: the map from θ to rigs.
         prior: of the calibration.
         alone: the rig alone, which rivals are weighed against.
     """
     best, kind = best_of(alone)
-    searched = [*_rolling(rows, chart), _late(rows), *_regions(rows, prior, best.prior, kind)]
-    of_all = {d: _likelihoods(rows, searched, d) for d in DEVIATIONS}
+    searched = _regions(rows, prior, best, kind)
+    if len(rows.frames) == 1:  # as the rig moves; in several frames it moves otherwise
+        searched += [*_rolling(rows, chart), _late(rows)]
+    if not searched:
+        return []
+    misfits = [(deviation, best.misfit[1]) for deviation in DEVIATIONS]
+    of_all = {misfit: _likelihoods(rows, searched, misfit) for misfit in misfits}
     tried = []
     for index, rival in enumerate(searched):
-        normals = {(d, best.misfit[1]): of_all[d][index] for d in DEVIATIONS}
+        normals = {misfit: of_all[misfit][index] for misfit in misfits}
         under = _with_rival(normals, rows.likelihoods, rival, prior, [best.prior])
         tried.append((best_of(under)[0], rival))
     # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
     again = []
     for one, rival in _within_nats(tried, best, 2.0 * NEGLIGIBLE):
-        normal = of_all[one.misfit[0]][searched.index(rival)]
+        normal = of_all[one.misfit][searched.index(rival)]
         under = _with_rival({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
         again.append((best_of(under)[0], rival))
-    return [_fits_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, NEGLIGIBLE)]
+    return [_fitted_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, NEGLIGIBLE)]
 
 
 def _log_evidence(one: Explanation) -> float:
@@ -110,9 +124,9 @@ def _within_nats(
     return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
 
 
-def _fits_with_rival(
+def _fitted_with_rival(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, best_with_rival: Explanation
-) -> RivalFit:
+) -> Fitted:
     """All explanations beside a rival, linear near its own θ: the rig alone may be far away, and groups that err alone
     are others."""
     kind = int(best_with_rival.found.log_evidence.argmax())
@@ -121,27 +135,29 @@ def _fits_with_rival(
     moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(best_with_rival.misfit), theta))
     at, common = DEVIATIONS.index(best_with_rival.misfit[0]), best_with_rival.misfit[1]
+    beside, nuisance = rows.with_columns(rival.columns(rows)), np.diag(rival.sizes)
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
-        normals = {(d, common): _likelihoods(rows, [rival], d)[0] for d in deviations}
-        return _with_rival(normals, rows.likelihoods, rival, prior, which)
+        misfits = [(deviation, common) for deviation in deviations]
+        return explanations(beside, prior, which, misfits, nuisance, rival.log_prior)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - NEGLIGIBLE
     some = [one.prior for one in found if _log_evidence(one) > least]
     neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
-    return RivalFit(rival, found + under([DEVIATIONS[index] for index in sorted(neighbouring)], some))
+    found += under([DEVIATIONS[index] for index in sorted(neighbouring)], some)
+    return Fitted(Hypothesis(beside, best_of(found)[0].misfit, nuisance, rival.log_prior), found)
 
 
-def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: float) -> list[Normal]:
+def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: tuple[float, float]) -> list[Normal]:
     """Of θ and of the parameters of each rival."""
     columns = [rival.columns(rows) for rival in rivals]
-    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, *columns])).normal(misfit)
+    whole = rows.with_columns(np.column_stack(columns)).normal(misfit[0])
     n, found = rows.jacobian.shape[1], []
     ends = n + np.cumsum([0, *(some.shape[1] for some in columns)])
     for start, end in pairwise(ends):
-        where = np.r_[:n, start:end]
-        found.append(Normal(whole.a[np.ix_(where, where)], whole.b[where], whole.c))
+        where = np.r_[:n, start:end, ends[-1] : len(whole.b)]  # behind the rivals: the field of all frames
+        found.append(with_common_field(rows, Normal(whole.a[np.ix_(where, where)], whole.b[where], whole.c), misfit[1]))
     return found
 
 
@@ -162,13 +178,12 @@ def _rolling(rows: LinearGroups, chart: RigChart) -> list[Rival]:
     rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a rival is fitted
     anew."""
     right, n = chart.rig.right, rows.jacobian.shape[1]
-    down = right.project(rows.groups.right)[:, 1] / right.size[1]
-    moved = -rows.jacobian[:, chart.names.index("right.cy")]  # by a pixel of the right image, as lenses bend it
+    down = right.project(rows.groups.right)[:, 1:] / right.size[1]
+    # By a pixel of the right image, down and across, as lenses bend it.
+    moved = -rows.jacobian[:, [chart.names.index(f"right.{centre}") for centre in ("cy", "cx")]]
     log_prior = float(np.log(_ROLLING / len(_TAKEN_TOGETHER)))
-    return [
-        Rival("rolling", np.zeros((n, 1)), (moved * (down - row))[:, None], np.array([MOVED]), log_prior)
-        for row in _TAKEN_TOGETHER
-    ]
+    sizes = np.array([MOVED, ACROSS])
+    return [Rival("rolling", np.zeros((n, 2)), moved * (down - row), sizes, log_prior) for row in _TAKEN_TOGETHER]
 
 
 def _late(rows: LinearGroups) -> Rival:
@@ -178,14 +193,15 @@ def _late(rows: LinearGroups) -> Rival:
     return Rival("late", np.eye(n, _DRIFTING), np.zeros((g, _DRIFTING)), sizes, float(np.log(_LATE)))
 
 
-def _regions(rows: LinearGroups, prior: CalibrationPrior, which: int, kind: int) -> list[Rival]:
-    """Parts of the frame that moved as a whole, searched under the drift that the rig alone has, and without any."""
+def _regions(rows: LinearGroups, prior: CalibrationPrior, best: Explanation, kind: int) -> list[Rival]:
+    """Parts of the view that moved as a whole, in all frames by as much, searched under the drift that the rig alone
+    has, and without any."""
     n, places = rows.jacobian.shape[1], np.eye(_N)[rows.groups.place]
-    of_places = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(_SEARCHED_AT)
-    of_places, sizes = of_places.around(prior.means[which]), drift_sizes()[0]
+    of_places = with_common_field(rows, rows.with_columns(places).normal(_SEARCHED_AT), best.misfit[1])
+    of_places, sizes = of_places.around(prior.means[best.prior]), drift_sizes()[0]
     offsets = []
     for drift in {tuple(sizes[kind]), tuple(sizes[0])}:
-        offsets.append(_offsets(of_places, np.column_stack([prior.roots[which], np.eye(n, _DRIFTING) * drift])))
+        offsets.append(_offsets(of_places, np.column_stack([prior.roots[best.prior], np.eye(n, _DRIFTING) * drift])))
     found = []
     for label, log_prior in outlines(offsets, np.any(places, axis=0)):
         columns, size = label[rows.groups.place][:, None].astype(float), np.array([MOVED])

@@ -5,9 +5,10 @@ Both follow points of the world: the true rig says in which pixels they appear, 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Inexact, Int
+from jaxtyping import Float, Inexact
 
 from stereorecal.estimation._jacobian import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
@@ -31,7 +32,6 @@ _FLAT = 2.0  # tangent of it: farther aside, a pinhole stretches the image five 
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
-REGIONS = 3  # each way
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -77,12 +77,6 @@ def _weights(
         weights = np.stack([counts, counts * inside if inside.any() else counts])
         found.append(weights / weights.sum(axis=1, keepdims=True))
     return found
-
-
-def regions(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
-    """The ninth of the left image in which each point lies, numbered by rows."""
-    column, row = np.clip((_share(rig, points) * REGIONS).astype(int), 0, REGIONS - 1).T
-    return row * REGIONS + column
 
 
 def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
@@ -168,19 +162,23 @@ class Consequences:
     """`readings` near a used rig, linear in what the truth differs by.
 
     Attributes:
-        distances: in baselines.
-        points: for each of the distances, those of `points_of_view`.
-        rows: for each of the distances, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: (d, 2, n) mean relative error of disparity at each of them, over the view and ahead, likewise.
-        variation: for each of the distances, (p, n) by what that of each point differs from the mean over the view; of
-            views that are no pinhole times the root of what the point counts for.
+        distances: in baselines, of the first sets of points.
+        points: the sets.
+        rows: for each set, (p, n) pixels a unit of θ(used) - θ(true).
+        nearness: for each set, (p, n) relative error of disparity, likewise.
+        weights: for each set, (2, p) of its points in a mean over the view, and over what lies ahead.
     """
 
     distances: tuple[float, ...]
     points: tuple[Float[np.ndarray, "_ 3"], ...]
     rows: tuple[Float[np.ndarray, "_ n"], ...]
-    nearness: Float[np.ndarray, "d 2 n"]
-    variation: tuple[Float[np.ndarray, "_ n"], ...]
+    nearness: tuple[Float[np.ndarray, "_ n"], ...]
+    weights: tuple[Float[np.ndarray, "2 _"], ...]
+
+    @cached_property
+    def mean_nearness(self) -> Float[np.ndarray, "d 2 n"]:
+        """Mean relative errors of disparity at each of the distances, over the view and ahead."""
+        return np.stack([w @ part for w, part, _ in zip(self.weights, self.nearness, self.distances, strict=False)])
 
 
 def consequences(
@@ -188,11 +186,12 @@ def consequences(
     theta: Float[np.ndarray, "n"],
     distances: tuple[float, ...] = DISTANCES,
     view: View | None = None,
+    more: Sequence[Float[np.ndarray, "_ 3"]] = (),
 ) -> Consequences:
     """The linear maps at the rig at θ, at distances in baselines, in a view as `points_of_view` and `readings` have
-    it."""
+    it, and at more sets of points."""
     used = chart.rig_at(theta)
-    sets = [points_of_view(used, distance, view) for distance in distances]
+    sets = [*(points_of_view(used, distance, view) for distance in distances), *more]
     points = np.concatenate(sets)
     right = points @ used.rotation.T + used.translation
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
@@ -209,14 +208,8 @@ def consequences(
         for camera_points, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))
     )
     rows, inverse_depth = _rows_and_nearness(_formulas(view), *turned)
-    stretch = _stretch(used, points, view)
-    rows, nearness = (
-        _focal(used) * np.imag(rows) / stretch / _TINY,
-        np.imag(inverse_depth) / np.real(inverse_depth) / _TINY,
-    )
-    ends = np.cumsum([len(points) for points in sets])[:-1]
-    by_distance = [part.T for part in np.split(nearness, ends, axis=1)]
-    means = np.stack([weights @ part for weights, part in zip(_weights(used, sets, view), by_distance, strict=True)])
-    roots = [np.sqrt(wide**-2 / np.mean(wide**-2))[:, None] for wide in np.split(stretch, ends)]
-    variation = tuple(root * (part - mean) for root, part, (mean, _) in zip(roots, by_distance, means, strict=True))
-    return Consequences(distances, tuple(sets), tuple(np.split(rows.T, ends)), means, variation)
+    rows = _focal(used) * np.imag(rows) / _stretch(used, points, view) / _TINY
+    nearness = np.imag(inverse_depth) / np.real(inverse_depth) / _TINY
+    ends = np.cumsum([len(some) for some in sets])[:-1]
+    by_set = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
+    return Consequences(distances, tuple(sets), *by_set, tuple(_weights(used, sets, view)))

@@ -13,9 +13,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import NEGLIGIBLE
+from stereorecal.estimation._confounders import NEGLIGIBLE, Fitted
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, best_of, explanations
+from stereorecal.estimation._explanations import Explanation, Hypothesis, best_of, explanations
 from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._motion import Windows, root_and_mean, together
@@ -54,19 +54,21 @@ class Late:
     """θ beside a delay.
 
     Attributes:
-        several: explanations, whose nuisance parameter is the delay in seconds.
+        fitted: explanations, whose nuisance parameter is the delay in seconds.
         rows: near the best of them, with that delay.
     """
 
-    several: list[Explanation]
+    fitted: Fitted
     rows: LinearGroups
 
     def delay(self, alone: Sequence[Explanation]) -> Delay:
         """What they say of it, beside explanations without."""
-        evidence, without = (np.concatenate([e.found.log_evidence for e in some]) for some in (self.several, alone))
+        evidence, without = (
+            np.concatenate([e.found.log_evidence for e in some]) for some in (self.fitted.several, alone)
+        )
         both = np.logaddexp.reduce(np.concatenate([evidence, without]))
         weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-        values = np.concatenate([one.found.nuisance[:, 0] for one in self.several])
+        values = np.concatenate([one.found.nuisance[:, 0] for one in self.fitted.several])
         return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
 
 
@@ -87,6 +89,7 @@ def fit_with_delay(
     theta, delay = end.found.means[end.found.log_evidence.argmax()], 0.0
     misfits = list(dict.fromkeys(one.misfit for one in alone))
     ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
+    nuisance, log_prior = np.full((1, 1), size), float(np.log(_LATE))
     for round_ in range(_ROUNDS):
         rig = chart.rig_at(theta)
         windows_at_theta = [
@@ -108,7 +111,7 @@ def fit_with_delay(
         )
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
-        found = explanations(late, prior, range(len(prior.roots)), misfits, np.full((1, 1), size), float(np.log(_LATE)))
+        found = explanations(late, prior, range(len(prior.roots)), misfits, nuisance, log_prior)
         end, kind = best_of(found)
         if end.found.log_evidence[kind] < least:
             return None
@@ -119,7 +122,8 @@ def fit_with_delay(
         if round_ and abs(delay - last) < _SETTLED * size:
             break
     moved = late.at_zero + delay * late.jacobian[:, -1]
-    return Late(found, replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation))
+    fitted = Fitted(Hypothesis(late, end.misfit, nuisance, log_prior), found)
+    return Late(fitted, replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation))
 
 
 def _rows_and_delay(

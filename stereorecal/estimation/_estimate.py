@@ -11,13 +11,15 @@ from jaxtyping import Float
 from stereorecal._choices import checked_choice
 from stereorecal._renamed import renamed_attributes
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._candidates import Known, least_loss, least_loss_of_depth_kept
+from stereorecal.estimation._candidates import Known, least_loss
 from stereorecal.estimation._consequences import DISTANCES
 from stereorecal.estimation._delay import Delay
-from stereorecal.estimation._explanations import Explanation
+from stereorecal.estimation._explanations import Explanation, Hypothesis
 from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
+from stereorecal.estimation._held_out import HeldOut, rests
 from stereorecal.estimation._least_squares import fit
+from stereorecal.estimation._losses import Errors, Losses, Matters, PointwiseLoss, errors_near, losses
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
@@ -31,8 +33,6 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
-JUDGED_AT = (5, 10, 30)  # baselines
-_NEAREST = 0.05  # of all correspondences
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
 
@@ -52,9 +52,11 @@ class Estimate:
         matched_ranges: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
         windows: pairs of pairs that told of the rig's motion.
-        judged_at: distances [baselines] at which rows count; depth counts at the farthest.
+        matters: what counts as an error, for losses and candidates.
         view: in which rows and depth are judged; None: the rig's own.
         delay: of the right shutter, if windows leave one possible.
+        hypotheses: of what is behind the rows; none where there are no rows, or nobody asks again.
+        prior: of the calibration, with which these were weighed.
     """
 
     chart: RigChart
@@ -67,9 +69,11 @@ class Estimate:
     matched_ranges: MatchedRanges = NO_RANGES
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
-    judged_at: tuple[float, ...] = JUDGED_AT
+    matters: Matters = Matters()
     view: View | None = None
     delay: Delay | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
+    prior: CalibrationPrior | None = None
 
     if not TYPE_CHECKING:
         __getattr__ = renamed_attributes({"beams": "matched_ranges", "depth_kept": "with_free(names, keep_depth=True)"})
@@ -119,7 +123,8 @@ class Estimate:
         """θ that loses least in rows and depth if only these parameters may change; as given, if no rig stands there.
 
         Args:
-            keep_depth: whether it is to read depth as the given rig does, whatever is more probable.
+            keep_depth: whether a change of depth costs its square, so that it changes only where rows need it, or it is
+                known better than it matters.
 
         Raises:
             InputError: if a name is unknown.
@@ -127,64 +132,67 @@ class Estimate:
         (theta,) = with_free_together([self], names, keep_depth=keep_depth)
         return theta
 
-    @property
-    def nearest(self) -> float:
-        """How far the nearest twentieth of what the images show is, in baselines and to two digits; infinite, where
-        there is nothing."""
-        if self.shown is None or not len(self.shown):
-            return float("inf")
-        disparity, order = self.shown.disparity, np.argsort(-self.shown.disparity)
-        share = np.cumsum(self.shown.count[order]) / np.sum(self.shown.count)
-        nearness = float(disparity[order][np.searchsorted(share, _NEAREST)])
-        return float(f"{max(self.shown.focal / nearness, 1.0):.2g}") if nearness > 0.0 else float("inf")
-
-    @property
+    @cached_property
     def known(self) -> Known:
         """What candidates are chosen by."""
-        deviations = np.sqrt(np.diag(self.posterior.covariance))
-        # What is lost is |error|, so the median is what a rig should read.
-        maps, target = self._readings.slopes, self._readings.median_nearness
-        return Known(self.chart, maps, self.theta, deviations, target, self.judged_at, self.view)
+        initial = self._errors.of(np.zeros(len(self.names)))
+        return Known(self._errors, self.posterior, initial)
+
+    @cached_property
+    def _errors(self) -> Errors:
+        """Of rigs, if the one at the posterior's mean is true."""
+        return errors_near(self.chart, self.theta, self.matters, self.view, self.shown)
+
+    @cached_property
+    @one_blas_thread()
+    def _errors_of_samples(self) -> Float[np.ndarray, "s 2p"]:
+        """Of a rig without any, under each of some rigs drawn from the posterior; always the same ones."""
+        return (self._readings.samples - self.theta) @ self._errors.slopes.T
+
+    @cached_property
+    def _loss(self) -> PointwiseLoss:
+        return PointwiseLoss.under(self._errors, self.posterior)
+
+    def losses(self, used: Float[np.ndarray, "n"]) -> Losses:
+        """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
+        return losses(self._errors, self._errors.of(used), self._errors_of_samples)
+
+    def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
+        """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point."""
+        return self._loss.expected(self._errors.of(used))
 
     @one_blas_thread()
-    def losses(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s"]]:
-        """Rows [pixels] at each of the distances that it is judged at, and |error of depth| at the farthest of them
-        [%], over the view or ahead, whichever is larger, of the rig at θ = used, for each of some rigs drawn from the
-        posterior; always the same."""
-        rows, nearness = self._readings.rows_and_nearness(used)
-        relative = 1.0 + nearness[:, self._readings.distances.index(max(self.judged_at))]
-        judged = rows[[self._readings.distances.index(distance) for distance in self.judged_at]]
-        return judged, np.max(100.0 * np.abs(1.0 / np.maximum(relative, _LEAST_NEARNESS) - 1.0), axis=1)
+    def held_out(self, names: Sequence[str], *, keep_depth: bool = False) -> list[HeldOut]:
+        """What parts of the images say of the candidates of the rest, each part left out in turn.
+
+        Args:
+            names, keep_depth: as `with_free` has them.
+        """
+        if self.shown is None or self.prior is None:
+            return []
+        free, at, found = np.isin(self.names, names), self.theta, []
+        near, before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
+        rows, slopes = near.differences[0], near.jacobian[:, 0].T
+        for name, inside, posterior in rests(self.shown, self.hypotheses, self.prior):
+            of_rest = replace(self.known, posterior=posterior)
+            (theta,) = least_loss([of_rest], free, np.zeros_like(free), keep_depth=keep_depth, linear=True)
+            after, count = rows + slopes @ (theta - at), self.shown.count[inside]
+            deviation = np.sqrt(np.einsum("gi,ij,gj->g", slopes[inside], posterior.covariance, slopes[inside]))
+            means = (
+                float(np.average(np.abs(one), weights=count)) for one in (before[inside], after[inside], deviation)
+            )
+            found.append(HeldOut(name, int(count.sum()), *means))
+        return found
 
     @one_blas_thread()
-    def effects(self, change: Float[np.ndarray, "n"]) -> tuple[float, float]:
-        """What a small change of θ moves: rows over the view, root mean square, on average over the distances that it
-        is judged at [pixels]; and depth at the farthest of them [%], over the view or ahead, whichever is larger."""
-        slopes = self._readings.slopes
-        judged = [slopes.distances.index(distance) for distance in self.judged_at]
-        rows = [float(np.sqrt(np.mean((slopes.rows[index] @ change) ** 2))) for index in judged]
-        nearness = slopes.nearness[slopes.distances.index(max(self.judged_at))]
-        return float(np.mean(rows)), float(100.0 * np.max(np.abs(nearness @ change)))
-
-    def rows_of_regions(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "s r"]:
-        """Rows [pixels], root mean square in each region of the view at each of the distances that it is judged at, of
-        the same rigs."""
-        return self._readings.rows_of_regions(used, self.judged_at)
-
-    @one_blas_thread()
-    def rows_of_frames(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "f"]:
-        """|Row difference| of what each frame shows under the rig at θ = used, on average; pixels. NaN without any."""
-        if self.shown is None:
-            return np.full(1, np.nan)
-        rows, count, frame = self.shown.differences(self.chart, used), self.shown.count, self.shown.frame
-        _, numbers = np.unique(frame, return_inverse=True)
-        return np.bincount(numbers, count * np.abs(rows)) / np.bincount(numbers, count)
+    def effect(self, change: Float[np.ndarray, "n"]) -> float:
+        """What a small change of θ moves, as the loss counts it."""
+        return float(self._errors.weights @ np.abs(self._errors.slopes @ change))
 
     @cached_property
     def _readings(self) -> SampleReadings:
-        """What rigs of the posterior read, at all distances at which something is said, or judged."""
-        judged = (distance for distance in self.judged_at if distance not in DISTANCES)
-        return SampleReadings(self.chart, self.posterior, (*DISTANCES, *judged), self.view)
+        """What rigs of the posterior read, at all distances at which something is said."""
+        return SampleReadings(self.chart, self.posterior, DISTANCES, self.view)
 
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
@@ -249,12 +257,13 @@ def solved(
     """The estimate, and the most probable one of its explanations."""
     end = fit(found, chart, prior, start, Measured(ranges, windows))
     mean, rows = end.posterior.mean, end.rows
-    measured = {"matched_ranges": ranges, "windows": windows, "view": view, "delay": end.delay}
+    measured = {"matched_ranges": ranges, "windows": windows, "view": view, "delay": end.delay, "prior": prior}
     estimated = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **measured)
     if rows is not None:
         residual, disagreeing = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
         rms = float(np.sqrt(np.mean(residual**2)))
         estimated = replace(estimated, groups=len(residual), residual_px=rms, other_rigs=disagreeing, shown=rows.groups)
+        estimated = replace(estimated, hypotheses=end.hypotheses)
     return estimated, end.best
 
 
@@ -266,7 +275,7 @@ def with_free_together(
     but the extrinsics of a drift are the same for all; as given, if no rigs stand there.
 
     Args:
-        keep_depth: whether they are to read depth as the given rigs do, whatever is more probable.
+        keep_depth: whether a change of depth costs its square.
 
     Raises:
         InputError: if a name is unknown.
@@ -275,7 +284,4 @@ def with_free_together(
     for name in names:
         checked_choice(name, list(parameters), "parameter")
     free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
-    find = least_loss_of_depth_kept if keep_depth else least_loss
-    thetas = find([one.known for one in estimates], free, shared)
-    stand = all(one.chart.stands_at(theta) for one, theta in zip(estimates, thetas, strict=True))
-    return thetas if stand else [np.zeros_like(theta) for theta in thetas]
+    return least_loss([one.known for one in estimates], free, shared, keep_depth=keep_depth)

@@ -14,9 +14,11 @@ from stereorecal.estimation._evidence import Explained, Normal, all_explained, m
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import correlation
-from stereorecal.estimation._posterior import root
+from stereorecal.estimation._posterior import Posterior, merged, root
 
 NOTHING = np.zeros((0, 0))
+_LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
+_MOST = 32  # explanations: an estimate travels between processes
 
 
 @cache
@@ -44,6 +46,35 @@ class Explanation:
     nuisance: Float[np.ndarray, "q q"]
 
 
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """What may be behind rows: the rig alone, or beside nuisance parameters.
+
+    Attributes:
+        rows: near its most probable θ; columns of nuisance parameters follow those of θ.
+        misfit: the most probable one.
+        nuisance: a root of the covariance of those parameters.
+        log_prior: logarithm of its probability before any image was seen.
+    """
+
+    rows: LinearGroups
+    misfit: tuple[float, float]
+    nuisance: Float[np.ndarray, "q q"]
+    log_prior: float
+
+    def explained(
+        self, prior: CalibrationPrior, which: Sequence[int], rows: LinearGroups | None = None
+    ) -> list[Explanation]:
+        """θ under some covariances of the calibration's prior.
+
+        Args:
+            rows: some of its own; default all.
+        """
+        rows = self.rows if rows is None else rows
+        misfit = self.misfit if len(rows.frames) > 1 else (float(np.hypot(*self.misfit)), 0.0)
+        return explanations(rows, prior, which, [misfit], self.nuisance, self.log_prior)
+
+
 def explanations(
     rows: LinearGroups,
     prior: CalibrationPrior,
@@ -59,11 +90,17 @@ def explanations(
         nuisance, log_prior: as `explained_by` has them.
     """
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
-    if len(rows.frames) > 1:
-        normals = [marginal(whole[of_a_frame], common * _root_of_field()) for of_a_frame, common in misfits]
-    else:
-        normals = [whole[of_a_frame] for of_a_frame, _ in misfits]
+    normals = [with_common_field(rows, whole[of_a_frame], common) for of_a_frame, common in misfits]
     return explained_by(dict(zip(misfits, normals, strict=True)), rows.likelihoods, prior, which, nuisance, log_prior)
+
+
+def with_common_field(rows: LinearGroups, whole: Normal, common: float) -> Normal:
+    """A likelihood of `rows.normal` with the field integrated that all frames have in common, where there are several.
+
+    Args:
+        common: deviation of that field, pixels.
+    """
+    return marginal(whole, common * _root_of_field()) if len(rows.frames) > 1 else whole
 
 
 def explained_by(
@@ -102,3 +139,24 @@ def best_of(several: Sequence[Explanation]) -> tuple[Explanation, int]:
     """The most probable one, and the kind of drift under which it is."""
     best = max(several, key=lambda one: float(one.found.log_evidence.max()))
     return best, int(best.found.log_evidence.argmax())
+
+
+def evidence_of(several: Sequence[Explanation]) -> float:
+    """Logarithm of the evidence of all together."""
+    return float(np.logaddexp.reduce(np.concatenate([one.found.log_evidence for one in several])))
+
+
+def mixture(several: Sequence[Explanation]) -> Posterior:
+    """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
+    evidence = np.stack([one.found.log_evidence for one in several])
+    weights = np.exp(evidence - evidence.max())
+    weights /= weights.sum()
+    significant = np.argwhere(weights > _LEAST)
+    some = weights[tuple(significant.T)]
+    kinds = [(several[i].found, significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
+    whole = Posterior(
+        some / some.sum(),
+        np.concatenate([found.means[which] for found, which in kinds]),
+        np.concatenate([found.covariances(which) for found, which in kinds]),
+    )
+    return merged(whole, _MOST)

@@ -7,16 +7,25 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import fits_with_rivals
+from stereorecal.estimation._confounders import Fitted, fits_with_rivals
 from stereorecal.estimation._delay import Delay, fit_with_delay
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, best_of, explained_by, explanations
+from stereorecal.estimation._explanations import (
+    NOTHING,
+    Explanation,
+    Hypothesis,
+    best_of,
+    evidence_of,
+    explained_by,
+    explanations,
+    mixture,
+)
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
-from stereorecal.estimation._posterior import Posterior, merged
+from stereorecal.estimation._posterior import Posterior
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
@@ -24,8 +33,7 @@ _FEWEST = 6  # groups: from fewer nothing is to be learnt of twenty parameters
 _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
-_LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
-_MOST = 32  # explanations: an estimate travels between processes
+_LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +47,7 @@ class Fit:
         prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
         best: the most probable explanation.
         delay: of the right shutter; None where motion says nothing of it.
+        hypotheses: those that have a say.
     """
 
     posterior: Posterior
@@ -47,6 +56,7 @@ class Fit:
     prior_variance: Float[np.ndarray, "n"]
     best: Explanation
     delay: Delay | None = None
+    hypotheses: tuple[Hypothesis, ...] = ()
 
 
 def fit(
@@ -85,18 +95,21 @@ def fit(
         rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)
-    several = explanations(rows, prior, range(len(prior.roots)), misfits)
-    if len(rows.frames) == 1:  # what moves differs between frames, and they outvote it
-        several += [one for rival_fit in fits_with_rivals(rows, chart, prior, several) for one in rival_fit.several]
+    alone = explanations(rows, prior, range(len(prior.roots)), misfits)
+    fitted = [Fitted(Hypothesis(rows, best_of(alone)[0].misfit, NOTHING, 0.0), alone)]
+    fitted += fits_with_rivals(rows, chart, prior, alone)
     delay = None
-    if (late := fit_with_delay(rows, chart, prior, several)) is not None:
-        delay, several = late.delay(several), several + late.several
-        if delay.likely:
-            rows, misfit = late.rows, best_of(late.several)[0].misfit
-    evidence = np.array([np.logaddexp.reduce(one.found.log_evidence) for one in several])
+    if (late := fit_with_delay(rows, chart, prior, alone)) is not None:
+        delay = late.delay([one for some in fitted for one in some.several])
+        fitted.append(late.fitted)
+        rows = late.rows if delay.likely else rows
+    several = [one for some in fitted for one in some.several]
+    evidence = np.array([evidence_of([one]) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
-    return Fit(mixture(several), rows, misfit, weights @ variances, best_of(several)[0], delay)
+    best, least = best_of(several)[0], np.logaddexp.reduce(evidence) + np.log(_LIKELY)
+    likely = tuple(some.hypothesis for some in fitted if evidence_of(some.several) > least)
+    return Fit(mixture(several), rows, best.misfit, weights @ variances, best, delay, likely)
 
 
 def _fit_without_rows(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
@@ -131,19 +144,3 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
         for d in neighbours(misfit[0], DEVIATIONS)
         for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
     ]
-
-
-def mixture(several: Sequence[Explanation]) -> Posterior:
-    """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
-    evidence = np.stack([one.found.log_evidence for one in several])
-    weights = np.exp(evidence - evidence.max())
-    weights /= weights.sum()
-    significant = np.argwhere(weights > _LEAST)
-    some = weights[tuple(significant.T)]
-    kinds = [(several[i].found, significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
-    whole = Posterior(
-        some / some.sum(),
-        np.concatenate([found.means[which] for found, which in kinds]),
-        np.concatenate([found.covariances(which) for found, which in kinds]),
-    )
-    return merged(whole, _MOST)

@@ -1,10 +1,10 @@
 """Row errors of groups, linear near a rig."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal, normal_of
@@ -22,7 +22,7 @@ class LinearGroups:
 
     Attributes:
         groups: with frames, places and deviations.
-        jacobian: (g, n).
+        jacobian: (g, n); nuisance parameters may follow θ.
         at_zero: (g,) r₀.
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
         frames: indices of the groups of each frame.
@@ -37,6 +37,22 @@ class LinearGroups:
     frames: Sequence[Int[np.ndarray, "_"]]
     measured: Measured
     likelihoods: Sequence[tuple[float, Normal]]
+
+    def of(self, which: Bool[np.ndarray, "g"]) -> "LinearGroups":
+        """Some of them."""
+        groups = self.groups.of(which)
+        return replace(
+            self,
+            groups=groups,
+            jacobian=self.jacobian[which],
+            at_zero=self.at_zero[which],
+            deviation=self.deviation[which],
+            frames=_frames(groups),
+        )
+
+    def with_columns(self, columns: Float[np.ndarray, "g q"]) -> "LinearGroups":
+        """With nuisance parameters after θ, which do this to rows."""
+        return replace(self, jacobian=np.column_stack([self.jacobian, columns]))
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -81,7 +97,11 @@ def linear_groups(
     """
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
-    frames = [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
     at_zero = rows.differences[0] - jacobian @ theta
     likelihoods = measured.likelihoods(chart, theta, prior) if likelihoods is None else likelihoods
-    return LinearGroups(groups, jacobian, at_zero, groups.deviation, frames, measured, likelihoods)
+    return LinearGroups(groups, jacobian, at_zero, groups.deviation, _frames(groups), measured, likelihoods)
+
+
+def _frames(groups: Groups) -> list[Int[np.ndarray, "_"]]:
+    """Indices of the groups of each frame."""
+    return [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]

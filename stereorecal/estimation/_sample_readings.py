@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._consequences import Consequences, consequences, readings_at, regions
+from stereorecal.estimation._consequences import Consequences, consequences, readings_at
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.geometry import StereoRig, View
@@ -45,18 +45,6 @@ class SampleReadings:
         ]
         return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness
 
-    @one_blas_thread()
-    def rows_of_regions(self, used: Float[np.ndarray, "n"], distances: tuple[float, ...]) -> Float[np.ndarray, "s r"]:
-        """Rows [pixels], root mean square in each region of the view at some of the distances."""
-        sets = [self.distances.index(distance) for distance in distances]
-        points = [self.slopes.points[index] for index in sets]
-        at_mean, _ = readings_at(self.chart.rig_at(used), self.mean_rig, points, self.view)
-        found = []
-        for index, rows, some in zip(sets, at_mean, points, strict=True):
-            inside = np.equal.outer(region := regions(self.mean_rig, some), np.unique(region)).astype(float)
-            found.append((rows - self._rows[index][0]) ** 2 @ (inside / inside.sum(axis=0)))
-        return np.sqrt(np.concatenate(found, axis=1))
-
     @cached_property
     @one_blas_thread()
     def samples(self) -> Float[np.ndarray, "s n"]:
@@ -76,12 +64,6 @@ class SampleReadings:
 
     @cached_property
     @one_blas_thread()
-    def median_nearness(self) -> Float[np.ndarray, "d 2"]:
-        """Disparities of the rigs, relative to those at the mean: the medians."""
-        return np.median(self._nearness, axis=0)
-
-    @cached_property
-    @one_blas_thread()
     def _rows(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
         """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
         squares."""
@@ -92,4 +74,4 @@ class SampleReadings:
     @one_blas_thread()
     def _nearness(self) -> Float[np.ndarray, "s d 2"]:
         """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
-        return np.einsum("sn,dan->sda", self.samples - self.posterior.mean, self.slopes.nearness)
+        return np.einsum("sn,dan->sda", self.samples - self.posterior.mean, self.slopes.mean_nearness)

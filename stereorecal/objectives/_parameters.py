@@ -56,8 +56,7 @@ class Parameters:
             In repairs, those of extrinsics apply to the search and to exact intrinsics, since the estimate finds how
             far a rig has drifted; all others replace the prior of the calibration.
 
-        widens: whether a repair may free everything else, too, where these do not explain the rows of several places,
-            and frames that took no part prove that all together do. The default of `recalibrate`.
+        everything: whether all other parameters of the rig are free as well. The default of `recalibrate`.
 
     Raises:
         InputError: if a name is unknown, nothing is free, or a prior is not positive.
@@ -65,7 +64,7 @@ class Parameters:
 
     free: tuple[str, ...] = ("extrinsics",)
     priors: Mapping[str, float] = field(default_factory=dict)
-    widens: bool = False
+    everything: bool = False
 
     if not TYPE_CHECKING:
         __getattr__ = renamed_attributes({"lenses": "intrinsics"})
@@ -120,11 +119,17 @@ class Parameters:
         """With these free as well."""
         return replace(self, free=(*self.names, *names))
 
-    def widest(self, rig: StereoRig) -> "Parameters":
-        """All that a calibration of the rig may leave: these, and every parameter of its cameras."""
-        sides = (("left", rig.left), ("right", rig.right))
+    def of_all(self, rig: StereoRig, *, intrinsics: bool = True) -> "Parameters":
+        """These by name, of a rig; where `everything` is free, with every parameter of its cameras.
+
+        Args:
+            intrinsics: False: where everything is free, the intrinsics are not.
+        """
+        if not self.everything:
+            return self
+        sides = (("left", rig.left), ("right", rig.right)) if intrinsics else ()
         terms = (f"{side}.{kind}" for side, camera in sides for kind in (*OF_MATRIX, *camera.lens.CALIBRATED))
-        return replace(self.also(*terms), widens=False)
+        return replace(self.also(*terms), everything=False)
 
     def of(self, rig: StereoRig, reach: Reach) -> tuple[Parameter, ...]:
         """Each of them, for a rig and a reach.
@@ -166,14 +171,14 @@ class Parameters:
 
 
 def as_parameters(free: Any) -> Parameters:
-    """The parameters themselves, those of a name or of names, or the default for None: the extrinsics, and all else
-    where frames prove that it must.
+    """The parameters themselves, those of a name or of names, or the default for None: every one of the rig, but for
+    the length of its baseline, which only more than images can tell.
 
     Raises:
         InputError: if it is something else, or a name is unknown.
     """
     if free is None or isinstance(free, Parameters):
-        return free or Parameters(widens=True)
+        return free or Parameters(everything=True)
     if isinstance(free, str | tuple | list) and all(isinstance(name, str) for name in free):
         return Parameters((free,) if isinstance(free, str) else tuple(free))
     raise InputError(f'free is {free!r}; give names or groups, such as ("extrinsics", "intrinsics").')

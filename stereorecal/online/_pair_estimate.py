@@ -4,21 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereorecal.decision import ENOUGH
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
 from stereorecal.online._row_solution import RowSolution, row_solution
-from stereorecal.recalibration import (
-    FALSE,
-    FEWEST,
-    FEWEST_PLACES,
-    LEAST_COVERED,
-    is_sparse,
-    watching_scale,
-)
+from stereorecal.recalibration import is_sparse, watching_scale
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, Loss, host, image_quality, precisions, pyramid
 
+_FALSE = 0.4  # pixels left: chance matches lie evenly within a row of where they were sought, median 0.5
 # From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
 
@@ -70,12 +65,12 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
-    if found.found < FEWEST or found.covered < LEAST_COVERED:
+    if found.found < ENOUGH.matches or found.covered < ENOUGH.covered:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
     solution = row_solution(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
-    if solution.places < FEWEST_PLACES or (
-        np.mean(solution.medians(solution.residual)) * solution.scale > FALSE
+    if solution.places < ENOUGH.places or (
+        np.mean(solution.medians(solution.residual)) * solution.scale > _FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)

@@ -31,7 +31,7 @@ class Reading:
     Attributes:
         axes: what would correct it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
         row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
-        rows_px: epipolar error of the calibration in use, root mean square over the view, pixels at full size.
+        rows_px: epipolar error of the calibration in use, over the view, pixels at full size.
         depth_percent: its error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
         decision: whether to change pitch, yaw and roll, and with `Config.synchronous` y and z, too; None if the state
@@ -133,6 +133,6 @@ def _decided(
     estimate = known(initial, using, filtered, view)
     found, change = decide_for_trial(estimate, free, limits, harm=harm)
     beyond = free != EXTRINSICS and found.verdict is Verdict.CANNOT_TELL
-    shifted = beyond and not decide(estimate, EXTRINSICS, limits, depth_observable=True).refused
+    shifted = beyond and not decide(estimate, EXTRINSICS, limits).refused
     depth = {at: Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()}
     return found, shifted, None if change is None else change[:SIZE], depth

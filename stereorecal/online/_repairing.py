@@ -16,6 +16,8 @@ from stereorecal.recalibration import Case, Progress, Reason, Schedule, Solution
 from stereorecal.recordings import Pair
 from stereorecal.scoring import pyramid
 
+_BLIND = 1.5  # pixels of row error: beyond, windows show other things
+
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
     """The state with a repair under way, on pairs that hardly match."""
@@ -51,7 +53,7 @@ def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event
 
 def too_far(state: State) -> bool:
     """Whether a knock was so large that looks through the calibration in use measure it badly."""
-    return reading(state).rows_px.value > state.config.tolerances.blind_rows_px
+    return reading(state).rows_px.value > _BLIND
 
 
 def _rejected(state: State, solution: Solution) -> Event:

@@ -1,13 +1,8 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
 from stereorecal._renamed import renamed
-from stereorecal.recalibration._acceptance import (
-    FALSE as FALSE,
-    FEWEST_PLACES as FEWEST_PLACES,
-    LEAST_COVERED as LEAST_COVERED,
-    Reason as Reason,
-    RowErrors as RowErrors,
-)
+from stereorecal.decision import Reason as Reason
+from stereorecal.recalibration._acceptance import RowErrors as RowErrors
 from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
@@ -66,7 +61,6 @@ from stereorecal.recalibration._settings import (
 )
 from stereorecal.recalibration._slices import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._solution import Solution as Solution
-from stereorecal.recalibration._stages import FEWEST as FEWEST
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._unmatched import is_sparse as is_sparse
 from stereorecal.recalibration._warm_up import warm_up as warm_up

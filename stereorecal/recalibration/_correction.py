@@ -17,7 +17,7 @@ class Correction:
 
     Attributes:
         axes: by name: pitch, yaw, roll in degrees, y and z in percent of the baseline, each with its 95 % interval.
-        rows_px: row error under the calibration, root mean square over the view, pixels at full size.
+        rows_px: row error under the calibration, where images show something, pixels at full size.
         depth_percent: its error of depth at 5, 10, 30 and 100 baselines; positive: too far, infinite: beyond infinity.
         row_error: that would remain, pixels at full size: mean over the tiles of a tile's median.
         decision: whether the change is worth it.
@@ -59,10 +59,10 @@ def correction_of(
 
 
 def _main_axes(estimate: Estimate, decision: Decision) -> tuple[str, ...]:
-    limits, losses = decision.tolerances, {}
-    for index, name in enumerate(estimate.names):
-        if name in EXTRINSICS:
-            rows, depth = estimate.effects(np.where(np.arange(len(estimate.names)) == index, decision.theta, 0.0))
-            losses[name] = rows / limits.gain_px + depth / limits.worse_depth_points
-    most = sorted(losses, key=lambda name: -losses[name])
-    return tuple(name for name in most if losses[name] > 1.0) or tuple(most[:1])
+    effects = {
+        name: estimate.effect(np.where(np.arange(len(estimate.names)) == index, decision.theta, 0.0))
+        for index, name in enumerate(estimate.names)
+        if name in EXTRINSICS
+    }
+    most = sorted(effects, key=lambda name: -effects[name])
+    return tuple(name for name in most if effects[name] > 1.0) or tuple(most[:1])

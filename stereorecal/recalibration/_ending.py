@@ -1,19 +1,24 @@
 """What the end of a search, or a look at the images, comes to: the same for all ways to judge it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal.decision import Decision
+from stereorecal.decision import Decision, Reason, Seen, reason_without_matches
 from stereorecal.estimation import Estimate
-from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
-from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._acceptance import RowErrors, row_errors, verdict_on_count
+from stereorecal.recalibration._assessment import Assessment, assessed
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._freed_intrinsics import Intrinsics
-from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.scoring import host
+from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._regional_misfit import Misfit, misfit
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
+from stereorecal.recalibration._schedule import Schedule
+from stereorecal.recalibration._stages import StageRun, last_matched
+from stereorecal.recalibration._tile_counts import counts
+from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty_of
+from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.strategies import Status
 
 
@@ -29,6 +34,7 @@ class Ending:
             are too many to say which are wrong.
         status, message: how the search ended, or that none was needed.
         judging_cost: units that went into matches for the verdict alone.
+        found: matches that it rests on, of the frames that are used; None: those of the last stage.
         others: of `Findings`, by its names.
     """
 
@@ -45,6 +51,7 @@ class Ending:
     status: Status = Status.CONVERGED
     message: str = "one look at the images was enough"
     judging_cost: float = 0.0
+    found: Correspondences | None = None
 
     @property
     def without(self) -> tuple[int, ...]:
@@ -52,12 +59,80 @@ class Ending:
         return () if self.reason is Reason.FRAMES_DISAGREE else self.excluded
 
 
-def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
-    """Of the tiles of all frames at full scale, under the initial calibration and a candidate."""
-    data, rigs = case.images.at(1.0), (case.rig, candidate)
-    extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
-    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
-        return host.counts_by_tile(data, extrinsics, case.matcher)
-    through = zip(rigs, extrinsics, strict=True)
-    found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]
-    return np.concatenate(found)
+def ending_of_assessment(case: Case, assessment: Assessment) -> Ending:
+    """The end that an assessment comes to.
+
+    Args:
+        case: with all that may change free.
+    """
+    estimated, decision, candidate = assessment.estimate, assessment.decision, assessment.candidate
+    rows = rows_at(case, assessment.found, candidate)
+    errors = row_errors(rows)
+    return Ending(
+        candidate=candidate,
+        reason=assessment.reason,
+        tiles=assessment.tiles,
+        excluded=assessment.excluded,
+        row_errors=errors,
+        uncertainty=uncertainty_of(estimated, candidate, case.without_intrinsics.chart),
+        misfit=misfit(rows, late=estimated.is_late),
+        intrinsics=_intrinsics(case, assessment, errors) if assessment.reason.accepted else None,
+        estimate=estimated,
+        decision=decision,
+        judging_cost=assessment.matching_cost,
+        found=assessment.found,
+    )
+
+
+def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrinsics | None:
+    """What became of intrinsics, or the length of the baseline, that a repair changes; None if it may not."""
+    if not case.free.shared:
+        return None
+    estimated, found, theta = assessment.estimate, assessment.found, assessment.decision.theta
+    extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
+    held = row_errors(rows_at(case.of_extrinsics, found, extrinsics_alone))
+    return intrinsics_of(
+        estimated,
+        theta,
+        case.free.shared,
+        IntrinsicsOutcome.REFINED,
+        fixed_px=held.after,
+        freed_px=errors.after,
+        shown=assessment.seen.places / TILES_OF_A_FRAME,
+        expected_px=estimated.row_error_px(theta)[10][0],
+    )
+
+
+def ending_of_search(case: Case, schedule: Schedule, stages: tuple[StageRun, ...]) -> Ending:
+    """The end that the stages of a schedule come to, judged by matches, or, where there are none, by the count.
+
+    Args:
+        case: with all that may change free.
+        stages: that were run: fewer than the schedule has where a budget ended.
+    """
+    runs = [run for stage in stages for run in stage.runs]
+    status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
+    cut = len(stages) < len(schedule.stages) or any(stage.cut for stage in stages)
+    if cut:
+        status, message = Status.BUDGET, Status.BUDGET.value
+    ending = _ended(case, stages, cut=cut, signal=status is not Status.NO_SIGNAL)
+    return replace(ending, status=status, message=message)
+
+
+def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool) -> Ending:
+    end_rig = stages[-1].ended if stages else case.rig
+    run = last_matched(stages)
+    assessment = None if cut or run is None else assessed(case, run, end_rig)
+    if assessment is not None:
+        return ending_of_assessment(case, assessment)
+    tiles = counts(case, end_rig)
+    if cut or run is not None:  # the count alone hardly sees a wrong yaw
+        enough = any(image_quality(pair).enough for pair in case.images.pairs)
+        return Ending(end_rig, reason_without_matches(Seen(enough=enough, cut=cut)), tiles)
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)
+
+
+def rows_at(case: Case, found: Correspondences, candidate: StereoRig) -> RowResiduals:
+    """Row differences of correspondences, under the initial calibration and a candidate."""
+    return row_residuals(case.chart, found, case.chart.coordinates_of(candidate))

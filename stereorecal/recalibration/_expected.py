@@ -28,7 +28,7 @@ class Expected:
         rows: (13, 17) row in the left rectified image less row in the right one, in pixels of the view, of points at 10
             baselines, over the view; NaN where not both cameras see the point.
         rows_deviation: (13, 17) the standard deviation of that.
-        rows_px: root mean square of rows over the view, at the distances that decide, as the decision has them; pixels.
+        rows_px: |row error| where the images show something, as the decision has it; pixels.
         depth_percent: error of depth at 5, 10, 30 and 100 baselines, with its 95 % interval.
     """
 
@@ -39,7 +39,7 @@ class Expected:
 
     def __str__(self) -> str:
         depths = ", ".join(f"{distance} B {_from_to(self.depth_percent[distance])}" for distance in (10, 30))
-        return f"epipolar error (RMS) {self.rows_px:.2f} px over the view; depth at {depths}"
+        return f"epipolar error {self.rows_px:.2f} px where the images show something; depth at {depths}"
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -55,7 +55,7 @@ def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float
     """What to expect of a rig, the true one being where the estimate says.
 
     Args:
-        rows_px: of the rig over the view, which the decision tells.
+        rows_px: of the rig, which the decision tells.
     """
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])

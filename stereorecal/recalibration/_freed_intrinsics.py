@@ -9,18 +9,15 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
+from stereorecal.decision import Reason
 from stereorecal.estimation import Estimate
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._uncertainty import OBSERVED
-from stereorecal.report.short_list import short_list
 
 
 class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
     REFINED = "the intrinsics were refined"
-    NEEDED = "the intrinsics were refined as well: no extrinsics explain the epipolar errors, and frames left out agree"
-    NO_GAIN = "the intrinsics stay: others would be no significant improvement"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
@@ -57,7 +54,12 @@ class Intrinsics:
     @property
     def taken(self) -> bool:
         """True if the calibration to use has them."""
-        return self.outcome in (IntrinsicsOutcome.REFINED, IntrinsicsOutcome.NEEDED)
+        return self.outcome is IntrinsicsOutcome.REFINED
+
+    @property
+    def changed(self) -> bool:
+        """True if they are taken, and are those of a camera, and not only the length of the baseline."""
+        return self.taken and any("." in name for name in self.names)
 
     def not_applied(self, why: Reason) -> "Intrinsics":
         """The same for a recording whose calibration does without, where others took them."""
@@ -81,30 +83,13 @@ class Intrinsics:
             }
         )
 
-    @property
-    def _of_lenses(self) -> bool:
-        """Whether there is more than the length of the baseline."""
-        return any("." in name for name in self.names)
-
-    @property
-    def _outcome_text(self) -> str:
-        return self.outcome.value + (f": {self.refused.value}" if self.refused else "")
-
     def __str__(self) -> str:
-        lines = [
-            *(
-                [f"{self._outcome_text} (epipolar error {self.fixed_px:.3f} px as given, {self.freed_px:.3f} px freed)"]
-                * self._of_lenses
-            ),
-            *(
-                f"{name:<10} changed by {change:+9.4f} ± {interval:.4f} {unit}".rstrip()
-                for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
-                if self.taken
-            ),
-        ]
-        if self.taken and self.undetermined:
-            lines.append(f"as uncertain as before: {short_list(self.undetermined)}")
-        return "\n".join(lines)
+        parts = [self.outcome.value, *([self.refused.value] if self.refused else [])]
+        if any("." in name for name in self.names):
+            parts.append(f"epipolar error {self.fixed_px:.2f} px as given, {self.freed_px:.2f} px freed")
+        lengths = zip(self.names, self.change, self.interval, strict=True)
+        parts += [f"{name} {change:+.3f} ± {wide:.3f} %" for name, change, wide in lengths if "." not in name]
+        return "; ".join(parts)
 
 
 def intrinsics_of(

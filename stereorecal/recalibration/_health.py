@@ -1,7 +1,7 @@
 """Will depth be right? One look at the images through a calibration, without any search."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
@@ -9,35 +9,35 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
 from stereorecal._renamed import renamed_attributes
-from stereorecal.decision import LIMITS, Verdict
+from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_without_matches
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import FALSE, LEAST_COVERED, Reason, loses_regions, row_errors
+from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
+from stereorecal.recalibration._assessment import looked
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._ending import counts
-from stereorecal.recalibration._estimate_and_decide import Answer, rows_of
+from stereorecal.recalibration._ending import rows_at
 from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._health_text import health_text
-from stereorecal.recalibration._initial_assessment import assess_initial_rig
 from stereorecal.recalibration._motion_windows import check_motion, following
+from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
-from stereorecal.recalibration._unmatched import LIKELY, is_sparse
+from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
-HEALTH_LIMITS = {"covered": LEAST_COVERED, "covered_of_texture": LIKELY, "false_rows_px": FALSE, **LIMITS}
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
 
 
 class Condition(enum.Enum):
-    """The verdict on a calibration; the value is the message."""
+    """The verdict on a calibration."""
 
-    HEALTHY = "healthy: the rows are aligned, and there is no significant improvement"
+    HEALTHY = "healthy"
     REPAIR = "repair it"
     CANNOT_TELL = "cannot tell"
 
@@ -51,35 +51,39 @@ class Health:
         row_error: epipolar (row) error, as `RowErrors.before` measures it, of the matches found under the calibration
             itself: the mean over tiles of a tile's median |row difference|, pixels at full size; NaN if hardly anything
             matches, since false matches lie on the rows that they were searched on.
+        reason: of the verdict, as `recalibrate` has it.
         covered: share of the image in which correspondences were found that are good to a fraction of a pixel, of the
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
         correction: of the extrinsics, that the images ask for; None if hardly anything matches.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
-        loses: the correction would lose whole regions that match now.
         view: that was looked through.
+        pairs: how many were looked at.
     """
 
     score: Score
     row_error: float
+    reason: Reason
     covered: float
     shown: ImageQuality
     correction: Correction | None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
-    loses: bool = False
     view: View | None = None
+    pairs: int = 1
 
     if not TYPE_CHECKING:
         __getattr__ = renamed_attributes({"mending": "correction"})
 
     @property
     def condition(self) -> Condition:
-        """Repair, if hardly anything matches of images that show enough; or if a change of the extrinsics is better for
-        sure, and hardly ever worse. Healthy, if none is, and rows lie within 0.3 pixels, with 95 %. Cannot tell,
-        otherwise."""
-        return self._diagnosis[0]
+        """Repair, if a change is an improvement, or hardly anything matches of images that show enough. Healthy, if
+        none is, and the rows are aligned where the images show something. Cannot tell, otherwise."""
+        if self.reason is Reason.ALREADY_GOOD:
+            return Condition.HEALTHY
+        repair = self.reason in (Reason.IMPROVED, Reason.NO_MATCHES) and not self.doubts
+        return Condition.REPAIR if repair else Condition.CANNOT_TELL
 
     @property
     def healthy(self) -> bool:
@@ -88,48 +92,20 @@ class Health:
 
     @property
     def verdict(self) -> str:
-        """The condition, and why, in one sentence."""
-        condition, why = self._diagnosis
-        return f"{condition.value}: {why}" if why else condition.value
+        """In one short sentence."""
+        if self.doubts and not self.healthy:
+            return f"Cannot tell: {self.doubts[0]}."
+        if self.reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
+            return f"Cannot tell: {self.shown.problem}."
+        if self.reason is Reason.NO_MATCHES:
+            return f"Repair it: {self.reason.value}."
+        decision = None if self.correction is None else self.correction.decision
+        return verdict_of(self.reason, decision, self.pairs, repaired=False)
 
     @property
-    def _diagnosis(self) -> tuple[Condition, str]:
-        if self.disagreeing:
-            return Condition.CANNOT_TELL, f"the frames show different rigs ({', '.join(self.disagreeing)})"
-        if self.correction is None:
-            if self.shown.dark:
-                return Condition.CANNOT_TELL, "the images are too dark"
-            if self.shown.noise:
-                return Condition.CANNOT_TELL, "an image shows nothing but noise; uncover the lens, or give light"
-            if not self.shown.textured:
-                return Condition.CANNOT_TELL, "the images have too little texture"
-            if self.shown.coarse:
-                return Condition.CANNOT_TELL, "an image has only a few grey levels; expose longer, or give more bits"
-            if self.doubts:
-                return Condition.CANNOT_TELL, f"almost nothing matches; {self.doubts[0]}"
-            return Condition.REPAIR, "almost nothing matches, though the images have texture"
-        decision = self.correction.decision
-        if self.doubts and decision.verdict is not Verdict.GOOD:
-            return Condition.CANNOT_TELL, self.doubts[0]
-        if decision.verdict is Verdict.REPAIR and self.loses:
-            return Condition.CANNOT_TELL, Reason.FEWER_MATCHES.value
-        if decision.verdict is Verdict.REPAIR:
-            depth_note = "; depth stays as it was calibrated" if decision.keeps_depth else ""
-            return Condition.REPAIR, f"{_listed(self.correction.main_axes)}{depth_note}"
-        if decision.verdict is Verdict.GOOD and is_sparse(self.covered, self.shown.texture):
-            return (
-                Condition.CANNOT_TELL,
-                "only a small part of the texture matches, perhaps by chance; recalibrate, or give other scenes",
-            )
-        if decision.verdict is Verdict.GOOD:
-            return Condition.HEALTHY, ""
-        if not decision.explains:
-            return (
-                Condition.CANNOT_TELL,
-                "no change of the extrinsics explains what matches through this calibration; recalibrate matches "
-                "again through better ones, and four scenes or more would help",
-            )
-        return Condition.CANNOT_TELL, "the images do not determine what is better; other scenes, or more frames, may"
+    def advice(self) -> str:
+        """What to do."""
+        return "Run recalibrate with these images." if self.condition is Condition.REPAIR else self.reason.advice
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""
@@ -143,7 +119,9 @@ class Health:
                 "texture": self.shown.texture,
                 "healthy": self.healthy,
                 "condition": self.condition.name.lower(),
+                "reason": self.reason.name.lower(),
                 "verdict": self.verdict,
+                "advice": self.advice,
                 "probability_worse": correction and correction.decision.worse,
                 "probability_better": correction and correction.decision.better,
                 "view": self.view and self.view.as_dict(),
@@ -164,7 +142,13 @@ class Health:
 
     def __str__(self) -> str:
         return health_text(
-            self.verdict, self.doubts, self.score, self.view, self.covered, self.row_error, self.correction
+            f"{self.verdict}\n{self.advice}",
+            self.doubts,
+            self.score,
+            self.view,
+            self.covered,
+            self.row_error,
+            self.correction,
         )
 
 
@@ -190,42 +174,40 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     check_motion(settings.motion, len(images.pairs), prior)
     windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
-    case = Case(images, matcher, settings.reach, settings.free, prior, windows=windows, tolerances=limits)
-    initial = assess_initial_rig(case, settings.schedule.stages[-1])
+    free = what_may_change(rig, replace(settings, prior=prior))
+    case = Case(images, matcher, settings.reach, free, prior, windows=windows, tolerances=limits)
+    look = looked(case, settings.schedule.stages[-1])
+    assert look is not None  # the default schedule ends on matches
+    run, assessment = look
     score = _score(images, case.matcher)
     quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
-    answer = initial.answer if initial is not None else None
 
-    def unmeasured(covered: float, disagreeing: tuple[str, ...] = ()) -> Health:
-        return Health(score, float("nan"), covered, quality, None, disagreeing, doubtful, view=images.view)
-
-    if answer is None:
+    few = Seen(enough=any(image_quality(pair).enough for pair in images.pairs))
+    reason = reason_without_matches(few) if assessment is None else assessment.reason
+    found = Health(
+        score=score,
+        row_error=float("nan"),
+        reason=reason,
+        covered=run.found.covered if run.found is not None else 0.0,
+        shown=quality,
+        correction=None,
+        doubts=doubtful,
+        view=images.view,
+        pairs=len(images.pairs),
+    )
+    if assessment is None:
         refuse_swapped_images(images)
-        return unmeasured(0.0 if initial is None else initial.covered)
-    covered = answer.found.covered
-    if answer.frames_disagree:
-        refuse_swapped_images(images, answer.excluded)
-        names = tuple(images.pairs[f].name for f in answer.excluded)
-        return unmeasured(covered, names)
-    estimated, rows = answer.estimate, row_errors(rows_of(case, answer))
-    if not answer.enough or (answer.sparse and rows.after > FALSE):  # rows as far apart as those of chance matches
-        refuse_swapped_images(images)
-        return unmeasured(covered)
+        return found
+    if reason is Reason.FRAMES_DISAGREE:
+        return replace(found, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
+    if reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):
+        return found
+    rows, estimated = row_errors(rows_at(case, assessment.found, assessment.candidate)), assessment.estimate
     depth = depth_error_intervals(estimated, np.zeros(len(estimated.names)))
-    correction = correction_of(estimated, answer.decision, depth, rows.after)
-    loses = not answer.decision.refused and _loses_regions(case, answer)
-    return Health(score, rows.before, covered, quality, correction, (), doubtful, loses, images.view)
-
-
-def _loses_regions(case: Case, answer: Answer) -> bool:
-    tiles = counts(case, answer.estimate.chart.rig_at(answer.decision.theta))
-    return loses_regions(np.delete(tiles, answer.excluded, axis=1))
+    correction = correction_of(estimated, assessment.decision, depth, rows.after)
+    return replace(found, row_error=rows.before, covered=assessment.seen.covered, correction=correction)
 
 
 def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:
     whole, extrinsics = images.at(1.0), with_unit_baseline(images.rig.extrinsics)
     return Score(int(host.counts_one_by_one(whole, extrinsics[None], matcher)[0]), whole.pixels)
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

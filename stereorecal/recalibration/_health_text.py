@@ -34,7 +34,7 @@ def health_text(
             *lines,
             f"row error  {row_error:.2f} px; {correction.row_error:.2f} px if corrected",
             f"correction {angles} deg; {shifts} % of the baseline",
-            f"epipolar   error {rows.value:.2f} px over the view (RMS; {rows.low:.2f} to {rows.high:.2f} px)",
+            f"systematic {rows.value:.2f} px where the images show something ({rows.low:.2f} to {rows.high:.2f} px)",
             f"depth      {errors}",
         ]
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import Decision, decide_together
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide_together, reason_of
 from stereorecal.estimation import (
     NO_RANGES,
     CalibrationPrior,
@@ -23,13 +23,10 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
-from stereorecal.recalibration._acceptance import Reason, drift_within_reach, is_beyond
-from stereorecal.recalibration._cross_validated_decision import asks_for_intrinsics, decided_by_cross_validation
-from stereorecal.recalibration._estimate_and_decide import reason_of
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
-from stereorecal.recalibration._stages import FEWEST
+from stereorecal.recalibration._tile_counts import share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import matched, range_matches
 from stereorecal.scoring import Correspondences, with_rays_of
@@ -68,22 +65,29 @@ class JointEstimate:
         at = self.of(index)
         return self.estimates[at].chart.rig_at(self.decisions[at].theta)
 
-    def rows(self, at: int, decision: Decision) -> RowResiduals:
-        """What is left at the candidate of a decision on an estimate, and under the initial rig."""
+    def rows(self, at: int, theta: Float[np.ndarray, "n"]) -> RowResiduals:
+        """What is left at a θ of an estimate, and under the initial rig."""
         repair, estimated = self.recordings[at].repair, self.estimates[at]
         chart = row_chart(repair.initial, repair.settings.reach, self.free)
-        candidate = chart.coordinates_of(estimated.chart.rig_at(decision.theta))
+        candidate = chart.coordinates_of(estimated.chart.rig_at(theta))
         return row_residuals(chart, self.estimated_from[at].found, candidate)
 
     def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
-        if len(self.estimates[at].other_rigs) > MOST_EXCLUDED * len(self.estimated_from[at].found.weight):
-            return Reason.FRAMES_DISAGREE
-        repair = self.recordings[at].repair
-        z = drift_within_reach(repair.initial, self.rig(at), repair.settings.reach)
-        if is_beyond(z) and not self.decisions[at].refused:
-            return Reason.REACH_EDGE
-        return reason_of(self.decisions[at], tiles, late=self.estimates[at].is_late)
+        estimated, found = self.estimates[at], self.estimated_from[at].found
+        repair, candidate = self.recordings[at].repair, self.rig(at)
+        turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(repair.initial.extrinsics))[[0, 2]]
+        seen = Seen(
+            matches=found.found,
+            covered=found.covered,
+            places=len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)),
+            frames_disagree=len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight),
+            late=estimated.is_late,
+            misfit_px=max(estimated.misfit),
+            lost=share_lost(tiles),
+            away=float(np.abs(turned).max() / repair.settings.reach.degrees),
+        )
+        return reason_of(self.decisions[at], seen)
 
 
 def joint_estimate(
@@ -92,8 +96,7 @@ def joint_estimate(
     """The joint estimate of recordings: solved, matched again, solved again.
 
     Args:
-        free: where nothing was said, and all have the same extrinsics, everything, if recordings that are left out
-            bear that out.
+        free: own and shared.
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
@@ -127,10 +130,6 @@ def _estimated_jointly(
     estimates = tuple(estimate_together(several, each=each))
     limits = recordings[0].repair.tolerances
     decisions = tuple(decide_together(estimates, free.names, limits))
-    if one and free.widens and asks_for_intrinsics(estimates[0], decisions[0]):
-        (merged,), (joint,), wider = several, estimates, free.widest(several[0].rig)
-        freed = decided_by_cross_validation(joint, merged.found, merged.rig, merged.prior, wider.names, limits)
-        free, decisions = (free, decisions) if freed is None else (wider, (freed,))
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)
 
 
@@ -157,7 +156,7 @@ def _as_initially_read(found: Correspondences, matched_rig: StereoRig, recording
     """Correspondences of another rig as the initial one reads them; those from before, if they are too few."""
     return (
         with_rays_of(recording.repair.initial, found, matched_rig=matched_rig)
-        if found.found >= FEWEST
+        if found.found >= ENOUGH.matches
         else recording.found
     )
 

@@ -18,6 +18,7 @@ from stereorecal.geometry import as_view, same_camera
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
+from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._recalibrate import recalibrate
 from stereorecal.recalibration._repaired_recording import RepairedRecording
 from stereorecal.recalibration._schedule import Schedule, check_schedule
@@ -78,11 +79,10 @@ def recalibrate_many(
 ) -> tuple[Repair, ...]:
     """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
 
-    With intrinsics free, all recordings must be of one rig, and share what is found of them: once each is repaired, all
-    are estimated together (`Solution.intrinsics` says what came of it). So they are with `extrinsics="one"`, if nothing
-    is said of what is free, the extrinsics of some explain too little, and recordings that are left out prove it.
-    Ranges free the length of the baseline, which all share. Where the joint solution fails, the repairs stand, each
-    with an error that says so.
+    Recordings of one rig share what is found of its intrinsics: once each is repaired, all are estimated together
+    (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of different rigs are
+    repaired apart. Ranges free the length of the baseline, which all share. Where the joint solution fails, the repairs
+    stand, each with an error that says so.
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes
     each answer with `finished` has those that are there by then.
@@ -110,10 +110,9 @@ def recalibrate_many(
     settings, scenes = as_settings(options), (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
-    free = settings.free
+    free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
-    own = free if len(scenes) == 1 and not free.shared else free.extrinsics  # one rig's recordings share what widens
-    alone = replace(settings, free=own, ranges=())
+    alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
     if checked_choice(start, ["given", "previous"], "start") == "previous":
         _check_in_order(free, executor)
         results = _in_order(scenes, alone)
@@ -128,6 +127,13 @@ def recalibrate_many(
             progress(len(done), len(scenes))
     repairs = tuple(done[index] for index in range(len(scenes)))
     return _repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+
+
+def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
+    """What is free; where that is everything, by name for several recordings of one rig, which share it."""
+    rigs = [scene.rig for scene in scenes if scene.rig is not None]
+    one = all(same_camera(rig.left, rigs[0].left) and same_camera(rig.right, rigs[0].right) for rig in rigs)
+    return what_may_change(rigs[0], settings) if len(rigs) > 1 and one else settings.free
 
 
 def _check_in_order(free: Parameters, executor: Executor | None) -> None:
@@ -214,7 +220,7 @@ def _repaired_together(
     Where the joint solution fails, the repairs stand, each with an error that says so.
     """
     solved = [(index, repair.solution) for index, repair in enumerate(repairs) if repair.solution is not None]
-    if not solved or not (free.shared or _widens(scenes, [solution for _, solution in solved], free, extrinsics)):
+    if not solved or not free.shared:
         return tuple(repairs)
 
     def each(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
@@ -243,15 +249,6 @@ def _repaired_together(
     for (index, _), solution in zip(solved, found, strict=True):
         answers[index] = replace(answers[index], solution=solution)
     return tuple(answers)
-
-
-def _widens(scenes: Sequence[Scene], repairs: Sequence[Solution], free: Parameters, extrinsics: str) -> bool:
-    """Whether recordings of one rig that did not drift, which the extrinsics of a repair do not explain, may share more
-    than was said."""
-    if not free.widens or extrinsics != "one" or len(scenes) < 2:
-        return False
-    check_shared(scenes, free.widest(repairs[0].initial), extrinsics)
-    return any(not repair.reason.healthy for repair in repairs)
 
 
 def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal.decision import Reason
 from stereorecal.estimation import NO_RANGES, MatchedRanges
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recordings import Odometer, Pair, Range
 from stereorecal.scoring import ScoringData, host
 

@@ -1,16 +1,24 @@
 """What comes before a search: images and options checked, which frames count and follow each other, what is known."""
 
-from stereorecal.estimation import rig_parameters, with_boards
+from stereorecal.estimation import is_exact, rig_parameters, with_boards
 from stereorecal.geometry import StereoRig
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
-from stereorecal.recalibration._schedule import check_schedule
+from stereorecal.recalibration._schedule import ScoreKind, check_schedule
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
+
+
+def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
+    """The parameters that may change in the end: those that are named; by default every one of the rig, or, where the
+    intrinsics are exact or only the count is asked, the extrinsics."""
+    rows = settings.schedule.stages[-1].score is ScoreKind.EPIPOLAR
+    return settings.free.of_all(rig, intrinsics=rows and not is_exact(settings.prior))
 
 
 def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:

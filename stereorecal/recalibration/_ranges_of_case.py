@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
+from stereorecal.decision import Reason
 from stereorecal.estimation import NO_RANGES, MatchedRanges
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.scoring import Correspondences

@@ -8,8 +8,8 @@ import numpy as np
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._json_data import json_data
+from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._intrinsics_table import intrinsics_table
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING
@@ -62,7 +62,7 @@ def report_of(
     return RepairReport(
         name=name,
         conclusion=conclusion_of(solution.reason),
-        reason=solution.reason.value,
+        reason=f"{solution.verdict} {solution.advice}",
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
         facts=_facts(solution, telling=telling),

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from stereorecal.decision import Reason
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE
 from stereorecal.objectives import BASELINE
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
@@ -14,7 +14,6 @@ from stereorecal.report.repair_report import Axis
 from stereorecal.report.repair_text import RepairText
 from stereorecal.report.short_list import short_list
 
-_WOULD_TELL = "four scenes or more would determine them, best with ranges or frames taken while the rig moves"
 EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
@@ -24,11 +23,11 @@ _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsi
 
 def text_of(solution: AbstractResult) -> RepairText:
     """All that is printed of a solution."""
-    verdict = "accepted" if solution.accepted else "not accepted, the initial calibration stays"
     rows = solution.row_errors
     before, after = ("", "") if rows is None else (f", row error {px:.2f} px" for px in (rows.before, rows.after))
     return RepairText(
-        verdict=f"{verdict}: {solution.reason.value}",
+        verdict=solution.verdict,
+        advice=solution.advice,
         search=f"{solution.message} ({solution.evaluations} evaluations, {solution.seconds:.1f} s)",
         before=f"{solution.score_before}{before}",
         after=f"{solution.score_after}{after}",
@@ -79,7 +78,7 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
     if known is not None and known.undetermined:
         lines.append(("", f"not determined by these images: {short_list(known.undetermined, '; ')}"))
     if solution.expected is not None:
-        lines.append(("expect", str(solution.expected)))
+        lines += [("expect", str(solution.expected)), *_view(solution)]
     if solution.leaves_epipolar_error:
         lines.append(("check", EPIPOLAR_ERROR_LEFT))
     if solution.accepted:
@@ -91,16 +90,7 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
     """What the repair says of the depth of the initial calibration."""
     estimate = solution.estimate
     if solution.decision is not None and solution.decision.keeps_depth:
-        if estimate is not None and estimate.windows:
-            return (
-                "depth",
-                "stays as it was calibrated: neither the epipolar error nor the rig's motion determine it better",
-            )
-        return (
-            "depth",
-            "stays as it was calibrated: the epipolar error does not determine it; frames taken while the rig moves, "
-            "or ranges, would",
-        )
+        return "depth", "stays as it was calibrated, but where rows know it; frames in motion, or ranges, determine it"
     if estimate is None:
         return "", f"depth was off: {depths(solution.depth_error_percent)}"
     errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))
@@ -108,11 +98,20 @@ def _depth_before(solution: AbstractResult) -> tuple[str, str]:
     return "", "depth was off: " + ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items())
 
 
+def _view(solution: AbstractResult) -> list[tuple[str, str]]:
+    """What is extrapolated to where nothing matched, if it matters."""
+    if solution.decision is None or not solution.reason.healthy:
+        return []
+    shown, view = (px[int(solution.accepted), 0] for px in (solution.decision.rows_px, solution.decision.view_px))
+    if view <= max(2.0 * shown, solution.tolerances.good_rows_px):
+        return []
+    return [("corners", f"row error {view:.2f} px over the whole view, most of it where nothing matched")]
+
+
 def _misfit(solution: AbstractResult, misfit: Misfit) -> str | None:
     """What is worth saying of the misfit."""
     if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
-        sentence = f"the intrinsics do not fit: {misfit.alike:.2f} px of the epipolar error are systematic"
-        return sentence if solution.intrinsics is not None else f"{sentence}; {_WOULD_TELL}"
+        return f"the lens model does not fit; {misfit.alike:.2f} px of the epipolar error are systematic"
     if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
         return f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
     return None

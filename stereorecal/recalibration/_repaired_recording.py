@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
+from stereorecal.decision import ENOUGH, Reason
 from stereorecal.estimation import NO_WINDOWS, Windows
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stages import FEWEST
 from stereorecal.recalibration._worker_tasks import MatchTask
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences
@@ -51,7 +50,7 @@ class RepairedRecording:
         found, reason = self.repair.found, self.repair.reason
         if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not intrinsics_free):
             return False
-        return found is not None and found.found >= FEWEST
+        return found is not None and found.found >= ENOUGH.matches
 
     def task(self, *rigs: StereoRig, ranges: bool = False) -> MatchTask:
         """To look at the kept pairs through rigs, as the repair looked at them."""

@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
-from stereorecal.decision import Decision, Tolerances
+from stereorecal.decision import Decision, Reason, Tolerances
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import Reason, RowErrors
+from stereorecal.recalibration._acceptance import RowErrors
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
@@ -27,6 +27,7 @@ from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
+from stereorecal.recalibration._verdict_text import advice_of, verdict_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
@@ -143,6 +144,17 @@ class AbstractResult:
         return self.reason.accepted
 
     @property
+    def verdict(self) -> str:
+        """In one short sentence."""
+        pairs = len(self.frames.used) + len(self.frames.left_out)
+        return verdict_of(self.reason, self.decision, pairs, repaired=True)
+
+    @property
+    def advice(self) -> str:
+        """What to do."""
+        return advice_of(self.reason, intrinsics_change=self.intrinsics is not None and self.intrinsics.changed)
+
+    @property
     def rig(self) -> StereoRig:
         """The calibration to use: the candidate if accepted, else the initial one."""
         return self.candidate if self.accepted else self.initial
@@ -240,7 +252,9 @@ class AbstractResult:
     @property
     def leaves_epipolar_error(self) -> bool:
         """Whether it is a repair that leaves, as likely as not, more epipolar error than good calibrations have."""
-        return self.accepted and self.decision is not None and not self.decision.explains
+        if not self.accepted or self.decision is None:
+            return False
+        return bool(self.decision.rows_px[1, 0] > self.tolerances.good_rows_px)
 
     @property
     def tolerances(self) -> Tolerances:

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from stereorecal.decision import decide_together, fewer_parameters_suffice
-from stereorecal.estimation import NO_RANGES, Each
+from stereorecal.decision import Reason
+from stereorecal.estimation import NO_RANGES, Each, with_free_together
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
-from stereorecal.recalibration._acceptance import Reason, row_errors
+from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
@@ -34,18 +34,14 @@ def solve_jointly(
         one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
-    intrinsics_free = bool(free.intrinsics) or (free.widens and one)
+    intrinsics_free = bool(free.intrinsics)
     part = [recording for recording in recordings if recording.usable(intrinsics_free=intrinsics_free)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
     solved = joint_estimate(part, free, one=one, each=each)
-    if free.widens and not solved.free.shared:
-        return tuple(recording.repair for recording in recordings)
     answers, intrinsics = _answers(solved, each), None
     if solved.free.intrinsics:
-        intrinsics = _intrinsics(
-            solved, answers, IntrinsicsOutcome.NEEDED if free.widens else IntrinsicsOutcome.REFINED
-        )
+        intrinsics = _intrinsics(solved, answers)
         if not intrinsics.taken:
             solutions = _with_intrinsics_held(recordings, free, one=one, each=each)
             return tuple(solution.with_findings(intrinsics=intrinsics) for solution in solutions)
@@ -64,8 +60,6 @@ def _with_intrinsics_held(
     recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
 ) -> tuple[Solution, ...]:
     held = _held(free)
-    if free.widens and not held.shared:
-        return tuple(recording.repair for recording in recordings)
     if held.shared or (one and len(recordings) > 1):
         return solve_jointly(recordings, held, one=one, each=each)
     return tuple(recording.repair for recording in recordings)
@@ -83,7 +77,7 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
     counts = each(counted, [r.task(r.repair.initial, g) for g, r in zip(rigs, recordings, strict=True)])
     joined = [np.concatenate(counts, axis=1)] if solved.one else counts
     reasons = [solved.reason(at, tiles) for at, tiles in enumerate(joined)]
-    rows_by_solution = [solved.rows(at, decision) for at, decision in enumerate(solved.decisions)]
+    rows_by_solution = [solved.rows(at, decision.theta) for at, decision in enumerate(solved.decisions)]
     found = []
     for index, (rig, recording, tiles) in enumerate(zip(rigs, recordings, counts, strict=True)):
         repair, at = recording.repair, solved.of(index)
@@ -120,21 +114,14 @@ def _images_of_others(recordings: Sequence[RepairedRecording], index: int) -> tu
     )
 
 
-def _intrinsics(
-    solved: JointEstimate, answers: Sequence[Solution], outcome_if_accepted: IntrinsicsOutcome
-) -> Intrinsics:
-    """The shared parameters, and whether they are taken: not where the others alone do as well.
-
-    Args:
-        outcome_if_accepted: what is said if they are.
-    """
+def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsics:
+    """The shared parameters, and whether they are taken."""
     free, decisions = solved.free, solved.decisions
-    held = decide_together(solved.estimates, _held(free).names, decisions[0].tolerances)
-    outcome = outcome_if_accepted if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
-    outcome = IntrinsicsOutcome.NO_GAIN if fewer_parameters_suffice(held, decisions) else outcome
+    held = with_free_together(solved.estimates, _held(free).names)
+    outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     fixed, freed = (
-        float(np.mean([row_errors(solved.rows(at, one)).after for at, one in enumerate(some)]))
-        for some in (held, decisions)
+        float(np.mean([row_errors(solved.rows(at, theta)).after for at, theta in enumerate(thetas)]))
+        for thetas in (held, [one.theta for one in decisions])
     )
     tiles = [
         np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.estimated_from
@@ -191,7 +178,7 @@ def _scaled(solution: Solution, found: Solution) -> Solution:
     return replace(
         solution.with_findings(uncertainty=found.uncertainty, estimate=found.estimate),
         candidate=solution.rig.with_extrinsics(extrinsics),
-        reason=Reason.IMPROVED if solution.accepted else Reason.RANGES,
+        reason=Reason.IMPROVED,
         settings=replace(solution.settings, free=found.settings.free),
     )
 

@@ -1,11 +1,12 @@
 """What is told of a repair: from a judged candidate to the solution."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
+from stereorecal.decision import Reason
 from stereorecal.estimation import NO_RANGES
-from stereorecal.recalibration._acceptance import Reason
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending import Ending
@@ -14,7 +15,6 @@ from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun
-from stereorecal.scoring import image_quality
 from stereorecal.scoring.host import Score
 
 
@@ -29,8 +29,9 @@ def solution_of(
         began: when the clock was started.
     """
     reason = ending.reason
-    if reason is Reason.TOO_LITTLE_TEXTURE and any(image_quality(pair).enough for pair in case.images.pairs):
-        reason = Reason.NO_MATCHES
+    if ending.found is not None:
+        last = max(number for number, stage in enumerate(stages) if stage.found is not None)
+        stages = tuple(replace(one, found=ending.found) if number == last else one for number, one in enumerate(stages))
     frames, whole = len(case.images.pairs), case.images.at(1.0)
     used = np.isin(np.arange(frames), ending.without, invert=True)
     pixels = whole.pixels * int(used.sum()) // frames  # all of one size

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
+from stereorecal.decision import ENOUGH
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
@@ -24,7 +25,6 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.scoring import Correspondences, Loss, ScoringData, host, precisions, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
-FEWEST = 60  # correspondences; five parameters from fewer would be guessing
 _FIRST = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)
 _AGAIN = (Loss.WELSCH, Loss.WELSCH)
 _FAR = 0.05  # pixels, median change of the row differences by a round: one that moves more still approaches
@@ -170,7 +170,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             break
         found = matched(data, chart, best, case.matcher)
         rounds += 1
-        if found.found < FEWEST:
+        if found.found < ENOUGH.matches:
             break
         at_start = rows = linearised(found, chart, best)
         for loss in losses:

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from stereorecal.decision import ENOUGH
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, image_quality
 
-LIKELY = 0.25  # of what has texture; aligned rigs cover a half of it and more, rigs a degree out a fifth at most
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 
@@ -24,7 +24,7 @@ def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspo
 def is_sparse(covered: float, texture: float) -> bool:
     """Whether correspondences cover less of an image than those of an aligned rig would, of what has texture; both are
     shares of the image. So many may be there by chance."""
-    return covered < LIKELY * texture
+    return covered < ENOUGH.of_texture * texture
 
 
 def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:

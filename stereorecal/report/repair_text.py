@@ -11,13 +11,14 @@ class RepairText:
     """What the lines say.
 
     Attributes:
-        verdict, search: in words.
+        verdict, advice, search: in words.
         before, after: what matches under both calibrations, and its row error.
         axes: of the extrinsics, angles in degrees, lengths in millimetres.
         remarks: what else is to be said; with a heading, or whole sentences without.
     """
 
     verdict: str
+    advice: str
     search: str
     before: str
     after: str
@@ -27,7 +28,13 @@ class RepairText:
 
 def repair_text(text: RepairText) -> str:
     """The lines."""
-    headed = [("", text.verdict), ("search", text.search), ("before", text.before), ("after", text.after)]
+    headed = [
+        ("", text.verdict),
+        ("", text.advice),
+        ("search", text.search),
+        ("before", text.before),
+        ("after", text.after),
+    ]
     lines = [*map(_line, headed), *map(_axis, text.axes), *map(_line, text.remarks)]
     return "\n".join(lines)
 

@@ -51,6 +51,17 @@ class ImageQuality:
         return self.texture >= max(_TEXTURED * self.shown, _LEAST_TEXTURED)
 
     @property
+    def problem(self) -> str | None:
+        """Why images would hardly match, or None."""
+        if self.dark:
+            return "the images are too dark"
+        if self.noise:
+            return "an image shows nothing but noise, as behind a lens cap"
+        if not self.textured:
+            return "the images have too little texture"
+        return "an image has only a few grey levels" if self.coarse else None
+
+    @property
     def enough(self) -> bool:
         """True if images of an aligned rig would match."""
         return self.textured and not (self.dark or self.coarse or self.noise)

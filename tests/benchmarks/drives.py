@@ -23,7 +23,7 @@ from rich.table import Table
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.online import Config, Event, Kind, State, run
-from stereorecal.recalibration import LEAST_COVERED
+from stereorecal.decision import ENOUGH
 from stereorecal.recordings import Pair
 from stereorecal.scoring import host, pyramid
 from stereorecal.synthetic import Drive, Knock, photographs, plan_drive
@@ -146,7 +146,7 @@ def informative(drive: Drive, frame: int, pair: Pair, state: State) -> bool:
     if state.matcher is None:
         return False
     data = pyramid(truth, [pair], state.view).at(1.0)
-    return host.correspondences(data, with_unit_baseline(truth.extrinsics), state.matcher).covered >= LEAST_COVERED
+    return host.correspondences(data, with_unit_baseline(truth.extrinsics), state.matcher).covered >= ENOUGH.covered
 
 
 def quantile(found: list[int | None], share: float) -> str:

@@ -299,3 +299,11 @@ NEW: dict[str, Spoil] = {
 OF_THE_MODEL = ("keystone", "interlaced 1 row", "stretched", "barrel")
 # What a motion makes of the images; with several frames it differs from one to the next.
 MOVING = ("patch", "left", "below", "rolling", "interlaced", "crowd", "turned", "vibration", "band", "haze")
+
+# One cause in all frames. A shutter that rolls evenly is another aspect of the right camera, which no row can tell.
+COMMON: dict[str, Spoil] = {
+    "half 2 rows, common": patch(0.5, 2, 0, "left"),
+    "third behind glass, common": patch(0.33, 1, 2),
+    "rolling 3 rows, common": rolling(3, 0),
+}
+COMMON_OF_THE_MODEL = ("rolling 3 rows, common",)

@@ -1,0 +1,150 @@
+"""One ordered list of checks: what vetoes a repair or a good verdict, and what explains that neither is given."""
+
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from stereorecal.decision._rule import Decision, Test, Verdict
+from stereorecal.decision._tolerances import ENOUGH
+
+
+class Reason(enum.Enum):
+    """Why a calibration is replaced, or stays; the value says it."""
+
+    IMPROVED = "another calibration is a significant improvement"
+    MORE_MATCHES = "another calibration matches more pixels"
+    ALREADY_GOOD = "the rows are aligned where the images show something"
+    NOT_IMPROVED = "no calibration matches more pixels"
+    OUT_OF_BUDGET = "the budget ended before a candidate could be judged"
+    TOO_LITTLE_TEXTURE = "the images have too little light, texture or grey levels"
+    NO_MATCHES = "almost nothing matches, though the images have texture"
+    FRAMES_DISAGREE = "the frames show different rigs"
+    REACH_EDGE = "the rig moved farther than was searched"
+    FEWER_MATCHES = "whole regions would no longer match"
+    LATE_SHUTTER = "one of the two shutters is late"
+    MISFIT = "parts of the images contradict each other"
+    CANNOT_TELL = "these images do not determine what is better"
+
+    @property
+    def advice(self) -> str:
+        """What to do."""
+        return _ADVICE[self]
+
+    @property
+    def accepted(self) -> bool:
+        """True if the candidate replaces the initial calibration."""
+        return self in (Reason.IMPROVED, Reason.MORE_MATCHES)
+
+    @property
+    def healthy(self) -> bool:
+        """True if the calibration to use is good: repaired, or good from the start."""
+        return self.accepted or self is Reason.ALREADY_GOOD
+
+
+_ADVICE = {
+    Reason.IMPROVED: "Save the new calibration (solution.rig, --output FILE).",
+    Reason.MORE_MATCHES: "Save the new calibration (solution.rig, --output FILE).",
+    Reason.ALREADY_GOOD: "Nothing to do.",
+    Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
+    Reason.OUT_OF_BUDGET: "Give a larger budget.",
+    Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture.",
+    Reason.NO_MATCHES: "Check that both images are of this rig and of one moment; a larger reach searches farther.",
+    Reason.FRAMES_DISAGREE: "Take them at rest, or check the synchronisation of the cameras.",
+    Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
+    Reason.FEWER_MATCHES: "Something moved between the exposures; take another pair.",
+    Reason.LATE_SHUTTER: "Trigger both cameras at once, or take frames at rest.",
+    Reason.MISFIT: "Take one more pair of another place; something moved, or a lens does not fit its model.",
+    Reason.CANNOT_TELL: "Take one more pair of another place; frames in motion, or ranges, determine depth as well.",
+}
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What images show of a rig, besides what is decided of it.
+
+    Attributes:
+        matches: correspondences.
+        covered: share of the image that they cover, of the frame that shows most.
+        places: tiles of a frame that show something.
+        texture: share of the image that has texture, likewise.
+        enough: whether light and texture are enough for an aligned rig to match.
+        coarse: the images have so few grey levels that they match elsewhere than their scene does.
+        frames_disagree: too many frames show another rig than the others.
+        late: one of the two shutters is, more probably than not.
+        misfit_px: systematic errors that are in no parameter.
+        lost: of what the candidate matches, what it loses where the initial calibration matches, as a share.
+        away: of the candidate, in reaches.
+        cut: the budget ended before matches could be found.
+    """
+
+    matches: int = 0
+    covered: float = 0.0
+    places: int = 0
+    texture: float = 0.0
+    enough: bool = True
+    coarse: bool = False
+    frames_disagree: bool = False
+    late: bool = False
+    misfit_px: float = 0.0
+    lost: float = 0.0
+    away: float = 0.0
+    cut: bool = False
+
+    @property
+    def few(self) -> bool:
+        """Too little matches for any verdict: chance matches are few, cover little, and lie in few places."""
+        return self.matches < ENOUGH.matches or self.covered < ENOUGH.covered or self.places < ENOUGH.places
+
+    @property
+    def sparse(self) -> bool:
+        """Less of the texture matches than under an aligned rig: so much may match by chance."""
+        return self.covered < ENOUGH.of_texture * self.texture
+
+
+@dataclass(frozen=True)
+class Check:
+    """One of the checks.
+
+    Attributes:
+        reason: what is said if it holds.
+        holds: whether it does.
+        vetoes: a repair.
+        doubts: a good verdict.
+    """
+
+    reason: Reason
+    holds: Callable[[Seen, Decision], bool]
+    vetoes: bool = True
+    doubts: bool = True
+
+
+CHECKS = (
+    Check(Reason.OUT_OF_BUDGET, lambda seen, _: seen.cut),
+    Check(Reason.TOO_LITTLE_TEXTURE, lambda seen, _: seen.coarse or (seen.few and not seen.enough)),
+    Check(Reason.NO_MATCHES, lambda seen, _: seen.few),
+    Check(Reason.FRAMES_DISAGREE, lambda seen, _: seen.frames_disagree),
+    Check(Reason.CANNOT_TELL, lambda seen, _: seen.sparse, vetoes=False),
+    Check(Reason.REACH_EDGE, lambda seen, _: seen.away > ENOUGH.reach, doubts=False),
+    Check(Reason.FEWER_MATCHES, lambda seen, _: seen.lost > ENOUGH.lost, doubts=False),
+    Check(Reason.MISFIT, lambda seen, _: seen.misfit_px >= ENOUGH.misfit_px, doubts=False),
+    Check(Reason.LATE_SHUTTER, lambda seen, _: seen.late, vetoes=False, doubts=False),
+    Check(Reason.MISFIT, lambda _, decision: decision.failed is Test.PREDICTS, vetoes=False, doubts=False),
+)
+
+
+def reason_of(decision: Decision, seen: Seen) -> Reason:
+    """The first check that vetoes or doubts the verdict; of none that says why there is no verdict, the first that
+    holds; else the verdict's own."""
+    held = [check for check in CHECKS if check.holds(seen, decision)]
+    if decision.verdict is Verdict.REPAIR:
+        return next((check.reason for check in held if check.vetoes), Reason.IMPROVED)
+    if decision.verdict is Verdict.GOOD:
+        return next((check.reason for check in held if check.doubts), Reason.ALREADY_GOOD)
+    return next((check.reason for check in held), Reason.CANNOT_TELL)
+
+
+def reason_without_matches(seen: Seen) -> Reason:
+    """Why nothing can be decided: the first check that needs no decision."""
+    if seen.cut:
+        return Reason.OUT_OF_BUDGET
+    return Reason.NO_MATCHES if seen.enough else Reason.TOO_LITTLE_TEXTURE

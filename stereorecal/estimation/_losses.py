@@ -1,0 +1,220 @@
+"""What a rig's errors cost: |row error| over what a matcher notices and |error of depth| over a point, point by point.
+
+Candidates are chosen by this loss, and judged by it. Errors are counted where images show something, and over the whole
+view at some distances: rows that only corners would show, which nobody looks at, must not decide, and must not be lost.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation._consequences import Consequences, consequences, readings
+from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._one_thread import one_blas_thread
+from stereorecal.estimation._posterior import Posterior
+from stereorecal.geometry import StereoRig, View
+from stereorecal.objectives import RigChart
+
+_OF_SHOWN = 2.0 / 3.0  # of the weight of rows: where images show something; the rest is even over the view
+_MOST_SHOWN = 250  # points that stand for what images show
+_ROOT_2, _ROOT_2_PI = np.sqrt(2.0), np.sqrt(2.0 * np.pi)
+
+
+@dataclass(frozen=True)
+class Matters:
+    """What counts as an error.
+
+    Attributes:
+        rows_px: of row error, that a matcher notices, pixels.
+        depth_points: of the error of depth, percentage points.
+        distances: at which both count over the view, baselines.
+    """
+
+    rows_px: float = 0.05
+    depth_points: float = 1.0
+    distances: tuple[float, ...] = (5, 10, 30)
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Row errors and errors of depth of a rig at points, p of them, in units of what matters.
+
+    Attributes:
+        matters: those units, and the distances.
+        consequences: slopes by θ near `at`, of the points even over the view at each of its distances, and, if images
+            show something, of a last set of points.
+        at: θ of the rig that is taken for the true one.
+        true: that rig.
+        chart: from θ to rigs.
+        view: in which rows and depth are read; None: the rig's own.
+        shown: (m,) weights of the last set; empty: there is none.
+    """
+
+    matters: Matters
+    consequences: Consequences
+    at: Float[np.ndarray, "n"]
+    true: StereoRig
+    chart: RigChart
+    view: View | None
+    shown: Float[np.ndarray, "m"]
+
+    @cached_property
+    def slopes(self) -> Float[np.ndarray, "2p n"]:
+        """Of rows, then of depth."""
+        return self._in_units(*map(np.concatenate, (self.consequences.rows, self.consequences.nearness)))
+
+    @one_blas_thread()
+    def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2p"]:
+        """The errors of the rig at θ, if the one at `at` is true: rows, then depth."""
+        rows, nearness = readings(
+            self.chart.rig_at(theta), self.true, np.concatenate(self.consequences.points), self.view
+        )
+        return self._in_units(rows, nearness)
+
+    def _in_units(
+        self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]
+    ) -> Float[np.ndarray, "2p *n"]:
+        return np.concatenate([rows / self.matters.rows_px, 100.0 * nearness / self.matters.depth_points])
+
+    @cached_property
+    def even(self) -> Float[np.ndarray, "p"]:
+        """Weights of the points, even over the view and the distances."""
+        each = [weights[0] / len(self.consequences.distances) for weights in self.consequences.weights]
+        return np.concatenate([*each[: len(self.consequences.distances)], np.zeros(len(self.shown))])
+
+    @cached_property
+    def seen(self) -> Float[np.ndarray, "p"]:
+        """Weights of the points that the images show; even, where nobody knows."""
+        if not len(self.shown):
+            return self.even
+        return np.concatenate([np.zeros(len(self.even) - len(self.shown)), self.shown])
+
+    @cached_property
+    def farthest(self) -> Float[np.ndarray, "p"]:
+        """Weights of the points at the farthest of the distances."""
+        lengths, farthest = map(len, self.consequences.points), int(np.argmax(self.consequences.distances))
+        of_set = [np.full(length, float(index == farthest)) for index, length in enumerate(lengths)]
+        weights = self.even * np.concatenate(of_set)
+        return weights / weights.sum()
+
+    @cached_property
+    def weights(self) -> Float[np.ndarray, "2p"]:
+        """Of all errors in the loss; those of rows sum to 1, and so do those of depth."""
+        return np.concatenate([_OF_SHOWN * self.seen + (1.0 - _OF_SHOWN) * self.even, self.even])
+
+    @property
+    def of_depth(self) -> Float[np.ndarray, "2p"]:
+        """The weights of depth alone."""
+        return np.concatenate([np.zeros_like(self.even), self.even])
+
+
+@one_blas_thread()
+def errors_near(
+    chart: RigChart,
+    at: Float[np.ndarray, "n"],
+    matters: Matters,
+    view: View | None,
+    groups: Groups | None,
+) -> Errors:
+    """Linear near the rig at θ = at.
+
+    Args:
+        matters: what counts as an error.
+        groups: what the images show; None: nothing.
+    """
+    true, points, weights = chart.rig_at(at), [], np.zeros(0)
+    if groups is not None and (groups.disparity > 0.0).any():
+        shown, weights = points_shown(groups, true)
+        points = [shown]
+    return Errors(matters, consequences(chart, at, matters.distances, view, points), at, true, chart, view, weights)
+
+
+def points_shown(groups: Groups, rig: StereoRig) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]]:
+    """Points that stand for what groups show, in the frame of the left camera, and their weights: each place of the
+    image that shows something counts as much as another."""
+    groups = groups.of(groups.disparity > 0.0)
+    groups = groups.of(slice(None, None, -(-len(groups) // _MOST_SHOWN)))
+    depth = float(rig.baseline) * groups.focal / groups.disparity
+    of_place = np.bincount(groups.place, groups.count, int(np.prod(PLACES)))
+    weights = groups.count / of_place[groups.place]
+    return groups.left / groups.left[:, 2:] * depth[:, None], weights / weights.sum()
+
+
+@dataclass(frozen=True, eq=False)
+class PointwiseLoss:
+    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of normal ones.
+
+    Attributes:
+        errors: the points, and their weights.
+        centres: (k, 2p) errors of a rig without any, for each of the normal distributions of the posterior.
+        deviations: (k, 2p)
+        probabilities: (k,)
+    """
+
+    errors: Errors
+    centres: Float[np.ndarray, "k 2p"]
+    deviations: Float[np.ndarray, "k 2p"]
+    probabilities: Float[np.ndarray, "k"]
+
+    @classmethod
+    def under(cls, errors: Errors, posterior: Posterior) -> "PointwiseLoss":
+        """That of a posterior."""
+        slopes = errors.slopes
+        variances = np.einsum("pi,kpi->kp", slopes, slopes @ posterior.covariances)
+        deviations = np.sqrt(np.maximum(variances, 1e-18))
+        return cls(errors, (posterior.means - errors.at) @ slopes.T, deviations, posterior.weights)
+
+    def expected(self, found: Float[np.ndarray, "2p"]) -> float:
+        """The mean of |error|, that of a folded normal distribution at each point, for `errors.of` a rig."""
+        z = (found - self.centres) / self.deviations
+        density, twice = _normal(z)
+        return float(self.errors.weights @ (self.probabilities @ (self.deviations * (2.0 * density + z * twice))))
+
+    def quadratic(self, found: Float[np.ndarray, "2p"]) -> tuple[Float[np.ndarray, "2p"], Float[np.ndarray, "2p"]]:
+        """A bound from above that touches the loss at `found`: curvature and slope by each error (reweighted least
+        squares; the curvature is slope over distance, as of any even loss)."""
+        away = found - self.centres
+        density, twice = _normal(away / self.deviations)
+        flat = np.abs(away) < 1e-3 * self.deviations
+        each = np.where(flat, 2.0 * density / self.deviations, twice / np.where(flat, 1.0, away))
+        weights = self.errors.weights
+        return weights * (self.probabilities @ each), weights * (self.probabilities @ twice)
+
+
+def _normal(z: Float[np.ndarray, "*p"]) -> tuple[Float[np.ndarray, "*p"], Float[np.ndarray, "*p"]]:
+    """The normal density, and twice the integral from 0."""
+    from scipy.special import erf
+
+    return np.exp(-0.5 * z * z) / _ROOT_2_PI, erf(z / _ROOT_2)
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """What a rig loses if each of s rigs drawn from the posterior is the true one.
+
+    Attributes:
+        seen: mean |row error| where images show something, pixels.
+        even: mean |row error| over the whole view at all distances, pixels.
+        farthest: mean |error of depth| over the view at the farthest distance, percent.
+        total: the loss.
+    """
+
+    seen: Float[np.ndarray, "s"]
+    even: Float[np.ndarray, "s"]
+    farthest: Float[np.ndarray, "s"]
+    total: Float[np.ndarray, "s"]
+
+
+@one_blas_thread()
+def losses(errors: Errors, found: Float[np.ndarray, "2p"], samples: Float[np.ndarray, "s 2p"]) -> Losses:
+    """What `errors.of` a rig loses, for errors of a rig without any under each sample."""
+    away = np.abs(found - samples)
+    rows, depth = np.split(away, 2, axis=1)
+    return Losses(
+        seen=errors.matters.rows_px * (rows @ errors.seen),
+        even=errors.matters.rows_px * (rows @ errors.even),
+        farthest=errors.matters.depth_points * (depth @ errors.farthest),
+        total=away @ errors.weights,
+    )

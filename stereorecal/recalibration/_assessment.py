@@ -1,0 +1,181 @@
+"""The assessment of matches: estimate, decide, match again under the candidate, until that moves no more; then the
+checks. The same for one look at the images through a calibration, and for the end of a search."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, Verdict, decide, reason_of
+from stereorecal.estimation import Estimate, estimate, rig_parameters
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._motion_windows import windows_of, without_frames
+from stereorecal.recalibration._ranges_of_case import matched_ranges
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
+from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recalibration._stages import StageRun, matched
+from stereorecal.recalibration._tile_counts import counts, share_lost
+from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, without_frames_of
+from stereorecal.scoring import Correspondences, image_quality
+from stereorecal.scoring.host import refuse_swapped_images
+
+_MATCHED_AGAIN = 2  # times, at most
+_SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
+
+_Estimator = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Estimate]
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """What the correspondences of all frames say together, and what follows.
+
+    Attributes:
+        found: of the frames that are used, matched under a rig near the candidate.
+        estimate: of the rig that they show.
+        decision: on the initial calibration.
+        seen: what they show besides.
+        reason: the verdict.
+        candidate: of the decision.
+        tiles: counts at full scale of all frames, under the initial calibration and the candidate.
+        excluded: numbers of the frames that show another rig than the others.
+        matching_cost: units that matching again took.
+    """
+
+    found: Correspondences
+    estimate: Estimate
+    decision: Decision
+    seen: Seen
+    reason: Reason
+    candidate: StereoRig
+    tiles: Int[np.ndarray, "2 k tiles"]
+    excluded: tuple[int, ...]
+    matching_cost: float
+
+    @property
+    def conclusive(self) -> bool:
+        """Whether it sees what it would after a search: a rig that is far off matches little, and by chance."""
+        return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
+
+
+def looked(case: Case, stage: Stage) -> tuple[StageRun, Assessment | None] | None:
+    """One look at the images through the initial calibration, as a stage has it, without a search: the matches, and
+    what they say; None if they are too few. None if the stage has no matches.
+
+    Args:
+        case: with a disparity range.
+    """
+    if stage.score is not ScoreKind.EPIPOLAR:
+        return None
+    data, chart = case.images.at(case.scale_of(stage), stage.frames), case.of_extrinsics.chart
+    found = matched(data, chart, np.zeros(chart.dim), case.matcher)
+    run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
+    return run, assessed(case, run, case.rig)
+
+
+def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
+    """What the matches of a stage say; None if they are too few.
+
+    Args:
+        case: with all that may change free.
+        run: that found them.
+        end_rig: where the search ended, with the cameras of the case's rig.
+    """
+    if run.found is None or _seen(case, run.found).few:
+        return None
+    found, at, again = run.found, rig_parameters(case.rig).coordinates_of(end_rig), 0
+    estimate_of = _estimator(case, found, end_rig)
+    excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
+    while True:
+        decision = decide(estimated, case.free.names, case.tolerances)
+        done = again == _MATCHED_AGAIN or disagree or decision.verdict is Verdict.GOOD
+        if done or estimated.effect(decision.theta - at) < _SETTLED:
+            break
+        anew = _matched(case, run, estimated, decision.theta)
+        again += 1
+        if anew.covered < (1.0 - ENOUGH.lost) * found.covered:
+            break  # what no row shows may have moved too far for the disparity range
+        found, at = anew, decision.theta
+        excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
+    used = found if disagree else without_frames_of(found, excluded)
+    candidate = estimated.chart.rig_at(decision.theta)
+    tiles, seen = counts(case, candidate), _seen(case, used)
+    used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
+    seen = replace(
+        seen,
+        frames_disagree=disagree,
+        late=estimated.is_late,
+        misfit_px=max(estimated.misfit),
+        lost=share_lost(tiles[:, used_frames]),
+        away=_away(case, candidate),
+    )
+    reason = reason_of(decision, seen)
+    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
+        refuse_swapped_images(case.images, excluded if disagree else None)
+    cost = again * case.images.at(run.scale, run.stage.frames).cost
+    return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
+
+
+def _seen(case: Case, found: Correspondences) -> Seen:
+    quality = max((image_quality(pair) for pair in case.images.pairs), key=lambda one: one.texture)
+    places = np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
+    return Seen(
+        matches=found.found,
+        covered=found.covered,
+        places=len(places),
+        texture=quality.texture,
+        enough=any(image_quality(pair).enough for pair in case.images.pairs),
+        coarse=all(image_quality(pair).coarse for pair in case.images.pairs),
+    )
+
+
+def _away(case: Case, candidate: StereoRig) -> float:
+    """How far the candidate is turned in pitch and roll, which rows tell, in reaches."""
+    turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(case.rig.extrinsics))[[0, 2]]
+    return float(np.abs(turned).max() / case.reach.degrees)
+
+
+def _matched(case: Case, run: StageRun, estimated: Estimate, theta: Float[np.ndarray, "n"]) -> Correspondences:
+    """The correspondences under a candidate."""
+    return matched(case.images.at(run.scale, run.stage.frames), estimated.chart, theta, case.matcher)
+
+
+def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estimator:
+    """The estimate by matches of other frames than some, begun at a θ; tracks and ranges are sought once.
+
+    Args:
+        first: beside which they are sought.
+        end_rig: under which these were matched.
+    """
+    tracks = windows_of(case, first)
+
+    def estimate_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Estimate:
+        return estimate(
+            without_frames_of(found, without),
+            case.rig,
+            case.prior,
+            start=start,
+            ranges=matched_ranges(case, first, end_rig, without),
+            windows=without_frames(case, tracks, without),
+            view=case.images.view,
+        )
+
+    return estimate_of
+
+
+def _without_other_rigs(
+    case: Case, found: Correspondences, start: Float[np.ndarray, "n"], estimate_of: _Estimator
+) -> tuple[tuple[int, ...], bool, Estimate]:
+    """The estimate without the frames that show another rig, one more excluded at a time: their numbers, whether they
+    are too many to say which are wrong, and the estimate, of all frames in that case."""
+    excluded = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
+    seeing = int(np.any(np.asarray(without_frames_of(found, excluded).weight) > 0, axis=1).sum())
+    most = MOST_EXCLUDED * (seeing + len(excluded))
+    while True:
+        estimated = estimate_of(found, excluded, start)
+        disagree = len(excluded) > most
+        if disagree or not estimated.other_rigs:
+            break
+        excluded, start = (*excluded, estimated.other_rigs[0].frame), estimated.theta
+    return excluded, disagree, estimate_of(found, (), start) if disagree else estimated

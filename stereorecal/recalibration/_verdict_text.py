@@ -1,0 +1,37 @@
+"""The first two lines of what is said: a verdict, and what to do."""
+
+from stereorecal.decision import Decision, Reason
+
+_UNTOLD = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.MISFIT, Reason.CANNOT_TELL)
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+
+
+def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaired: bool) -> str:
+    """The verdict, in at most twelve words.
+
+    Args:
+        decision: None if nothing was decided.
+        pairs: that were looked at.
+        repaired: a calibration that is to be replaced has been.
+    """
+    begins = "Repaired" if repaired else "Repair it"
+    if decision is None or reason is Reason.MORE_MATCHES:
+        begins = begins if reason.accepted else "Cannot tell" if reason in _UNTOLD else "Not repaired"
+        return f"{begins}: {reason.value}."
+    before, after = decision.rows_px
+    if reason is Reason.IMPROVED:
+        depth = "kept as calibrated" if decision.keeps_depth else "corrected"
+        return f"{begins}: row error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
+    if reason is Reason.ALREADY_GOOD:
+        return f"Good. Row error {before[0]:.2f} px where the images show something."
+    if reason is Reason.CANNOT_TELL:
+        number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
+        which = f"from {number} pair{'' if pairs == 1 else 's'}"
+        return f"Cannot tell {which}: row error {before[1]:.2f} to {before[2]:.2f} px."
+    return f"{'Cannot tell' if reason in _UNTOLD else 'Not repaired'}: {reason.value}."
+
+
+def advice_of(reason: Reason, *, intrinsics_change: bool = False) -> str:
+    """What to do."""
+    note = " The intrinsics change too; to keep them, free the extrinsics alone (--free extrinsics)."
+    return reason.advice + (note if intrinsics_change else "")
