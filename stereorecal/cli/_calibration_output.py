@@ -102,16 +102,23 @@ def output_of(
     return Output(place, options.in_place, maps, unit, unit_note, prior_path)
 
 
-def can_hold_all(output: Output, rig: StereoRig | None, options: RecalibrateOptions) -> bool:
-    """Whether the output format can hold every parameter that may move."""
-    if rig is None or output.place is None:
-        return True
-    moved = _probe_rig(rig, Parameters().widest(rig).names)
-    try:
-        check_savable(moved, output.place, format=options.output_format, unit=output.unit)
-    except InputError:
-        return False
-    return True
+def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOptions, free: Parameters) -> Parameters:
+    """What may change, of what is free: where that is everything, by name as far as the output format can hold it.
+
+    Args:
+        rig: None: there is no calibration, which others say.
+    """
+    if rig is None or output.place is None or not free.everything:
+        return free
+    held = list(free.names)
+    for name in free.of_all(rig).intrinsics:
+        try:
+            moved = _probe_rig(rig, [name])
+            check_savable(moved, output.place, format=options.output_format, unit=output.unit)
+        except InputError:
+            continue
+        held.append(name)
+    return replace(free, free=tuple(held), everything=False)
 
 
 def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateOptions) -> list[Path]:

@@ -39,7 +39,7 @@ def tolerances(options: ToleranceOptions) -> Tolerances:
     """
     found: dict[str, object] = {}
     for name, value, part in _assigned(options.tolerances, LIMITS, "tolerance"):
-        found[name] = _number(value, f"--tolerances has {part}; give NAME=NUMBER, such as alpha=0.001.")
+        found[name] = _number(value, f"--tolerances has {part}; give NAME=NUMBER, such as harm=0.01.")
     if options.distances is not None:
         refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
         found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))

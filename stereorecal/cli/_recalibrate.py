@@ -44,11 +44,6 @@ from stereorecal.strategies import name_of, origin_of, strategy
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
-_SHARE = (
-    "no extrinsics explain several of these recordings; if they are of one rig that did not drift between them, "
-    "--extrinsics one estimates what they share"
-)
-
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
@@ -65,8 +60,10 @@ def run(options: RecalibrateOptions) -> int:
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        if not _calibration_output.can_hold_all(output, found.scenes[0].rig, options):
-            settings = replace(settings, free=replace(settings.free, widens=False))
+        settings = replace(
+            settings,
+            free=_calibration_output.what_it_holds(output, found.scenes[0].rig, options, settings.free),
+        )
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
@@ -164,7 +161,7 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         "stages": stages,
         "reach": asdict(settings.reach),
         "budget": asdict(settings.budget),
-        "free": settings.free.names,
+        "free": ("everything",) if settings.free.everything else settings.free.names,
         "tolerances": asdict(settings.tolerances),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
@@ -177,7 +174,8 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
 def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
-    settings = {"free": ", ".join(free.names), "extrinsics": options.extrinsics}
+    names = "everything" if free.everything else ", ".join(free.names)
+    settings = {"free": names, "extrinsics": options.extrinsics}
     boards = " and ".join(options.boards) if options.boards else "none"
     return {**settings, "boards": boards, "ranges": options.ranges or "none"}
 
@@ -250,9 +248,6 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
         shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
         for line in dict.fromkeys(map(str, shared)):  # each once
             print_lines(line)
-        unexplained = [one for one in repairs if one.solution is not None and one.solution.reason is Reason.MISFIT]
-        if not shared and len(unexplained) > 1:
-            print_lines(_SHARE)
         return
     print_lines(repairs[0].solution)
 

@@ -196,8 +196,8 @@ class ToleranceOptions:
         "in baselines, at which errors are evaluated; depth at the farthest (default: 5,10,30)", metavar="B,B"
     )
     tolerances: str | None = option(
-        "limits, such as alpha=0.001,gain_px=0.1: alpha, gain_px, worse_rows_px, worse_depth_points, blind_rows_px, "
-        "good_rows_px, good_surely",
+        "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, leaves, better, harm, predicts, good_rows_px, "
+        "good_surely",
         metavar="NAME=N,…",
     )
 

@@ -27,7 +27,7 @@ class Thresholds:
     pitch_roll_deg: float = 0.05
     yaw_deg: float = 0.2
     flagged_ratio: float = 1.05
-    harmful_rows_px: float = 0.02
+    harmful_rows_px: float = 0.05
     harmful_depth_percent: float = 1.0
 
 

@@ -211,5 +211,6 @@ def consequences(
     rows = _focal(used) * np.imag(rows) / _stretch(used, points, view) / _TINY
     nearness = np.imag(inverse_depth) / np.real(inverse_depth) / _TINY
     ends = np.cumsum([len(some) for some in sets])[:-1]
-    by_set = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
-    return Consequences(distances, tuple(sets), *by_set, tuple(_weights(used, sets, view)))
+    rows_of_sets, nearness_of_sets = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
+    weights = tuple(_weights(used, sets, view))
+    return Consequences(distances, tuple(sets), rows_of_sets, nearness_of_sets, weights)

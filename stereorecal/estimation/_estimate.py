@@ -19,7 +19,7 @@ from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._held_out import HeldOut, rests
 from stereorecal.estimation._least_squares import fit
-from stereorecal.estimation._losses import Errors, Losses, Matters, PointwiseLoss, errors_near, losses
+from stereorecal.estimation._losses import USUAL, Errors, Losses, Matters, PointwiseLoss, errors_near, losses
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
@@ -69,7 +69,7 @@ class Estimate:
     matched_ranges: MatchedRanges = NO_RANGES
     shown: Groups | None = None
     windows: Windows = NO_WINDOWS
-    matters: Matters = Matters()
+    matters: Matters = USUAL
     view: View | None = None
     delay: Delay | None = None
     hypotheses: tuple[Hypothesis, ...] = ()

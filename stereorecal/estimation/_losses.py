@@ -37,6 +37,9 @@ class Matters:
     distances: tuple[float, ...] = (5, 10, 30)
 
 
+USUAL = Matters()
+
+
 @dataclass(frozen=True, eq=False)
 class Errors:
     """Row errors and errors of depth of a rig at points, p of them, in units of what matters.

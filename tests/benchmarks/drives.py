@@ -20,10 +20,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from stereorecal.decision import ENOUGH
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.online import Config, Event, Kind, State, run
-from stereorecal.decision import ENOUGH
 from stereorecal.recordings import Pair
 from stereorecal.scoring import host, pyramid
 from stereorecal.synthetic import Drive, Knock, photographs, plan_drive

@@ -29,7 +29,7 @@ from pathlib import Path
 
 import jax
 import numpy as np
-from accuracy import consensus, errors
+from accuracy import consensus
 from rich.console import Console
 from rich.table import Table
 from spoiled_images import (
@@ -170,7 +170,9 @@ def spoiled(scene: Scene, spoil: Spoil, case: str, *, common: bool = False) -> S
     for index, pair in enumerate(scene.pairs):
         draw = np.random.default_rng([zlib.crc32(case.encode()), 0 if common else index])
         images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
-        if index and case.startswith(MOVING) and not common:  # frames whose motions differ: the other way round, or at rest
+        if (
+            index and case.startswith(MOVING) and not common
+        ):  # frames whose motions differ: the other way round, or at rest
             clean = [np.asarray(image, float) for image in (pair.left, pair.right)]
             images = (images, spoil(clean[1], clean[0], draw)[::-1], clean)[int(draw.integers(3))]
         left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
@@ -187,7 +189,9 @@ def main() -> None:
     parser.add_argument("--unseen", action="store_true", help="the kinds that no rule was chosen on")
     parser.add_argument("--new", action="store_true", help="ten more kinds that no rule was chosen on")
     parser.add_argument("--common", action="store_true", help="five frames of which a part has one cause")
-    parser.add_argument("--show", type=Path, nargs="+", metavar="FILE", help="the tables of such files, and nothing else")
+    parser.add_argument(
+        "--show", type=Path, nargs="+", metavar="FILE", help="the tables of such files, and nothing else"
+    )
     parser.add_argument("--turning", action="store_true", help="late on a rig that only turns, and nothing else")
     parser.add_argument("--part", default="0/1", help="every N-th case from the I-th on, for several processes")
     parser.add_argument("--json", type=Path, help="a line for each repair, appended")
@@ -222,7 +226,11 @@ def main() -> None:
                 judge = host.correspondences(
                     images.at(1.0), with_unit_baseline(scene.rig.extrinsics), with_measured_range(None, images)
                 )
-            given = spoiled(scene, kinds[case], case, common=options.common) if case != LATE else replace(late, rig=scene.rig)
+            given = (
+                spoiled(scene, kinds[case], case, common=options.common)
+                if case != LATE
+                else replace(late, rig=scene.rig)
+            )
             for row in judged(scene, given, case, case in EXPLAINED, options.draws, judge):
                 rows.append(row)
                 if options.json:
@@ -244,7 +252,17 @@ def main() -> None:
 
 def show(rows: list[Row]) -> None:
     table = Table(box=None)
-    heads = ("case", "repairs", "accepted: true", "0.3°", "2.5°", "harmful", "missed", "depth worse, at most", "reasons")
+    heads = (
+        "case",
+        "repairs",
+        "accepted: true",
+        "0.3°",
+        "2.5°",
+        "harmful",
+        "missed",
+        "depth worse, at most",
+        "reasons",
+    )
     for head in heads:
         table.add_column(head, justify="left" if head in ("case", "reasons") else "right")
     groups = {case: [r for r in rows if r.case == case] for case in dict.fromkeys(r.case for r in rows)}

@@ -12,6 +12,8 @@ from truth_methods import METHODS, Answer
 
 import stereorecal as sr
 
+NEED = 0.2  # pixels of row error
+
 
 @dataclass(frozen=True, eq=False)
 class Task:
@@ -54,27 +56,31 @@ class Options:
 
 
 class Tally:
-    """How many rigs are accepted, harmful, and worse than the stored one, for each method."""
+    """How many rigs are accepted, harmful, worse than the stored one, and missed, for each method."""
 
     def __init__(self) -> None:
-        self.seen: dict[str, list[tuple[bool, bool, bool]]] = {}
+        self.seen: dict[str, list[tuple[bool, bool, bool, bool]]] = {}
 
-    def add(self, method: str, answer: Answer, label: str, worse: bool, below: bool) -> str:
+    def add(self, method: str, answer: Answer, label: str, worse: bool, below: bool, need: float) -> str:
         """Count what is accepted, or nothing being so once; the word for the table.
 
         Args:
             worse, below: than the start, and than the stored rig.
+            need: row error of the start, pixels.
         """
-        accepted = label == "accepted"
+        accepted, missed = label == "accepted", answer.accepted is None and need > NEED
         if accepted or answer.accepted is None:
-            self.seen.setdefault(method, []).append((accepted, accepted and worse, accepted and below))
-        return "-" if not accepted else "HARMFUL" if worse else "below stored" if below else "good"
+            self.seen.setdefault(method, []).append((accepted, accepted and worse, accepted and below, missed))
+        if not accepted:
+            return "MISSED" if missed else "-"
+        return "HARMFUL" if worse else "below stored" if below else "good"
 
     def show(self, judge: str) -> None:
         for method, answers in self.seen.items():
-            accepted, harmful, below = np.sum(answers, axis=0)
+            accepted, harmful, below, missed = np.sum(answers, axis=0)
             words = (
-                f"{accepted} of {len(answers)} accepted, {harmful} of them harmful, {below} worse than the stored rig"
+                f"{accepted} of {len(answers)} accepted, {harmful} of them harmful, {below} worse than the stored rig; "
+                f"{missed} missed"
             )
             print(f"{judge}, {method}: {words}")
 

@@ -6,13 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.comparison.judges._judgement import DEPTH_WORSE
+from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
 from stereorecal.comparison.judges._optics import Pixels, optics
 from stereorecal.comparison.judges._rows import row_differences
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Board
 
-BOARD_ROWS_WORSE = 0.05  # px: more than of other judges, since the stored rig was fitted to these very boards
 _FAR = 30  # baselines, at which depth is judged
 _SIDE = 1.001  # of the shortest distance on a board: longer ones are no side of a square
 
@@ -38,7 +37,7 @@ class ByBoards:
 
     def worse_than(self, other: "ByBoards") -> bool:
         """By more than the tolerance, in rows or in what the length of squares says of depth at 30 baselines."""
-        rows_worse = self.rows_rms_px > other.rows_rms_px + BOARD_ROWS_WORSE
+        rows_worse = self.rows_rms_px > other.rows_rms_px + ROWS_WORSE
         after, before = (abs(one.depth_error_percent(_FAR)) for one in (self, other))
         return rows_worse or after > before + DEPTH_WORSE
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from stereorecal._errors import InputError
 from stereorecal.comparison._truth import DISTANCES
-from stereorecal.comparison.judges._board_errors import BOARD_ROWS_WORSE, by_boards
+from stereorecal.comparison.judges._board_errors import by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe, Case, prior_of
 from stereorecal.comparison.judges._draws import Draws
 from stereorecal.comparison.judges._judgement import Judgement
@@ -59,7 +59,7 @@ class _ByBoards:
     def __call__(self, rig: StereoRig) -> Judgement:
         errors = by_boards(rig, self.stored, self.boards)
         depth = {distance: errors.depth_error_percent(distance) for distance in DISTANCES}
-        return Judgement(errors.rows_rms_px, depth, rows_worse_px=BOARD_ROWS_WORSE)
+        return Judgement(errors.rows_rms_px, depth)
 
 
 def board_recipes(place: str, draws: Draws) -> tuple[Boards, ...]:

@@ -19,19 +19,17 @@ class Judgement:
         depth_error_percent: at each of DISTANCES, positive: too far; infinite where rays do not meet; None where the
             judge cannot tell depth.
         rotation_error_deg: |error| of pitch, yaw and roll; None where the true rig is not known.
-        rows_worse_px: by how much rows must be worse to matter, by this judge.
     """
 
     row_error_px: float
     depth_error_percent: dict[int, float] | None = None
     rotation_error_deg: dict[str, float] | None = None
-    rows_worse_px: float = ROWS_WORSE
 
     def worse_than(self, other: "Judgement") -> bool:
         """Whether rows are worse by more than matters, or |depth error| at 30 baselines is, by a percentage point, or
         either was known of the other and is not any more."""
         mine, before = self.row_error_px, other.row_error_px
-        rows = mine > before + self.rows_worse_px or (np.isnan(mine) and not np.isnan(before))
+        rows = mine > before + ROWS_WORSE or (np.isnan(mine) and not np.isnan(before))
         if self.depth_error_percent is None or other.depth_error_percent is None:
             return bool(rows)
         after, start = (abs(one.depth_error_percent[30]) for one in (self, other) if one.depth_error_percent)
