@@ -11,12 +11,8 @@ from jaxtyping import Float
 
 from stereorecal._json_data import json_data
 from stereorecal.decision._tolerances import DEFAULT, Tolerances
-from stereorecal.estimation import Estimate, HeldOut, Losses, with_free_together
+from stereorecal.estimation import Estimate, HeldOut, Losses, median_and_interval, with_free_together
 from stereorecal.objectives import BASELINE
-
-_QUANTILES = (50.0, 2.5, 97.5)  # median, 95 % interval
-_UNIT = 1.0  # of the loss
-_HALF = 0.5  # of the deviation of a prediction
 
 
 class Verdict(enum.Enum):
@@ -149,7 +145,7 @@ def decide_for_trial(
     best = min(decisions, key=lambda one: (one.refused, one.loss[0 if one.refused else 1], _passed([one])))
     if not best.refused:
         return best, best.theta
-    better = [one for one in decisions if one.loss[1] < one.loss[0] - _UNIT and one.worse <= harm]
+    better = [one for one in decisions if one.loss[1] < one.loss[0] - 1.0 and one.worse <= harm]
     return best, min(better, key=lambda one: one.loss[1]).theta if better else None
 
 
@@ -197,7 +193,7 @@ def _decision(
     before, after = estimate.losses(zero), estimate.losses(theta)
     expected = estimate.expected_loss(zero), estimate.expected_loss(theta)
     better, worse = float(np.mean(after.total < before.total)), _harm(before, after, limits)
-    gains = expected[1] < min(expected[0] - _UNIT, limits.leaves * expected[0]) and better >= limits.better
+    gains = expected[1] < min(expected[0] - 1.0, limits.leaves * expected[0]) and better >= limits.better
     failed, held_out = None if gains else Test.GAINS, []
     if failed is None and not worse <= limits.harm:  # NaN is no proof of harmlessness
         failed = Test.HARMLESS
@@ -213,8 +209,8 @@ def _decision(
         worse=worse,
         better=better,
         loss=expected,
-        rows_px=np.percentile([before.seen, after.seen], _QUANTILES, axis=1).T,
-        view_px=np.percentile([before.even, after.even], _QUANTILES, axis=1).T,
+        rows_px=median_and_interval(np.stack([before.seen, after.seen], axis=1)).T,
+        view_px=median_and_interval(np.stack([before.even, after.even], axis=1)).T,
         failed=failed,
         held_out=tuple(held_out),
         tolerances=limits,
@@ -226,7 +222,7 @@ def predicts(held_out: Sequence[HeldOut], limits: Tolerances) -> bool:
     worse by what is noticed, and by half of what the rest leaves open."""
     before, after = (sum(part.count * getattr(part, when) for part in held_out) for when in ("before", "after"))
     known = [part for part in held_out if part.deviation < part.before]
-    worse = [part.after - part.before > max(limits.rows_px, _HALF * part.deviation) for part in known]
+    worse = [part.after - part.before > max(limits.rows_px, limits.contradicts * part.deviation) for part in known]
     return after <= limits.predicts * before and not any(worse)
 
 

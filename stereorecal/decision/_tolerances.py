@@ -26,6 +26,7 @@ class Tolerances:
         harm: probability that rows, or depth at the farthest distance, become worse, at most.
         predicts: row error of parts of the images that were left out, under what the rest says, at most, as a share of
             theirs under the initial calibration.
+        contradicts: of the deviation of that prediction, by which a part may become worse, at most.
         good_rows_px: row error of a good calibration, at most, where images show something.
         good_surely: probability of that, at least.
         distances: in baselines, at which rows and depth count over the view.
@@ -40,6 +41,7 @@ class Tolerances:
     better: float = 0.9
     harm: float = 0.02
     predicts: float = 0.8
+    contradicts: float = 0.5
     good_rows_px: float = 0.3
     good_surely: float = 0.95
     distances: tuple[float, ...] = Matters().distances

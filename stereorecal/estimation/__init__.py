@@ -41,7 +41,7 @@ from stereorecal.estimation._motion import (
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
-from stereorecal.estimation._posterior import Posterior as Posterior
+from stereorecal.estimation._posterior import Posterior as Posterior, median_and_interval as median_and_interval
 from stereorecal.estimation._prior_choice import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,

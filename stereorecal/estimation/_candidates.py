@@ -65,7 +65,7 @@ def least_loss(
         shared: which are the same for all.
         keep_depth: a change of depth, against the initial rig, costs its square: depth changes by little where rows
             need it, and by less where nothing does.
-        linear: take errors as linear near the mean, which spares most of the time.
+        linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
     """
     searches = [_Search(one, keep_depth, linear) for one in several]
     units = [np.where(shared, several[0].deviations, one.deviations) for one in several]
@@ -76,7 +76,7 @@ def least_loss(
     ]
 
     def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "2p"]]]:
-        if not all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True)):
+        if not (linear or all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True))):
             return np.inf, []
         found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
         return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found

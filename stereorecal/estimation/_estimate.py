@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from stereorecal._choices import checked_choice
 from stereorecal._renamed import renamed_attributes
@@ -25,7 +25,7 @@ from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._posterior import Posterior, median_and_interval
 from stereorecal.estimation._prior_choice import Prior, as_prior
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.estimation._sample_readings import SampleReadings
@@ -100,7 +100,7 @@ class Estimate:
     @cached_property
     def intervals(self) -> Float[np.ndarray, "n 2"]:
         """95 % of each parameter, marginal over all others."""
-        return np.percentile(self._readings.samples, [2.5, 97.5], axis=0).T
+        return median_and_interval(self._readings.samples)[1:].T
 
     @property
     def is_late(self) -> bool:
@@ -168,12 +168,12 @@ class Estimate:
         Args:
             names, keep_depth: as `with_free` has them.
         """
-        if self.shown is None or self.prior is None:
+        if self.shown is None:
             return []
         free, at, found = np.isin(self.names, names), self.theta, []
         near, before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
         rows, slopes = near.differences[0], near.jacobian[:, 0].T
-        for name, inside, posterior in rests(self.shown, self.hypotheses, self.prior):
+        for name, inside, posterior in self._rests:
             of_rest = replace(self.known, posterior=posterior)
             (theta,) = least_loss([of_rest], free, np.zeros_like(free), keep_depth=keep_depth, linear=True)
             after, count = rows + slopes @ (theta - at), self.shown.count[inside]
@@ -183,6 +183,12 @@ class Estimate:
             )
             found.append(HeldOut(name, int(count.sum()), *means))
         return found
+
+    @cached_property
+    def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
+        """Parts of the images, and what the rest knows."""
+        none = self.shown is None or self.prior is None
+        return [] if none else list(rests(self.shown, self.hypotheses, self.prior))
 
     @one_blas_thread()
     def effect(self, change: Float[np.ndarray, "n"]) -> float:
@@ -200,9 +206,9 @@ class Estimate:
         nearness = self._readings.rows_and_nearness(used)[1][..., 0]
         found = {}
         for distance, of_samples in zip(DISTANCES, nearness.T, strict=False):
-            middle, low, high = (
+            middle, high, low = (
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
-                for value in (1.0 + np.percentile(of_samples, [50.0, 97.5, 2.5])).tolist()
+                for value in (1.0 + median_and_interval(of_samples)).tolist()
             )
             found[distance] = (middle, low, high)
         return found
@@ -212,7 +218,7 @@ class Estimate:
         median, and 95 % interval; pixels of the images."""
         found = {}
         for distance, of_samples in zip(DISTANCES, self._readings.rows_and_nearness(used)[0], strict=False):
-            middle, low, high = np.percentile(of_samples, [50.0, 2.5, 97.5]).tolist()
+            middle, low, high = median_and_interval(of_samples).tolist()
             found[distance] = (middle, low, high)
         return found
 

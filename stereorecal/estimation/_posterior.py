@@ -47,6 +47,11 @@ class Posterior:
         return found
 
 
+def median_and_interval(samples: Float[np.ndarray, "s *p"]) -> Float[np.ndarray, "3 *p"]:
+    """Median, and the two ends of the 95 % interval."""
+    return np.percentile(samples, [50.0, 2.5, 97.5], axis=0)
+
+
 def merged(posterior: Posterior, most: int) -> Posterior:
     """The posterior with so many explanations at most: those that are alike in all that is uncertain become one, which
     leaves mean and covariance as they are, and of all quantiles what samples tell."""
@@ -89,8 +94,9 @@ def _whitening(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "r n"]
 
 
 def root(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """S with S Sᵀ = covariance, which may be singular; scaled first, since units differ by orders of magnitude."""
+    """S with S Sᵀ = covariance, which may be singular; scaled first, since units differ by orders of magnitude. The
+    symmetric one of what is scaled, since it is unique: samples do not change with the processor."""
     scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     safe = np.where(scale > 0.0, scale, 1.0)
     values, axes = np.linalg.eigh(covariance / safe[:, None] / safe)
-    return scale[:, None] * axes * np.sqrt(np.maximum(values, 0.0))
+    return scale[:, None] * ((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)

@@ -1,5 +1,5 @@
-"""The assessment of matches: estimate, decide, match again under the candidate, until that moves no more; then the
-checks. The same for one look at the images through a calibration, and for the end of a search."""
+"""The assessment of matches: estimate, match again under what loses least, until that moves no more; then decide, and
+check. The same for one look at the images through a calibration, and for the end of a search."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, Verdict, decide, reason_of
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._case import Case
@@ -87,17 +87,17 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     found, at, again = run.found, rig_parameters(case.rig).coordinates_of(end_rig), 0
     estimate_of = _estimator(case, found, end_rig)
     excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
-    while True:
-        decision = decide(estimated, case.free.names, case.tolerances)
-        done = again == _MATCHED_AGAIN or disagree or decision.verdict is Verdict.GOOD
-        if done or estimated.effect(decision.theta - at) < _SETTLED:
+    while not disagree and again < _MATCHED_AGAIN:
+        likely = estimated.with_free(case.free.names)
+        if estimated.effect(likely - at) < _SETTLED:
             break
-        anew = _matched(case, run, estimated, decision.theta)
+        anew = _matched(case, run, estimated, likely)
         again += 1
         if anew.covered < (1.0 - ENOUGH.lost) * found.covered:
             break  # what no row shows may have moved too far for the disparity range
-        found, at = anew, decision.theta
+        found, at = anew, likely
         excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
+    decision = decide(estimated, case.free.names, case.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
     candidate = estimated.chart.rig_at(decision.theta)
     tiles, seen = counts(case, candidate), _seen(case, used)
