@@ -35,7 +35,7 @@ class Ending:
         status, message: how the search ended, or that none was needed.
         judging_cost: units that went into matches for the verdict alone.
         found: matches that it rests on, of the frames that are used; None: those of the last stage.
-        others: of `Findings`, by its names.
+        row_errors, uncertainty, misfit, intrinsics, estimate, decision, seen: as `Findings` has them.
     """
 
     candidate: StereoRig
@@ -48,6 +48,7 @@ class Ending:
     intrinsics: Intrinsics | None = None
     estimate: Estimate | None = None
     decision: Decision | None = None
+    seen: Seen | None = None
     status: Status = Status.CONVERGED
     message: str = "one look at the images was enough"
     judging_cost: float = 0.0
@@ -79,6 +80,7 @@ def ending_of_assessment(case: Case, assessment: Assessment) -> Ending:
         intrinsics=_intrinsics(case, assessment, errors) if assessment.reason.accepted else None,
         estimate=estimated,
         decision=decision,
+        seen=assessment.seen,
         judging_cost=assessment.matching_cost,
         found=assessment.found,
     )

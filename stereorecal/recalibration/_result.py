@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._renamed import renamed_attributes
-from stereorecal.decision import Decision, Reason, Tolerances
+from stereorecal.decision import Decision, Reason, Seen, Tolerances
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
@@ -47,6 +47,7 @@ class Findings:
         matched_ranges: ranges that had a sure match.
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
         decision: on the initial calibration, by the estimate; None in the same cases.
+        seen: what the images show besides, that checks look at; None in the same cases.
     """
 
     score_before: Score
@@ -59,6 +60,7 @@ class Findings:
     matched_ranges: MatchedRanges = NO_RANGES
     estimate: Estimate | None = None
     decision: Decision | None = None
+    seen: Seen | None = None
 
     if not TYPE_CHECKING:
         __getattr__ = renamed_attributes({"beams": "matched_ranges"})

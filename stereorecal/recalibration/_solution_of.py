@@ -54,6 +54,7 @@ def solution_of(
             matched_ranges=matched_ranges,
             estimate=ending.estimate,
             decision=ending.decision,
+            seen=ending.seen,
         ),
         frames=FramesUsed(
             selected=case.selected,

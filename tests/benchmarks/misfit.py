@@ -1,7 +1,7 @@
 """Is a good rig ever replaced by a bad one, where five parameters cannot explain the images? Prints two tables.
 
     python tests/benchmarks/misfit.py [--draws N] [--frames N] [--only NAME,…] [--unseen | --new | --common]
-        [--part I/N] [--json FILE]
+        [--part I/N] [--json FILE] [--record FOLDER]
     python tests/benchmarks/misfit.py --show FILE …
     python tests/benchmarks/misfit.py --turning
 
@@ -30,6 +30,7 @@ from pathlib import Path
 import jax
 import numpy as np
 from accuracy import consensus
+from recorded import NEED, ROWS_CHANGED, ByTrueRig, Case
 from rich.console import Console
 from rich.table import Table
 from spoiled_images import (
@@ -45,10 +46,9 @@ from spoiled_images import (
 )
 
 import stereorecal as sr
-from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import with_unit_baseline
 from stereorecal.recordings import Scene
-from stereorecal.scoring import host, median_row_error, pyramid, with_rays_of
+from stereorecal.scoring import host, pyramid
 from stereorecal.scoring.host import with_measured_range
 
 RENDERED = [(kind, seed) for kind in ("harbour", "coast", "street") for seed in (1, 2)]
@@ -58,8 +58,6 @@ REAL = (
     "kitti_odometry/suburb_seq",
     "middlebury2014/motorcycle_quarter",
 )
-ROWS_WORSE, ROWS_CHANGED, DEPTH_WORSE = 0.05, 0.02, 1.0  # pixels, percentage points: what counts as harm
-NEED = 0.2  # pixels
 FRAMES_IN_COMMON = 5
 STARTS = {"true": (0.0, 0.0), "0.3°": (0.3, 0.003), "2.5°": (2.5, 0.0225)}
 
@@ -118,24 +116,20 @@ def turning() -> None:
     Console().print(table)
 
 
-def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, judge) -> Iterator[Row]:
+def judged(
+    scene: Scene, given: Scene, case: str, explained: bool, judge: ByTrueRig, options: argparse.Namespace
+) -> Iterator[Row]:
     """Repair a spoiled scene from every start."""
-    rig = scene.rig
-    assert rig is not None
+    rig = judge.true
     for name, (degrees, fraction) in STARTS.items():
-        for draw in range(draws if degrees else 1):
+        for draw in range(options.draws if degrees else 1):
             key = jax.random.fold_in(jax.random.key(zlib.crc32(f"{scene.name} {case}".encode())), draw)
             start = sr.synthetic.decalibrate(rig, key, degrees, fraction) if degrees else rig
             solution = sr.recalibrate(start, given.pairs)
-            rows = [
-                median_row_error(with_rays_of(r, judge, matched_rig=rig), with_unit_baseline(r.extrinsics))
-                for r in (start, solution.rig)
-            ]
-            farther, view = 0.0, [float("nan")] * 2
-            if scene.name.startswith(tuple(kind for kind, _ in RENDERED)):
-                farther = depth_error(solution.rig, rig) - depth_error(start, rig)
-                view = [rows_over_view(r, rig) for r in (start, solution.rig)]
-            grown = max(rows[1] - rows[0], np.nan_to_num(view[1] - view[0]))
+            before, after = judge(start), judge(solution.rig)
+            if not case.startswith(OF_THE_MODEL) and case not in (*COMMON_OF_THE_MODEL, LATE):
+                kind = "misfit-explained" if explained else options.kind
+                Case.of(kind, f"{scene.name} | {case} | {name} {draw}", solution, judge).record(options.record)
             yield Row(
                 scene.name,
                 case,
@@ -144,25 +138,13 @@ def judged(scene: Scene, given: Scene, case: str, explained: bool, draws: int, j
                 len(given.pairs),
                 solution.reason.name,
                 solution.accepted,
-                solution.accepted and bool(grown > ROWS_WORSE or farther > DEPTH_WORSE),
-                solution.accepted and bool(grown > ROWS_CHANGED or farther > DEPTH_WORSE),
-                farther if solution.accepted else 0.0,
-                *rows,
-                *view,
+                after.worse_than(before),
+                after.worse_than(before, ROWS_CHANGED),
+                float(np.nan_to_num(after.depth - before.depth)),
+                *(both[0] for both in (before.rows, after.rows)),
+                *(both[-1] if judge.known else float("nan") for both in (before.rows, after.rows)),
                 solution.seconds,
             )
-
-
-def rows_over_view(used: sr.StereoRig, true: sr.StereoRig) -> float:
-    """Mean |row error| over the view at 5, 10 and 30 baselines, pixels."""
-    return float(np.mean([np.mean(np.abs(readings(used, true, points_of_view(true, d))[0])) for d in (5, 10, 30)]))
-
-
-def depth_error(used: sr.StereoRig, true: sr.StereoRig) -> float:
-    """|Error of depth| at 30 baselines in percent, median over the view: errors that differ in sign do not make up for
-    each other; what lies beyond infinity counts as ten times as far."""
-    _, nearness = readings(used, true, points_of_view(true, 30))
-    return 100.0 * float(np.median(np.abs(1.0 / np.maximum(1.0 + nearness, 0.1) - 1.0)))
 
 
 def spoiled(scene: Scene, spoil: Spoil, case: str, *, common: bool = False) -> Scene:
@@ -195,7 +177,10 @@ def main() -> None:
     parser.add_argument("--turning", action="store_true", help="late on a rig that only turns, and nothing else")
     parser.add_argument("--part", default="0/1", help="every N-th case from the I-th on, for several processes")
     parser.add_argument("--json", type=Path, help="a line for each repair, appended")
+    parser.add_argument("--record", type=Path, help="a folder for replay.py")
     options = parser.parse_args()
+    chosen = [kind for kind in ("common", "new", "unseen") if getattr(options, kind)]
+    options.kind = "-".join(["misfit", *chosen, *(["frames"] if options.frames > 1 else [])])
     if options.turning:
         turning()
         return
@@ -223,15 +208,15 @@ def main() -> None:
                 scene = consensus(clean)
                 assert scene.rig is not None
                 images = pyramid(scene.rig, scene.pairs)
-                judge = host.correspondences(
-                    images.at(1.0), with_unit_baseline(scene.rig.extrinsics), with_measured_range(None, images)
-                )
+                unit, matcher = with_unit_baseline(scene.rig.extrinsics), with_measured_range(None, images)
+                rendered = scene.name.startswith(tuple(kind for kind, _ in RENDERED))
+                judge = ByTrueRig(scene.rig, host.correspondences(images.at(1.0), unit, matcher), rendered)
             given = (
                 spoiled(scene, kinds[case], case, common=options.common)
                 if case != LATE
                 else replace(late, rig=scene.rig)
             )
-            for row in judged(scene, given, case, case in EXPLAINED, options.draws, judge):
+            for row in judged(scene, given, case, case in EXPLAINED, judge, options):
                 rows.append(row)
                 if options.json:
                     with options.json.open("a") as file:

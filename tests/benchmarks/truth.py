@@ -1,7 +1,7 @@
 """Are calibrations right, by what no estimate uses: lidar, chessboards, scenes and frames that took no part? Tables.
 
     python tests/benchmarks/truth.py [--judges lidar,boards,few,sequence,wide] [--method NAME,…] [--from 2.5]
-        [--draws N] [--only NAME,…]
+        [--draws N] [--only NAME,…] [--record FOLDER]
 
 Scenes: the folder STEREORECAL_DATA (default: ../shared/data beside the checkout). Every rig that a method names
 (truth_methods.py: add yours to METHODS) meets the judges, accepted or not:
@@ -29,6 +29,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from recorded import ByChessboards, ByCorners, ByDepth, BySift
 from sift_rows import sift_matches, sift_rows
 from truth_methods import METHODS
 from truth_runs import Options, Tally, finish, rig_of, stated, table_of
@@ -98,7 +99,7 @@ def lidar(options: Options) -> None:
             before = depth_by_truth(task.start, rig, scene)
             if task.start is not rig:
                 table.add_row(task.name, "start", "", *cells(before), "", "", "")
-            for method, answer in options.answers(task):
+            for method, answer in options.answers(task, "lidar", ByDepth(rig, scene)):
                 for label, judged in answer.judged.items():
                     after = depth_by_truth(judged, rig, scene)
                     worse, below = after.worse_than(before), after.worse_than(stored)
@@ -136,7 +137,7 @@ def boards(options: Options) -> None:
             need = float(np.median([row_error_px(task.start, rig, scene) for scene in task.scenes]))
             if task.start is not rig:
                 table.add_row(task.name, "start", "", *cells(task.start, before), "", "", "")
-            for method, answer in options.answers(task):
+            for method, answer in options.answers(task, "boards", ByChessboards(rig, seen)):
                 for label, judged in answer.judged.items():
                     after = by_boards(judged, rig, seen)
                     worse, below = after.worse_than(before), after.worse_than(stored)
@@ -164,13 +165,14 @@ def few(options: Options) -> None:
             for first in range(0, len(scenes) - number + 1, number):
                 chosen = range(first, first + number)
                 kind = f"{number}: {' '.join(names[index] for index in chosen)}"
+                rest = [index for index in range(len(scenes)) if index not in chosen] or list(chosen)
+                unseen = [scenes[index] for index in rest]
                 for task in options.tasks(kind, rig, [scenes[i] for i in chosen]) if options.wants(kind) else ():
                     before = [row_error_px(task.start, rig, scene) for scene in scenes]
-                    for method, answer in options.answers(task):
+                    for method, answer in options.answers(task, "few", ByCorners.of(rig, unseen)):
                         for label, judged in answer.judged.items():
                             after = [row_error_px(judged, rig, scene) for scene in scenes]
                             growth = np.subtract(after, before)
-                            rest = [index for index in range(len(scenes)) if index not in chosen] or list(chosen)
                             worse = bool(np.median(growth[rest]) > ROWS_WORSE or np.mean(growth[chosen]) > ROWS_WORSE)
                             board_cells = ("", "")
                             if boards_seen is not None:
@@ -216,12 +218,12 @@ def sequence(options: Options) -> None:
         frames = [replace(whole, pairs=(pair,)) for pair in whole.pairs]
         for kind, chosen in choices.items():
             own = list(range(len(frames)))[chosen]
+            rest = [index for index in range(len(frames)) if index not in own] or own
             for task in options.tasks(f"{name} {kind}", rig, [frames[i] for i in own]) if options.wants(name) else ():
                 before = np.array([row_error_px(task.start, rig, frame) for frame in frames])
-                for method, answer in options.answers(task):
+                for method, answer in options.answers(task, "sequence", ByCorners.of(rig, [frames[i] for i in rest])):
                     for label, judged in answer.judged.items():
                         after = np.array([row_error_px(judged, rig, frame) for frame in frames])
-                        rest = [index for index in range(len(frames)) if index not in own] or own
                         worse = bool(np.median((after - before)[rest]) > ROWS_WORSE)
                         said = tally.add(method, answer, label, worse, False, need=float(np.median(before)))
                         cells = [f"{np.median(before[k]):.3f} -> {np.median(after[k]):.3f}" for k in (own, rest)]
@@ -243,7 +245,7 @@ def wide(options: Options) -> None:
     matches = sift_matches(rig, scene.pairs[0])
     for task in options.tasks(WIDE, rig, [scene]) if options.wants(WIDE) else ():
         before = sift_rows(task.start, matches)
-        for method, answer in options.answers(task):
+        for method, answer in options.answers(task, "wide", BySift(matches)):
             for label, judged in answer.judged.items():
                 after = sift_rows(judged, matches)
                 said = tally.add(method, answer, label, after > before + ROWS_WORSE, False, need=before)
@@ -272,10 +274,11 @@ def main() -> None:
     parser.add_argument("--from", dest="degrees", type=float, default=0.0, help="start so many degrees off")
     parser.add_argument("--draws", type=int, default=1, help="starts for each scene, with --from")
     parser.add_argument("--only", default="", help="parts of names of scenes, comma separated")
+    parser.add_argument("--record", type=Path, help="a folder for replay.py")
     given = parser.parse_args()
     cv2.setNumThreads(1)
     methods, only = (tuple(word for word in text.split(",") if word) for text in (given.method, given.only))
-    options = Options(methods, given.degrees, given.draws, only)
+    options = Options(methods, given.degrees, given.draws, only, given.record)
     start = f"{given.degrees}° off" if given.degrees else "the stored rigs"
     print(f"commit {commit()}; OpenCV {cv2.__version__}; from {start}; methods {', '.join(methods)}; data {DATA}")
     for judge in given.judges.split(","):

@@ -23,12 +23,14 @@ class Answer:
         yaw: None, or the candidate's yaw and the half width of its 95 % interval [degrees].
         depth: None, or the ends of the 95 % interval of the error of depth at 30 baselines that is stated [%] of the
             rig that the answer leaves in use.
+        solution: that it is from, if it is one.
     """
 
     verdict: str
     rigs: Mapping[str, sr.StereoRig] = field(default_factory=dict)
     yaw: tuple[float, float] | None = None
     depth: tuple[float, float] | None = None
+    solution: sr.Solution | None = None
 
     @property
     def accepted(self) -> sr.StereoRig | None:
@@ -102,7 +104,7 @@ def _answer(solution: sr.Solution) -> Answer:
     if solution.expected is not None:
         stated = solution.expected.depth_percent[_FAR]
         depth = stated.low, stated.high
-    return Answer(verdict, rigs, yaw, depth)
+    return Answer(verdict, rigs, yaw, depth, solution)
 
 
 METHODS = {"library": library, "library-free": library_free, "library-joint": library_joint, "estimate": estimate}

@@ -1,18 +1,18 @@
 """What the judges of truth.py share: what methods are given, verdicts on what they return, tables."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import jax
 import numpy as np
+from recorded import NEED, Case, Errors
 from rich.console import Console
 from rich.table import Table
 from truth_methods import METHODS, Answer
 
 import stereorecal as sr
-
-NEED = 0.2  # pixels of row error
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,7 @@ class Options:
     degrees: float
     draws: int
     only: tuple[str, ...]
+    record: Path | None = None
 
     def wants(self, name: str) -> bool:
         return not self.only or any(part in name for part in self.only)
@@ -46,12 +47,15 @@ class Options:
             drifted = sr.synthetic.decalibrate(stored, jax.random.key(draw), self.degrees, 0.009 * self.degrees)
             yield Task(f"{name} #{draw}", stored, drifted, scenes)
 
-    def answers(self, task: Task) -> Iterator[tuple[str, Answer]]:
-        """Of each method."""
+    def answers(self, task: Task, bench: str, judge: Callable[[sr.StereoRig], Errors]) -> Iterator[tuple[str, Answer]]:
+        """Of each method; those of the library can be recorded, with a judge."""
         for method in self.methods:
             began = time.perf_counter()
             answer = METHODS[method](task.start, task.scenes)
             print(f"{task.name} | {method} | {answer.verdict} | {time.perf_counter() - began:.1f} s", flush=True)
+            if answer.solution is not None and method == "library":
+                kind = f"truth-{bench}" + (f"-from-{self.degrees}" if self.degrees else "")
+                Case.of(kind, task.name, answer.solution, judge).record(self.record)
             yield method, answer
 
 
