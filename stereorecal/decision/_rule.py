@@ -2,6 +2,7 @@
 it has not seen."""
 
 import enum
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,9 +11,8 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
-from stereorecal.decision._tolerances import DEFAULT, Tolerances
+from stereorecal.decision._tolerances import DEFAULT, STEPS, Tolerances
 from stereorecal.estimation import Estimate, HeldOut, Losses, median_and_interval, with_free_together
-from stereorecal.objectives import BASELINE
 
 
 class Verdict(enum.Enum):
@@ -37,8 +37,8 @@ class Decision:
 
     Attributes:
         verdict: what to do.
-        theta: (n,) the candidate: that of least expected loss of those that pass all tests; if none does, of all.
-        keeps_depth: whether the candidate is the one to which a change of depth costs its square.
+        theta: (n,) the candidate.
+        depth_corrected: where the candidate lies between the one that keeps depth, 0, and that of least loss, 1.
         worse: probability that the candidate is worse than the calibration, in rows or in depth.
         better: probability that it loses less.
         loss: (2,) that is to be expected of the calibration, and of the candidate.
@@ -51,7 +51,7 @@ class Decision:
 
     verdict: Verdict
     theta: Float[np.ndarray, "n"]
-    keeps_depth: bool
+    depth_corrected: float
     worse: float
     better: float
     loss: tuple[float, float]
@@ -77,7 +77,7 @@ class Decision:
             {
                 "verdict": self.verdict.name.lower(),
                 "failed": self.failed and self.failed.name.lower(),
-                "keeps_depth": self.keeps_depth,
+                "depth_corrected": self.depth_corrected,
                 "probability_better": self.better,
                 "probability_worse": self.worse,
                 "expected_loss": dict(zip(("before", "candidate"), self.loss, strict=True)),
@@ -92,18 +92,20 @@ class Decision:
 def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
-    1. Candidates: the one of least expected loss, rows and depth; the one of least loss to which a change of depth
-       costs its square; with ranges or a measured way, also the one that changes only the length of the baseline.
-    2. Of those that pass three tests the one of least expected loss replaces the calibration:
+    1. The candidate is the one of least expected loss, rows and depth. Where that may harm, its change of depth is made
+       in part: it lies between that one and the one to which a change of depth costs its square, as near to the first
+       as does no harm.
+    2. It replaces the calibration if it passes three tests:
 
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
        - it does not harm: with 98 % probability neither rows, where images show something or over the view, nor depth
          at the farthest distance become worse by what is noticed;
-       - it predicts what it has not seen: thirds of the view, and places, each left out in turn, have at most eight
-         tenths of the row error under the candidate of the rest that they have under the calibration, and none of them
-         becomes worse by what is noticed and what the rest leaves open.
-    3. If none does, the calibration is good if its rows are, where images show something, with 95 %; else this cannot
-       be told.
+       - it predicts what it has not seen: thirds of the view, and places, each left out in turn. Under the candidate of
+         the rest each is aligned, or not worse than under the calibration; all together have at most eight tenths of
+         the row error that they have under it (where rows alone tell), and are aligned, or show eight tenths of what
+         the candidate of all gains on them.
+    3. If it fails one, the calibration is good if its rows are, where images show something, with 95 %; else this
+       cannot be told.
 
     Args:
         estimate: what is known; its θ = 0 is the calibration. Without rows there is nothing to predict.
@@ -116,37 +118,36 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
 def decide_together(
     several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
 ) -> list[Decision]:
-    """The same for each of several calibrations whose free parameters are the same but for a drift, by candidates of
-    one kind: that which refuses fewest, and loses least.
+    """The same for each of several calibrations whose free parameters are the same but for a drift.
 
     Args:
         several: what is known, with the same parameters.
         free, tolerances: as `decide` has them.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several, kinds = _judged(several, limits), _kinds(several, free)
-    decisions = [_decisions(several, *kind, limits) for kind in kinds]
-    return min(decisions, key=lambda of_kind: (sum(one.refused for one in of_kind), _loss(of_kind), _passed(of_kind)))
+    several = _judged(several, limits)
+    thetas, share = _candidates(several, free, limits)
+    return [_decision(one, free, theta, share, limits) for one, theta in zip(several, thetas, strict=True)]
 
 
 def decide_for_trial(
     estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
 ) -> tuple[Decision, Float[np.ndarray, "n"] | None]:
-    """The decision, and the change to put on trial: the one that it asks for; else the candidate of least expected loss
-    that gains a unit; else None. That one is better on average, and not for sure: for those who let later images prove
-    it, and can go back.
+    """The decision, and the change to put on trial: the one that it asks for; else the candidate, if it gains a unit;
+    else None. That one is better on average, and not for sure: for those who let later images prove it, and can go
+    back.
 
     Args:
         harm: the chance of harm that it may have, at most.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several, kinds = _judged([estimate], limits), _kinds([estimate], free)
-    decisions = [one for kind in kinds for one in _decisions(several, *kind, limits)]
-    best = min(decisions, key=lambda one: (one.refused, one.loss[0 if one.refused else 1], _passed([one])))
-    if not best.refused:
-        return best, best.theta
-    better = [one for one in decisions if one.loss[1] < one.loss[0] - 1.0 and one.worse <= harm]
-    return best, min(better, key=lambda one: one.loss[1]).theta if better else None
+    decision = decide(estimate, free, limits)
+    if not decision.refused:
+        return decision, decision.theta
+    (estimate,) = _judged([estimate], limits)
+    (theta,), _ = _candidates([estimate], free, replace(limits, harm=harm))
+    gains = estimate.expected_loss(theta) < estimate.expected_loss(np.zeros_like(theta)) - 1.0
+    return decision, theta if gains and chance_of_harm(estimate, theta, limits) <= harm else None
 
 
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
@@ -161,32 +162,31 @@ def _judged(several: Sequence[Estimate], limits: Tolerances) -> list[Estimate]:
     return [one if one.matters == matters else replace(one, matters=matters) for one in several]
 
 
-def _kinds(several: Sequence[Estimate], free: Sequence[str]) -> list[tuple[Sequence[str], bool]]:
-    """Of candidates: names of the parameters that change, and whether a change of depth costs its square."""
-    length = BASELINE in free and any(one.matched_ranges or one.windows.measured for one in several)
-    return [(free, False), (free, True), *([((BASELINE,), False)] if length else [])]
+def _candidates(
+    several: Sequence[Estimate], free: Sequence[str], limits: Tolerances
+) -> tuple[list[Float[np.ndarray, "n"]], float]:
+    """Of each calibration, and how far they lie from those that keep depth to those that lose least: as far as harms
+    none of them."""
+    kept, least = (with_free_together(several, free, keep_depth=keep) for keep in (True, False))
+    before = [one.losses(np.zeros(len(one.names))) for one in several]
 
+    def at(share: float) -> list[Float[np.ndarray, "n"]]:
+        return [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
 
-def _decisions(
-    several: Sequence[Estimate], free: Sequence[str], keeps_depth: bool, limits: Tolerances
-) -> list[Decision]:
-    thetas = with_free_together(several, free, keep_depth=keeps_depth)
-    return [_decision(one, free, keeps_depth, theta, limits) for one, theta in zip(several, thetas, strict=True)]
+    def harms(share: float) -> bool:
+        each = zip(several, before, at(share), strict=True)
+        chances = [_harm(losses, one.losses(theta), limits) for one, losses, theta in each]
+        return not all(chance <= limits.harm for chance in chances)  # NaN is no proof of harmlessness
 
-
-def _loss(decisions: Sequence[Decision]) -> float:
-    """That is to be expected of what is used in the end."""
-    return sum(one.loss[0 if one.refused else 1] for one in decisions)
-
-
-def _passed(decisions: Sequence[Decision]) -> tuple[int, float]:
-    """Order of candidates that are refused: those that fail the last test first, then the one of least loss."""
-    tests = list(Test)
-    return -sum(tests.index(one.failed) for one in decisions if one.failed), sum(one.loss[1] for one in decisions)
+    if not harms(1.0):
+        return least, 1.0
+    shares = np.linspace(0.0, 1.0, STEPS + 1)
+    share = float(shares[max(bisect_left(shares, True, key=harms) - 1, 0)])  # what harms, harms if there is more of it
+    return at(share), share
 
 
 def _decision(
-    estimate: Estimate, free: Sequence[str], keeps_depth: bool, theta: Float[np.ndarray, "n"], limits: Tolerances
+    estimate: Estimate, free: Sequence[str], theta: Float[np.ndarray, "n"], share: float, limits: Tolerances
 ) -> Decision:
     """The decision between θ = 0 and a candidate."""
     zero = np.zeros_like(theta)
@@ -198,14 +198,14 @@ def _decision(
     if failed is None and not worse <= limits.harm:  # NaN is no proof of harmlessness
         failed = Test.HARMLESS
     if failed is None:
-        held_out = estimate.held_out(free, keep_depth=keeps_depth)
-        if not predicts(held_out, limits):
+        held_out = estimate.held_out(free, share)
+        if not predicts(held_out, limits, rows_alone=not (estimate.matched_ranges or estimate.windows)):
             failed = Test.PREDICTS
     good = float(np.mean(before.seen <= limits.good_rows_px)) >= limits.good_surely
     return Decision(
         verdict=Verdict.REPAIR if failed is None else Verdict.GOOD if good else Verdict.CANNOT_TELL,
         theta=theta,
-        keeps_depth=keeps_depth,
+        depth_corrected=share,
         worse=worse,
         better=better,
         loss=expected,
@@ -217,13 +217,21 @@ def _decision(
     )
 
 
-def predicts(held_out: Sequence[HeldOut], limits: Tolerances) -> bool:
-    """Whether parts that were left out bear a candidate out: all together, and none that the rest can predict becomes
-    worse by what is noticed, and by half of what the rest leaves open."""
-    before, after = (sum(part.count * getattr(part, when) for part in held_out) for when in ("before", "after"))
-    known = [part for part in held_out if part.deviation < part.before]
-    worse = [part.after - part.before > max(limits.rows_px, limits.contradicts * part.deviation) for part in known]
-    return after <= limits.predicts * before and not any(worse)
+def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: bool = True) -> bool:
+    """Whether parts that were left out bear a candidate out.
+
+    Args:
+        rows_alone: whether nothing but rows tells what it gains; else they need not get better.
+    """
+    if any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
+        return False
+    count = sum(part.count for part in held_out)
+    before, after, fitted = (
+        sum(part.count * getattr(part, when) for part in held_out) for when in ("before", "after", "fitted")
+    )
+    aligned = after <= count * limits.good_rows_px
+    gained = before - after >= limits.predicts * (before - fitted)
+    return (aligned or gained) and not (rows_alone and after > limits.predicts * before)
 
 
 def _harm(before: Losses, after: Losses, limits: Tolerances) -> float:

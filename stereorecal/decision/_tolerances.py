@@ -25,8 +25,8 @@ class Tolerances:
         better: probability that the loss falls, at least.
         harm: probability that rows, or depth at the farthest distance, become worse, at most.
         predicts: row error of parts of the images that were left out, under what the rest says, at most, as a share of
-            theirs under the initial calibration.
-        contradicts: of the deviation of that prediction, by which a part may become worse, at most.
+            theirs under the initial calibration; and the share of what the candidate gains on them that is there, too,
+            at least.
         good_rows_px: row error of a good calibration, at most, where images show something.
         good_surely: probability of that, at least.
         distances: in baselines, at which rows and depth count over the view.
@@ -41,7 +41,6 @@ class Tolerances:
     better: float = 0.9
     harm: float = 0.02
     predicts: float = 0.8
-    contradicts: float = 0.5
     good_rows_px: float = 0.3
     good_surely: float = 0.95
     distances: tuple[float, ...] = Matters().distances
@@ -78,6 +77,7 @@ class Tolerances:
 
 
 DEFAULT = Tolerances()
+STEPS = 8  # in which a change of depth is made
 LIMITS = DEFAULT.limits
 
 

@@ -162,33 +162,41 @@ class Estimate:
         return self._loss.expected(self._errors.of(used))
 
     @one_blas_thread()
-    def held_out(self, names: Sequence[str], *, keep_depth: bool = False) -> list[HeldOut]:
+    def held_out(self, names: Sequence[str], share: float = 1.0) -> list[HeldOut]:
         """What parts of the images say of the candidates of the rest, each part left out in turn.
 
         Args:
-            names, keep_depth: as `with_free` has them.
+            names: as `with_free` has them.
+            share: where the candidate lies between the one that keeps depth (0), and the one that loses least (1).
         """
         if self.shown is None:
             return []
-        free, at, found = np.isin(self.names, names), self.theta, []
+        free, at = np.isin(self.names, names), self.theta
         near, before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
         rows, slopes = near.differences[0], near.jacobian[:, 0].T
-        for name, inside, posterior in self._rests:
-            of_rest = replace(self.known, posterior=posterior)
-            (theta,) = least_loss([of_rest], free, np.zeros_like(free), keep_depth=keep_depth, linear=True)
-            after, count = rows + slopes @ (theta - at), self.shown.count[inside]
-            deviation = np.sqrt(np.einsum("gi,ij,gj->g", slopes[inside], posterior.covariance, slopes[inside]))
-            means = (
-                float(np.average(np.abs(one), weights=count)) for one in (before[inside], after[inside], deviation)
+
+        def under(posterior: Posterior) -> Float[np.ndarray, "g"]:
+            known = replace(self.known, posterior=posterior)
+            kept, least = (
+                least_loss([known], free, np.zeros_like(free), keep_depth=keep, linear=True)[0]
+                for keep in (True, False)
             )
+            return rows + slopes @ (kept + share * (least - kept) - at)
+
+        fitted, found = under(self.posterior), []
+        for name, inside, posterior in self._rests:
+            count = self.shown.count[inside]
+            of_part = (before, under(posterior), fitted)
+            means = (float(np.average(np.abs(one[inside]), weights=count)) for one in of_part)
             found.append(HeldOut(name, int(count.sum()), *means))
         return found
 
     @cached_property
     def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
         """Parts of the images, and what the rest knows."""
-        none = self.shown is None or self.prior is None
-        return [] if none else list(rests(self.shown, self.hypotheses, self.prior))
+        if self.shown is None or self.prior is None:
+            return []
+        return list(rests(self.shown, self.hypotheses, self.prior))
 
     @one_blas_thread()
     def effect(self, change: Float[np.ndarray, "n"]) -> float:

@@ -31,14 +31,14 @@ class HeldOut:
         count: of its correspondences.
         before: under the initial rig.
         after: under the candidate of the rest.
-        deviation: of what the rest predicts.
+        fitted: under the candidate of all.
     """
 
     name: str
     count: int
     before: float
     after: float
-    deviation: float
+    fitted: float
 
 
 def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:

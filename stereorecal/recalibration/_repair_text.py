@@ -89,8 +89,9 @@ def _remarks(solution: AbstractResult) -> list[tuple[str, str]]:
 def _depth_before(solution: AbstractResult) -> tuple[str, str]:
     """What the repair says of the depth of the initial calibration."""
     estimate = solution.estimate
-    if solution.decision is not None and solution.decision.keeps_depth:
-        return "depth", "stays as it was calibrated, but where rows know it; frames in motion, or ranges, determine it"
+    if solution.decision is not None and solution.decision.depth_corrected < 1.0:
+        how = "is corrected as far as is safe" if solution.decision.depth_corrected else "stays as it was calibrated"
+        return "depth", f"{how}; frames in motion, or ranges, determine it"
     if estimate is None:
         return "", f"depth was off: {depths(solution.depth_error_percent)}"
     errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))

@@ -20,7 +20,8 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
         return f"{begins}: {reason.value}."
     before, after = decision.rows_px
     if reason is Reason.IMPROVED:
-        depth = "kept as calibrated" if decision.keeps_depth else "corrected"
+        share = decision.depth_corrected
+        depth = "corrected" if share == 1.0 else "corrected in part" if share else "kept as calibrated"
         return f"{begins}: row error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
     if reason is Reason.ALREADY_GOOD:
         return f"Good. Row error {before[0]:.2f} px where the images show something."

@@ -166,10 +166,10 @@ def few(options: Options) -> None:
                 chosen = range(first, first + number)
                 kind = f"{number}: {' '.join(names[index] for index in chosen)}"
                 rest = [index for index in range(len(scenes)) if index not in chosen] or list(chosen)
-                unseen = [scenes[index] for index in rest]
+                others = ByCorners.of(rig, [scenes[index] for index in rest])
                 for task in options.tasks(kind, rig, [scenes[i] for i in chosen]) if options.wants(kind) else ():
                     before = [row_error_px(task.start, rig, scene) for scene in scenes]
-                    for method, answer in options.answers(task, "few", ByCorners.of(rig, unseen)):
+                    for method, answer in options.answers(task, "few", others):
                         for label, judged in answer.judged.items():
                             after = [row_error_px(judged, rig, scene) for scene in scenes]
                             growth = np.subtract(after, before)
@@ -219,9 +219,10 @@ def sequence(options: Options) -> None:
         for kind, chosen in choices.items():
             own = list(range(len(frames)))[chosen]
             rest = [index for index in range(len(frames)) if index not in own] or own
-            for task in options.tasks(f"{name} {kind}", rig, [frames[i] for i in own]) if options.wants(name) else ():
+            judge, whole_name = ByCorners.of(rig, [frames[i] for i in rest]), f"{name} {kind}"
+            for task in options.tasks(whole_name, rig, [frames[i] for i in own]) if options.wants(whole_name) else ():
                 before = np.array([row_error_px(task.start, rig, frame) for frame in frames])
-                for method, answer in options.answers(task, "sequence", ByCorners.of(rig, [frames[i] for i in rest])):
+                for method, answer in options.answers(task, "sequence", judge):
                     for label, judged in answer.judged.items():
                         after = np.array([row_error_px(judged, rig, frame) for frame in frames])
                         worse = bool(np.median((after - before)[rest]) > ROWS_WORSE)
