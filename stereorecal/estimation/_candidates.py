@@ -32,7 +32,7 @@ class Known:
 
     errors: Errors
     posterior: Posterior
-    initial: Float[np.ndarray, "2p"]
+    initial: Float[np.ndarray, "q"]
 
     @property
     def chart(self) -> RigChart:
@@ -75,7 +75,7 @@ def least_loss(
         np.r_[index * len(own) : (index + 1) * len(own), size - len(common) : size] for index in range(len(several))
     ]
 
-    def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "2p"]]]:
+    def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "q"]]]:
         if not (linear or all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True))):
             return np.inf, []
         found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
@@ -119,11 +119,11 @@ class _Search:
         self.loss = PointwiseLoss.under(known.errors, posterior)
         self.change = _CHANGE / widest(known.chart) ** 2
 
-    def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2p"]:
+    def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
         errors = self.known.errors
         return errors.slopes @ (theta - errors.at) if self.linear else errors.of(theta)
 
-    def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "2p"]) -> float:
+    def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]) -> float:
         """What is minimised."""
         loss = self.loss.expected(found) + float(self.change @ theta**2)
         if self.keep_depth:
@@ -131,7 +131,7 @@ class _Search:
         return loss
 
     def quadratic(
-        self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "2p"]
+        self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]
     ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
         """Curvature and slope of a bound, by θ."""
         slopes = self.known.errors.slopes

@@ -145,7 +145,7 @@ class Estimate:
 
     @cached_property
     @one_blas_thread()
-    def _errors_of_samples(self) -> Float[np.ndarray, "s 2p"]:
+    def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
         """Of a rig without any, under each of some rigs drawn from the posterior; always the same ones."""
         return (self._readings.samples - self.theta) @ self._errors.slopes.T
 

@@ -42,7 +42,7 @@ USUAL = Matters()
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Row errors and errors of depth of a rig at points, p of them, in units of what matters.
+    """Row errors and errors of depth of a rig at p points, in units of what matters: q = 2p errors.
 
     Attributes:
         matters: those units, and the distances.
@@ -64,12 +64,12 @@ class Errors:
     shown: Float[np.ndarray, "m"]
 
     @cached_property
-    def slopes(self) -> Float[np.ndarray, "2p n"]:
+    def slopes(self) -> Float[np.ndarray, "q n"]:
         """Of rows, then of depth."""
         return self._in_units(*map(np.concatenate, (self.consequences.rows, self.consequences.nearness)))
 
     @one_blas_thread()
-    def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2p"]:
+    def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
         """The errors of the rig at θ, if the one at `at` is true: rows, then depth."""
         rows, nearness = readings(
             self.chart.rig_at(theta), self.true, np.concatenate(self.consequences.points), self.view
@@ -78,7 +78,7 @@ class Errors:
 
     def _in_units(
         self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]
-    ) -> Float[np.ndarray, "2p *n"]:
+    ) -> Float[np.ndarray, "q *n"]:
         return np.concatenate([rows / self.matters.rows_px, 100.0 * nearness / self.matters.depth_points])
 
     @cached_property
@@ -103,12 +103,12 @@ class Errors:
         return weights / weights.sum()
 
     @cached_property
-    def weights(self) -> Float[np.ndarray, "2p"]:
+    def weights(self) -> Float[np.ndarray, "q"]:
         """Of all errors in the loss; those of rows sum to 1, and so do those of depth."""
         return np.concatenate([_OF_SHOWN * self.seen + (1.0 - _OF_SHOWN) * self.even, self.even])
 
     @property
-    def of_depth(self) -> Float[np.ndarray, "2p"]:
+    def of_depth(self) -> Float[np.ndarray, "q"]:
         """The weights of depth alone."""
         return np.concatenate([np.zeros_like(self.even), self.even])
 
@@ -151,14 +151,14 @@ class PointwiseLoss:
 
     Attributes:
         errors: the points, and their weights.
-        centres: (k, 2p) errors of a rig without any, for each of the normal distributions of the posterior.
-        deviations: (k, 2p)
+        centres: (k, q) errors of a rig without any, for each of the normal distributions of the posterior.
+        deviations: (k, q)
         probabilities: (k,)
     """
 
     errors: Errors
-    centres: Float[np.ndarray, "k 2p"]
-    deviations: Float[np.ndarray, "k 2p"]
+    centres: Float[np.ndarray, "k q"]
+    deviations: Float[np.ndarray, "k q"]
     probabilities: Float[np.ndarray, "k"]
 
     @classmethod
@@ -169,13 +169,13 @@ class PointwiseLoss:
         deviations = np.sqrt(np.maximum(variances, 1e-18))
         return cls(errors, (posterior.means - errors.at) @ slopes.T, deviations, posterior.weights)
 
-    def expected(self, found: Float[np.ndarray, "2p"]) -> float:
+    def expected(self, found: Float[np.ndarray, "q"]) -> float:
         """The mean of |error|, that of a folded normal distribution at each point, for `errors.of` a rig."""
         z = (found - self.centres) / self.deviations
         density, twice = _normal(z)
         return float(self.errors.weights @ (self.probabilities @ (self.deviations * (2.0 * density + z * twice))))
 
-    def quadratic(self, found: Float[np.ndarray, "2p"]) -> tuple[Float[np.ndarray, "2p"], Float[np.ndarray, "2p"]]:
+    def quadratic(self, found: Float[np.ndarray, "q"]) -> tuple[Float[np.ndarray, "q"], Float[np.ndarray, "q"]]:
         """A bound from above that touches the loss at `found`: curvature and slope by each error (reweighted least
         squares; the curvature is slope over distance, as of any even loss)."""
         away = found - self.centres
@@ -211,7 +211,7 @@ class Losses:
 
 
 @one_blas_thread()
-def losses(errors: Errors, found: Float[np.ndarray, "2p"], samples: Float[np.ndarray, "s 2p"]) -> Losses:
+def losses(errors: Errors, found: Float[np.ndarray, "q"], samples: Float[np.ndarray, "s q"]) -> Losses:
     """What `errors.of` a rig loses, for errors of a rig without any under each sample."""
     away = np.abs(found - samples)
     rows, depth = np.split(away, 2, axis=1)

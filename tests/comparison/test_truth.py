@@ -22,8 +22,8 @@ def errors(rows=(1.0, 1.0), depth=(5.0, 5.0)):
     ("judged", "harmful"),
     [
         (errors(), False),
-        (errors(rows=(0.1, 0.119)), False),
-        (errors(rows=(0.1, 0.121)), True),
+        (errors(rows=(0.1, 0.149)), False),
+        (errors(rows=(0.1, 0.151)), True),
         (errors(depth=(5.0, 5.9)), False),
         (errors(depth=(5.0, 6.1)), True),
         (errors(depth=(5.0, -6.1)), True),
