@@ -10,7 +10,6 @@ from stereorecal.decision._checks import (
     Reason as Reason,
     Seen as Seen,
     reason_of as reason_of,
-    reason_without_matches as reason_without_matches,
 )
 from stereorecal.decision._rule import (
     Decision as Decision,
@@ -18,7 +17,6 @@ from stereorecal.decision._rule import (
     Verdict as Verdict,
     chance_of_harm as chance_of_harm,
     decide as decide,
-    decide_for_trial as decide_for_trial,
     decide_together as decide_together,
 )
 from stereorecal.decision._tolerances import (

@@ -113,38 +113,31 @@ class Check:
     """
 
     reason: Reason
-    holds: Callable[[Seen, Decision], bool]
+    holds: Callable[[Seen], bool]
     vetoes: bool = True
     doubts: bool = True
 
 
 CHECKS = (
-    Check(Reason.OUT_OF_BUDGET, lambda seen, _: seen.cut),
-    Check(Reason.TOO_LITTLE_TEXTURE, lambda seen, _: seen.coarse or (seen.few and not seen.enough)),
-    Check(Reason.NO_MATCHES, lambda seen, _: seen.few),
-    Check(Reason.FRAMES_DISAGREE, lambda seen, _: seen.frames_disagree),
-    Check(Reason.CANNOT_TELL, lambda seen, _: seen.sparse, vetoes=False),
-    Check(Reason.REACH_EDGE, lambda seen, _: seen.away > ENOUGH.reach, doubts=False),
-    Check(Reason.FEWER_MATCHES, lambda seen, _: seen.lost > ENOUGH.lost, doubts=False),
-    Check(Reason.MISFIT, lambda seen, _: seen.misfit_px >= ENOUGH.misfit_px, doubts=False),
-    Check(Reason.LATE_SHUTTER, lambda seen, _: seen.late, vetoes=False, doubts=False),
-    Check(Reason.MISFIT, lambda _, decision: decision.failed is Test.PREDICTS, vetoes=False, doubts=False),
+    Check(Reason.OUT_OF_BUDGET, lambda seen: seen.cut),
+    Check(Reason.TOO_LITTLE_TEXTURE, lambda seen: seen.coarse or (seen.few and not seen.enough)),
+    Check(Reason.NO_MATCHES, lambda seen: seen.few),
+    Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
+    Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),
+    Check(Reason.REACH_EDGE, lambda seen: seen.away > ENOUGH.reach, doubts=False),
+    Check(Reason.FEWER_MATCHES, lambda seen: seen.lost > ENOUGH.lost, doubts=False),
+    Check(Reason.MISFIT, lambda seen: seen.misfit_px >= ENOUGH.misfit_px, doubts=False),
+    Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
 )
 
 
-def reason_of(decision: Decision, seen: Seen) -> Reason:
+def reason_of(decision: Decision | None, seen: Seen) -> Reason:
     """The first check that vetoes or doubts the verdict; of none that says why there is no verdict, the first that
-    holds; else the verdict's own."""
-    held = [check for check in CHECKS if check.holds(seen, decision)]
+    holds; else the verdict's own. None: too few matches for any decision."""
+    held = [check for check in CHECKS if check.holds(seen)]
+    if decision is None or decision.verdict is Verdict.CANNOT_TELL:
+        own = Reason.MISFIT if decision and decision.failed is Test.PREDICTS else Reason.CANNOT_TELL
+        return next((check.reason for check in held), own)
     if decision.verdict is Verdict.REPAIR:
         return next((check.reason for check in held if check.vetoes), Reason.IMPROVED)
-    if decision.verdict is Verdict.GOOD:
-        return next((check.reason for check in held if check.doubts), Reason.ALREADY_GOOD)
-    return next((check.reason for check in held), Reason.CANNOT_TELL)
-
-
-def reason_without_matches(seen: Seen) -> Reason:
-    """Why nothing can be decided: the first check that needs no decision."""
-    if seen.cut:
-        return Reason.OUT_OF_BUDGET
-    return Reason.NO_MATCHES if seen.enough else Reason.TOO_LITTLE_TEXTURE
+    return next((check.reason for check in held if check.doubts), Reason.ALREADY_GOOD)

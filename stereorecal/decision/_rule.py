@@ -2,9 +2,8 @@
 it has not seen."""
 
 import enum
-from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -70,8 +69,8 @@ class Decision:
         """Plain data for JSON."""
 
         def of_both(px: Float[np.ndarray, "2 3"]) -> dict[str, dict[str, float]]:
-            before, after = ({"value": m, "low": low, "high": high} for m, low, high in px.tolist())
-            return {"before": before, "candidate": after}
+            each = (dict(zip(("value", "low", "high"), one, strict=True)) for one in px.tolist())
+            return dict(zip(("before", "candidate"), each, strict=True))
 
         return json_data(
             {
@@ -92,9 +91,8 @@ class Decision:
 def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None) -> Decision:
     """Choose between a calibration, and changes of its free parameters.
 
-    1. The candidate is the one of least expected loss, rows and depth. Where that may harm, its change of depth is made
-       in part: it lies between that one and the one to which a change of depth costs its square, as near to the first
-       as does no harm.
+    1. The candidate is the one of least expected loss, rows and depth; where that may harm, as near to it as does no
+       harm on the way to the one to which a change of depth costs its square.
     2. It replaces the calibration if it passes three tests:
 
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
@@ -122,66 +120,36 @@ def decide_together(
 
     Args:
         several: what is known, with the same parameters.
-        free, tolerances: as `decide` has them.
+        free, tolerances: as above.
     """
     limits = DEFAULT if tolerances is None else tolerances
-    several = _judged(several, limits)
+    several = [one.judged_by(limits.matters) for one in several]
     thetas, share = _candidates(several, free, limits)
     return [_decision(one, free, theta, share, limits) for one, theta in zip(several, thetas, strict=True)]
-
-
-def decide_for_trial(
-    estimate: Estimate, free: Sequence[str], tolerances: Tolerances | None = None, *, harm: float
-) -> tuple[Decision, Float[np.ndarray, "n"] | None]:
-    """The decision, and the change to put on trial: the one that it asks for; else the candidate, if it gains a unit;
-    else None. That one is better on average, and not for sure: for those who let later images prove it, and can go
-    back.
-
-    Args:
-        harm: the chance of harm that it may have, at most.
-    """
-    limits = DEFAULT if tolerances is None else tolerances
-    decision = decide(estimate, free, limits)
-    if not decision.refused:
-        return decision, decision.theta
-    (estimate,) = _judged([estimate], limits)
-    (theta,), _ = _candidates([estimate], free, replace(limits, harm=harm))
-    gains = estimate.expected_loss(theta) < estimate.expected_loss(np.zeros_like(theta)) - 1.0
-    return decision, theta if gains and chance_of_harm(estimate, theta, limits) <= harm else None
 
 
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
     """Probability that a change makes rows or depth worse."""
     limits = DEFAULT if tolerances is None else tolerances
-    (estimate,) = _judged([estimate], limits)
+    estimate = estimate.judged_by(limits.matters)
     return _harm(estimate.losses(np.zeros_like(theta)), estimate.losses(theta), limits)
-
-
-def _judged(several: Sequence[Estimate], limits: Tolerances) -> list[Estimate]:
-    matters = limits.matters
-    return [one if one.matters == matters else replace(one, matters=matters) for one in several]
 
 
 def _candidates(
     several: Sequence[Estimate], free: Sequence[str], limits: Tolerances
 ) -> tuple[list[Float[np.ndarray, "n"]], float]:
-    """Of each calibration, and how far they lie from those that keep depth to those that lose least: as far as harms
-    none of them."""
+    """Of each calibration, and how far they go from keeping depth to losing least: as far as harms none of them."""
     kept, least = (with_free_together(several, free, keep_depth=keep) for keep in (True, False))
     before = [one.losses(np.zeros(len(one.names))) for one in several]
 
     def at(share: float) -> list[Float[np.ndarray, "n"]]:
         return [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
 
-    def harms(share: float) -> bool:
+    def harmless(share: float) -> bool:
         each = zip(several, before, at(share), strict=True)
-        chances = [_harm(losses, one.losses(theta), limits) for one, losses, theta in each]
-        return not all(chance <= limits.harm for chance in chances)  # NaN is no proof of harmlessness
+        return all(_harm(losses, one.losses(theta), limits) <= limits.harm for one, losses, theta in each)
 
-    if not harms(1.0):
-        return least, 1.0
-    shares = np.linspace(0.0, 1.0, STEPS + 1)
-    share = float(shares[max(bisect_left(shares, True, key=harms) - 1, 0)])  # what harms, harms if there is more of it
+    share = next((share for share in np.linspace(1.0, 0.0, STEPS + 1).tolist() if harmless(share)), 0.0)
     return at(share), share
 
 
@@ -195,9 +163,9 @@ def _decision(
     better, worse = float(np.mean(after.total < before.total)), _harm(before, after, limits)
     gains = expected[1] < min(expected[0] - 1.0, limits.leaves * expected[0]) and better >= limits.better
     failed, held_out = None if gains else Test.GAINS, []
-    if failed is None and not worse <= limits.harm:  # NaN is no proof of harmlessness
+    if not failed and not worse <= limits.harm:  # NaN is no proof of harmlessness
         failed = Test.HARMLESS
-    if failed is None:
+    if not failed:
         held_out = estimate.held_out(free, share)
         if not predicts(held_out, limits, rows_alone=not (estimate.matched_ranges or estimate.windows)):
             failed = Test.PREDICTS
@@ -225,13 +193,11 @@ def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: boo
     """
     if any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
         return False
-    count = sum(part.count for part in held_out)
-    before, after, fitted = (
-        sum(part.count * getattr(part, when) for part in held_out) for when in ("before", "after", "fitted")
-    )
-    aligned = after <= count * limits.good_rows_px
+    each = np.array([(part.count, part.before, part.after, part.fitted) for part in held_out]).reshape(-1, 4)
+    before, after, fitted = each[:, 1:].T @ each[:, 0]
+    aligned = after <= limits.good_rows_px * each[:, 0].sum()
     gained = before - after >= limits.predicts * (before - fitted)
-    return (aligned or gained) and not (rows_alone and after > limits.predicts * before)
+    return bool(aligned or gained) and not (rows_alone and after > limits.predicts * before)
 
 
 def _harm(before: Losses, after: Losses, limits: Tolerances) -> float:

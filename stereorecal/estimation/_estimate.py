@@ -157,6 +157,10 @@ class Estimate:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
         return losses(self._errors, self._errors.of(used), self._errors_of_samples)
 
+    def judged_by(self, matters: Matters) -> "Estimate":
+        """The same, where another row error and another error of depth are noticed."""
+        return self if self.matters == matters else replace(self, matters=matters)
+
     def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
         """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point."""
         return self._loss.expected(self._errors.of(used))

@@ -1,14 +1,14 @@
 """The health of a rig, read off its state."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._json_data import json_data
-from stereorecal.decision import Decision, Tolerances, Verdict, decide, decide_for_trial
+from stereorecal.decision import Decision, Tolerances, Verdict, decide
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import SIZE, FilterEstimate
@@ -131,7 +131,11 @@ def _decided(
     """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
     its error of depth."""
     estimate = known(initial, using, filtered, view)
-    found, change = decide_for_trial(estimate, free, limits, harm=harm)
+    found = decide(estimate, free, limits)
+    change = found.theta
+    if found.refused:  # better on average, and not for sure: later pairs may prove it, and one can go back
+        trial = decide(estimate, free, replace(limits, harm=harm))
+        change = trial.theta if trial.loss[1] < trial.loss[0] - 1.0 and trial.worse <= harm else None
     beyond = free != EXTRINSICS and found.verdict is Verdict.CANNOT_TELL
     shifted = beyond and not decide(estimate, EXTRINSICS, limits).refused
     depth = {at: Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()}

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal.decision import Decision, Reason, Seen, reason_without_matches
+from stereorecal.decision import Decision, Reason, Seen, reason_of
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import RowErrors, row_errors, verdict_on_count
@@ -130,7 +130,7 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     tiles = counts(case, end_rig)
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
         enough = any(image_quality(pair).enough for pair in case.images.pairs)
-        return Ending(end_rig, reason_without_matches(Seen(enough=enough, cut=cut)), tiles)
+        return Ending(end_rig, reason_of(None, Seen(enough=enough, cut=cut)), tiles)
     before, after = tiles.sum(axis=(1, 2)).tolist()
     return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)
 

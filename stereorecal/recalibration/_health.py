@@ -9,7 +9,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
 from stereorecal._renamed import renamed_attributes
-from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_without_matches
+from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
@@ -183,7 +183,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
 
     few = Seen(enough=any(image_quality(pair).enough for pair in images.pairs))
-    reason = reason_without_matches(few) if assessment is None else assessment.reason
+    reason = reason_of(None, few) if assessment is None else assessment.reason
     found = Health(
         score=score,
         row_error=float("nan"),
