@@ -32,7 +32,7 @@ def repair() -> None:
     solution = sr.recalibrate(bad, scene.pairs)
     print(solution)
     for name, rig in (("before", bad), ("after", solution.rig)):
-        print(name, np.degrees(rig.extrinsics[:3] - scene.rig.extrinsics[:3]).round(3), "degrees from the truth")
+        print(f"{name}, against the truth:\n{sr.difference(rig, scene.rig)}")
     panels = []
     for title, rig in (("before", bad), ("after", solution.rig)):
         images = sr.rectify(rig, scene.pairs[0], view=solution.view)

@@ -54,7 +54,7 @@ class _FreeOptions(BoardOptions):
 
     title = RIG
     free: str | None = option(
-        f"{FREE} (default: extrinsics; of one rig also intrinsics, if four places prove them wrong)",
+        f"{FREE} (default: all that the calibration file can hold)",
         metavar="NAME,…",
     )
     extrinsics: str = option(

@@ -19,7 +19,7 @@ class IntrinsicsOutcome(enum.Enum):
 
     REFINED = "the intrinsics were refined"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
-    REFUSED = "the intrinsics stay: the calibration that they belong to was refused"
+    REFUSED = "the intrinsics stay as given"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"
 
 
@@ -86,7 +86,7 @@ class Intrinsics:
     def __str__(self) -> str:
         parts = [self.outcome.value, *([self.refused.value] if self.refused else [])]
         if any("." in name for name in self.names):
-            parts.append(f"epipolar error {self.fixed_px:.2f} px as given, {self.freed_px:.2f} px freed")
+            parts.append(f"epipolar error {self.fixed_px:.2f} px with those given, {self.freed_px:.2f} px with others")
         lengths = zip(self.names, self.change, self.interval, strict=True)
         parts += [f"{name} {change:+.3f} ± {wide:.3f} %" for name, change, wide in lengths if "." not in name]
         return "; ".join(parts)

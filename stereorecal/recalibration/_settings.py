@@ -53,10 +53,10 @@ class RepairOptions(HealthOptions, total=False):
         budget: units, or a `Budget`, for the whole schedule of a recording; default none.
         seed: for strategies that draw random numbers; default 0.
         free: what may move, `Parameters` or names and groups, such as ("rotation",) or ("extrinsics", "intrinsics");
-            default the extrinsics, and all else where frames of four places or more are not explained by these, and
-            prove, each left out once, that intrinsics must change (`solution.intrinsics` says so); with several
-            recordings the extrinsics alone. Intrinsics need several frames of different places; they are solved for at
-            the end. Of more than 24 frames so many are chosen, and those that ranges name.
+            default all that the file of the calibration can hold but for the length of the baseline
+            (`solution.intrinsics` says what became of the intrinsics); the extrinsics alone where the prior is "exact",
+            or the schedule counts. Intrinsics are solved for at the end. Of more than 24 frames so many are chosen, and
+            those that ranges name.
         ranges: distances of what single pixels show, each of a pair that is given (the pair itself, or its name); they
             free the length of the baseline, and count beside the rows.
         boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
