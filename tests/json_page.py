@@ -20,10 +20,10 @@ def listed() -> dict[str, set[str]]:
 
 
 def paths(content: Any, at: str = "") -> Iterator[str]:
-    """Of all that is neither an object nor a list of objects."""
+    """Of all that is neither an object nor a list of objects; names with dots (`left.f`) are one part."""
     if isinstance(content, dict) and content:
         for key, value in content.items():
-            yield from paths(value, f"{at}.{key}" if at else key)
+            yield from paths(value, f"{at}.{key.replace('.', '_')}" if at else key)
     elif isinstance(content, list) and content and isinstance(content[0], dict):
         for value in content:
             yield from paths(value, f"{at}[]")

@@ -21,7 +21,7 @@ REMEDY = "pip install --force-reinstall opencv-python-headless"
     ],
 )
 @pytest.mark.parametrize(
-    "command", [("-c", "import stereorecal as sr; sr.Pair"), ("-m", "stereorecal", "diff", "a", "b")]
+    "command", [("-c", "import stereorecal as sr; sr.Pair"), ("-m", "stereorecal", "diff", __file__, __file__)]
 )
 def test_one_sentence(tmp_path: Path, content: str, words: str, command: tuple[str, ...]):
     (tmp_path / "cv2").mkdir()

@@ -16,7 +16,6 @@ RENAMED = {
         "repairs_as_finished": "recalibrate_many, with finished=",
     },
     "stereorecal.online": {"Beside": "MonitorProcess"},
-    "stereorecal.decision": {"better_on_average": "decide_for_trial, whose second result it is"},
     "stereorecal.comparison.judges": {"rows": "row_error_px"},
     "stereorecal.recalibration": {
         "recalibrate_sequence": 'recalibrate_many, with start="previous"',

@@ -21,7 +21,7 @@ from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration import Solution
+from stereorecal.recalibration import Settings, Solution, what_may_change
 from stereorecal.recordings import Scene
 
 
@@ -102,16 +102,20 @@ def output_of(
     return Output(place, options.in_place, maps, unit, unit_note, prior_path)
 
 
-def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOptions, free: Parameters) -> Parameters:
+def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOptions, settings: Settings) -> Parameters:
     """What may change, of what is free: where that is everything, by name as far as the output format can hold it.
 
     Args:
         rig: None: there is no calibration, which others say.
     """
+    free = settings.free
     if rig is None or output.place is None or not free.everything:
         return free
+    intrinsics = what_may_change(rig, settings).intrinsics
+    if not intrinsics:
+        return free
     held = list(free.names)
-    for name in free.of_all(rig).intrinsics:
+    for name in intrinsics:
         try:
             moved = _probe_rig(rig, [name])
             check_savable(moved, output.place, format=options.output_format, unit=output.unit)

@@ -60,10 +60,8 @@ def run(options: RecalibrateOptions) -> int:
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        settings = replace(
-            settings,
-            free=_calibration_output.what_it_holds(output, found.scenes[0].rig, options, settings.free),
-        )
+        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, options, settings)
+        settings = replace(settings, free=held)
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")

@@ -109,8 +109,8 @@ class RecalibrateOptions(
     WorkerOptions,
     CommonOptions,
 ):
-    """Repair the extrinsic calibration of each recording's rig from its images. The candidate is accepted only if its
-    epipolar (row) error is smaller with 99 % probability, and a larger row or depth error has a probability below 1 %.
+    """Repair the calibration of each recording's rig from its images. A candidate is accepted only if it gains, if it
+    makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
 
     Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4
     cannot tell (too dark, too little texture, or the images do not determine what is better); 130 interrupted. Of
@@ -158,11 +158,10 @@ class ScoreOptions(ReportOptions, RecordingOptions, DecisionOptions, CommonOptio
     """Check the calibration of each recording against its images, and change nothing. The report: the share of matched
     pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
 
-    Exit code, by the verdict: 0 healthy (no significant improvement, and a row error within 0.3 px with 95 %
-    probability); 1 repair it (another calibration has a row error smaller by 0.05 px with 99 % probability, and a
-    larger row or depth error with less than 1 %; or hardly anything matches, despite texture); 4 cannot tell (too dark,
-    too little texture, or no improvement is significant). Others: 2 bad input, also images that are swapped, upside
-    down or of different scenes; 3 internal failure; 130 interrupted."""
+    Exit code, by the verdict: 0 good (no significant improvement, and a row error within 0.3 px with 95 % probability);
+    1 repair it (another calibration is a significant improvement, or hardly anything matches, despite texture); 4
+    cannot tell (too dark, too little texture, or no improvement is significant). Others: 2 bad input, also images that
+    are swapped, upside down or of different scenes; 3 internal failure; 130 interrupted."""
 
     @property
     def places(self) -> list[Place]:

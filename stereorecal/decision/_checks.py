@@ -42,8 +42,8 @@ class Reason(enum.Enum):
 
 
 _ADVICE = {
-    Reason.IMPROVED: "Save the new calibration (solution.rig, --output FILE).",
-    Reason.MORE_MATCHES: "Save the new calibration (solution.rig, --output FILE).",
+    Reason.IMPROVED: "Use the new calibration (solution.rig, --output FILE).",
+    Reason.MORE_MATCHES: "Use the new calibration (solution.rig, --output FILE).",
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
     Reason.OUT_OF_BUDGET: "Give a larger budget.",
@@ -51,7 +51,7 @@ _ADVICE = {
     Reason.NO_MATCHES: "Check that both images are of this rig and of one moment; a larger reach searches farther.",
     Reason.FRAMES_DISAGREE: "Take them at rest, or check the synchronisation of the cameras.",
     Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
-    Reason.FEWER_MATCHES: "Something moved between the exposures; take another pair.",
+    Reason.FEWER_MATCHES: "Take another pair; something moved between the exposures, or a lens does not fit its model.",
     Reason.LATE_SHUTTER: "Trigger both cameras at once, or take frames at rest.",
     Reason.MISFIT: "Take one more pair of another place; something moved, or a lens does not fit its model.",
     Reason.CANNOT_TELL: "Take one more pair of another place; frames in motion, or ranges, determine depth as well.",
@@ -124,20 +124,20 @@ CHECKS = (
     Check(Reason.NO_MATCHES, lambda seen: seen.few),
     Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
     Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),
+    Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
     Check(Reason.REACH_EDGE, lambda seen: seen.away > ENOUGH.reach, doubts=False),
     Check(Reason.FEWER_MATCHES, lambda seen: seen.lost > ENOUGH.lost, doubts=False),
     Check(Reason.MISFIT, lambda seen: seen.misfit_px >= ENOUGH.misfit_px, doubts=False),
-    Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
 )
 
 
 def reason_of(decision: Decision | None, seen: Seen) -> Reason:
-    """The first check that vetoes or doubts the verdict; of none that says why there is no verdict, the first that
-    holds; else the verdict's own. None: too few matches for any decision."""
+    """The first check that holds, where one vetoes or doubts the verdict, or there is none; else the verdict's own.
+    None: too few matches for any decision."""
     held = [check for check in CHECKS if check.holds(seen)]
     if decision is None or decision.verdict is Verdict.CANNOT_TELL:
         own = Reason.MISFIT if decision and decision.failed is Test.PREDICTS else Reason.CANNOT_TELL
-        return next((check.reason for check in held), own)
+        return held[0].reason if held else own
     if decision.verdict is Verdict.REPAIR:
-        return next((check.reason for check in held if check.vetoes), Reason.IMPROVED)
-    return next((check.reason for check in held if check.doubts), Reason.ALREADY_GOOD)
+        return held[0].reason if any(check.vetoes for check in held) else Reason.IMPROVED
+    return held[0].reason if any(check.doubts for check in held) else Reason.ALREADY_GOOD

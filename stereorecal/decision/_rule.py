@@ -69,8 +69,8 @@ class Decision:
         """Plain data for JSON."""
 
         def of_both(px: Float[np.ndarray, "2 3"]) -> dict[str, dict[str, float]]:
-            each = (dict(zip(("value", "low", "high"), one, strict=True)) for one in px.tolist())
-            return dict(zip(("before", "candidate"), each, strict=True))
+            before, after = ({"value": m, "low": low, "high": high} for m, low, high in px.tolist())
+            return {"before": before, "candidate": after}
 
         return json_data(
             {

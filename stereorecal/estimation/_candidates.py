@@ -7,15 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.estimation._calibration_prior import widest
 from stereorecal.estimation._losses import Errors, PointwiseLoss
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.objectives import RigChart
 
 _ROUNDS, _SETTLED = 40, 0.02  # standard deviations of θ
-_HALVINGS = 10
-_CHANGE = 0.01  # of the loss, for a change of a parameter by all that is physical: what nothing tells stays as given
+_HALVINGS, _ROUNDING = 10, 1e-9
+_FAR = 0.01  # of the loss, for a standard deviation from the posterior mean: what costs no loss stays likely
 _NORMALS = 8  # of a posterior: so many hold what its loss depends on
 _KEPT = 0.5  # of the loss, for a change of depth by what matters, everywhere; four times as much for twice that change
 
@@ -81,7 +80,7 @@ def least_loss(
         found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
         return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found
 
-    thetas = [np.where(free, one.posterior.mean, 0.0) for one in several]
+    thetas = [np.where(free, np.where(shared, several[0].posterior.mean, one.posterior.mean), 0.0) for one in several]
     loss, found = at(thetas)
     if not np.isfinite(loss):
         thetas = [np.zeros_like(theta) for theta in thetas]
@@ -117,7 +116,11 @@ class _Search:
         posterior = merged(known.posterior, 1 if linear else _NORMALS)
         self.known, self.keep_depth, self.linear = known, keep_depth, linear
         self.loss = PointwiseLoss.under(known.errors, posterior)
-        self.change = _CHANGE / widest(known.chart) ** 2
+        scale = known.deviations
+        self.far = _FAR * np.linalg.inv(
+            known.posterior.covariance / np.outer(scale, scale) + _ROUNDING * np.eye(len(scale))
+        )
+        self.far /= np.outer(scale, scale)
 
     def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
         errors = self.known.errors
@@ -125,7 +128,8 @@ class _Search:
 
     def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]) -> float:
         """What is minimised."""
-        loss = self.loss.expected(found) + float(self.change @ theta**2)
+        away = theta - self.known.posterior.mean
+        loss = self.loss.expected(found) + float(away @ self.far @ away)
         if self.keep_depth:
             loss += _KEPT * float(self.known.errors.of_depth @ (found - self.known.initial) ** 2)
         return loss
@@ -139,5 +143,5 @@ class _Search:
         if self.keep_depth:
             kept = 2.0 * _KEPT * self.known.errors.of_depth
             curvature, slope = curvature + kept, slope + kept * (found - self.known.initial)
-        by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * np.diag(self.change)
-        return by_theta, slopes.T @ slope + 2.0 * self.change * theta
+        by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self.far
+        return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.known.posterior.mean)

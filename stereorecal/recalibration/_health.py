@@ -94,7 +94,7 @@ class Health:
     def verdict(self) -> str:
         """In one short sentence."""
         if self.doubts and not self.healthy:
-            return f"Cannot tell: {self.doubts[0]}."
+            return "Cannot tell: the calibration has values that hardly any rig has."
         if self.reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
             return f"Cannot tell: {self.shown.problem}."
         if self.reason is Reason.NO_MATCHES:
@@ -105,6 +105,8 @@ class Health:
     @property
     def advice(self) -> str:
         """What to do."""
+        if self.doubts and not self.healthy:
+            return "Check the calibration file."
         return "Run recalibrate with these images." if self.condition is Condition.REPAIR else self.reason.advice
 
     def as_dict(self) -> dict[str, Any]:

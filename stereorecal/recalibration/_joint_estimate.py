@@ -20,6 +20,7 @@ from stereorecal.estimation import (
     estimate_together,
     rig_parameters,
     windows_of_all,
+    with_free_together,
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
@@ -107,30 +108,24 @@ def joint_estimate(
     for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    first = _estimated_jointly(recordings, free, estimated_from, ranges, one=one, each=each)
-    rigs = [first.rig(index) for index in range(len(recordings))]
+    estimates = _estimates(estimated_from, one=one, each=each)
+    likely = with_free_together(estimates, free.names)
+    of_estimates = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
+    rigs = of_estimates * len(recordings) if one else of_estimates
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
     estimated_from = [
         replace(before, found=_as_initially_read(found, rig, r), start=_start(r, rig))
         for before, r, found, rig in zip(estimated_from, recordings, again, rigs, strict=True)
     ]
-    return _estimated_jointly(recordings, free, estimated_from, ranges, one=one, each=each)
-
-
-def _estimated_jointly(
-    recordings: Sequence[RepairedRecording],
-    free: Parameters,
-    estimated_from: Sequence[Recording],
-    ranges: tuple[MatchedRanges, ...],
-    *,
-    one: bool,
-    each: Each,
-) -> JointEstimate:
+    estimates = _estimates(estimated_from, one=one, each=each)
+    decisions = tuple(decide_together(estimates, free.names, recordings[0].repair.tolerances))
     several = (_merged(estimated_from),) if one else tuple(estimated_from)
-    estimates = tuple(estimate_together(several, each=each))
-    limits = recordings[0].repair.tolerances
-    decisions = tuple(decide_together(estimates, free.names, limits))
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)
+
+
+def _estimates(estimated_from: Sequence[Recording], *, one: bool, each: Each) -> tuple[Estimate, ...]:
+    """Of each recording, or of all as one."""
+    return tuple(estimate_together((_merged(estimated_from),) if one else estimated_from, each=each))
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:

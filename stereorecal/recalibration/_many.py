@@ -110,9 +110,14 @@ def recalibrate_many(
     settings, scenes = as_settings(options), (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
+    if start == "previous" and settings.free.everything:  # one after the other, recordings share no intrinsics
+        settings = replace(settings, free=settings.free.extrinsics)
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
-    alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
+    if len(scenes) == 1:
+        alone = replace(settings, ranges=[replace(one, pair=_number(one, scenes[0].pairs)) for one in ranges])
+    else:
+        alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
     if checked_choice(start, ["given", "previous"], "start") == "previous":
         _check_in_order(free, executor)
         results = _in_order(scenes, alone)
@@ -126,6 +131,8 @@ def recalibrate_many(
         if progress is not None:
             progress(len(done), len(scenes))
     repairs = tuple(done[index] for index in range(len(scenes)))
+    if len(repairs) == 1:
+        return repairs
     return _repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
 
 
@@ -134,6 +141,11 @@ def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
     rigs = [scene.rig for scene in scenes if scene.rig is not None]
     one = all(same_camera(rig.left, rigs[0].left) and same_camera(rig.right, rigs[0].right) for rig in rigs)
     return what_may_change(rigs[0], settings) if len(rigs) > 1 and one else settings.free
+
+
+def _number(one: Range, pairs: Sequence[Pair]) -> int:
+    """Of the pair that a range is of, however that pair travels."""
+    return next(number for number, pair in enumerate(pairs) if pair is one.pair)
 
 
 def _check_in_order(free: Parameters, executor: Executor | None) -> None:

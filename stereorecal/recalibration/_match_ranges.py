@@ -40,15 +40,15 @@ class RangesSeen:
     def __str__(self) -> str:
         if not self.matched:
             return (
-                f"{self.given} given, 0 matched: give some on surfaces with texture, off edges, in frames that are used"
+                f"{self.given} given, 0 matched; give some on surfaces with texture, off edges, in frames that are used"
             )
         text = f"{self.matched - self.contradict} of {self.matched} agree ({self.given} given)"
         if 2 * self.contradict >= self.matched:
             text += (
-                ": most do not fit this calibration; check their units, pixels and pairs, and whether they are along "
+                "; most do not fit this calibration; check their units, pixels and pairs, and whether they are along "
                 "the ray or the optical axis"
             )
-        return text + (f"; what was found with them is not used: {self.refused.value}" if self.refused else "")
+        return text + (f"; what was found with them is not used, since {self.refused.value}" if self.refused else "")
 
 
 def match_ranges(

@@ -157,7 +157,7 @@ def _remarks(solution: AbstractResult) -> list[str]:
         sentence = str(intrinsics).splitlines()[0]
         remarks.append(f"{sentence[:1].upper()}{sentence[1:]}.")
     if solution.ranges is not None:
-        remarks.append(f"Ranges: {solution.ranges}.")
+        remarks.append(f"Of the ranges {solution.ranges}.")
     if solution.estimate is not None and solution.estimate.windows:
         remarks.append(f"Motion: {motion_text(solution.estimate)}.")
     if solution.estimate is not None and solution.settings.odometer is not None:

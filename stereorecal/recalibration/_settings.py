@@ -32,7 +32,7 @@ class HealthOptions(TypedDict, total=False):
             as they were taken, one after the other, the rig advancing by a fraction of a baseline or more in between;
             None uses it where pairs know their times, at most half a second apart; False never.
         tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
-            values by name, such as {"distances": (3, 8), "alpha": 0.001}.
+            values by name, such as {"distances": (3, 8), "harm": 0.001}.
     """
 
     matcher: AbstractMatcher | str | None

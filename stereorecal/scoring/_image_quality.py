@@ -56,7 +56,7 @@ class ImageQuality:
         if self.dark:
             return "the images are too dark"
         if self.noise:
-            return "an image shows nothing but noise, as behind a lens cap"
+            return "an image shows only noise, as behind a lens cap"
         if not self.textured:
             return "the images have too little texture"
         return "an image has only a few grey levels" if self.coarse else None

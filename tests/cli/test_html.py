@@ -115,5 +115,5 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
     assert shlex.split(html.unescape(shown)) == ["python", "-m", "stereorecal", *map(str, words)]
     rows = dict(re.findall(r'<tr><td class="name">([^<]*)</td><td class="name">([^<]*)</td></tr>', page))
     assert (rows["budget units"], rows["seed"], rows["reach"]) == ("3", "5", "2°, 0.02 of the baseline")
-    assert (rows["extrinsics"], rows["ranges"], rows["free"]) == ("each", "none", "pitch, yaw, roll, y, z")
+    assert (rows["extrinsics"], rows["ranges"], rows["free"]) == ("each", "none", "everything")
     assert "stereorecal-compass" in rows["versions plug-ins"]

@@ -187,9 +187,9 @@ def test_the_live_view_of_depth_beyond_infinity(
 
 
 def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):
-    refused = command("monitor", scene, "--once", "--tolerances", "alpha=2")
+    refused = command("monitor", scene, "--once", "--tolerances", "harm=2")
     assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "alpha" in refused.err
+    assert "harm" in refused.err
     state = tmp_path / "state"
     assert command("monitor", scene, "--distances", "3,8", "--state", state, "--limit", "2", "--quiet").code in (
         0,

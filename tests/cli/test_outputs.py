@@ -245,7 +245,7 @@ def test_a_full_disk_loses_nothing(command, drifted_scene: Path, tmp_path: Path)
     for place in ("/dev/full", full):
         assert answer.err.count(f"stereorecal: {place}: cannot be written (No space left on device)") == 1
     assert answer.err.count("\n") == 2
-    assert answer.out.startswith("accepted")
+    assert answer.out.startswith("Repaired")
     assert '"K_left"' in answer.out
     assert '"stereorecal.solution/2"' in answer.out
     assert maps.exists()
@@ -306,7 +306,7 @@ def test_one_that_fails_costs_no_other(command, drifted_scene: Path, tmp_path: P
     with at_call("fsync", raising(KeyError("a bug")), 1):
         answer = command("recalibrate", drifted_scene, *COUNT, "--output", places[0], "--json", places[1])
     assert (answer.code, answer.err.count("KeyError('a bug')")) == (3, 1)
-    assert answer.out.startswith("accepted")
+    assert answer.out.startswith("Repaired")
     assert [place.exists() for place in places].count(True) == 1
 
 

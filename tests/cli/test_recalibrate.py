@@ -26,11 +26,10 @@ def finite(content) -> bool:
 
 
 def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
-    """Alone and together with a good one: the same answer; every number is in the JSON."""
+    """Alone and together with a good one; every number is in the JSON."""
     target, output = tmp_path / "all.json", tmp_path / "repaired.json"
     alone = command("recalibrate", drifted_scene, "--json", target, "--output", output)
     assert (alone.code, alone.err) == (0, "")
-    assert alone.out.startswith("accepted: the candidate is a significant improvement")
     assert alone.out.endswith(f"{output}: written\n")
     text = target.read_text()
     assert finite(text)
@@ -46,8 +45,9 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     scene = load_scene(drifted_scene)
     solution = sr.recalibrate(scene.rig, scene.pairs)
     assert (repair["accepted"], repair["healthy"], repair["reason"]) == (True, True, "improved")
-    assert repair["verdict"] == solution.reason.value
-    assert repair["message"] == solution.message
+    said = {name: repair[name] for name in ("verdict", "why", "advice", "message")}
+    assert list(said.values()) == [solution.verdict, solution.reason.value, solution.advice, solution.message]
+    assert alone.out.splitlines()[:2] == [solution.verdict, solution.advice]
     for when, said in (("before", solution.score_before), ("after", solution.score_after)):
         assert repair[f"score_{when}"] == {"count": said.count, "pixels": 160 * 120, "fraction": said.fraction}
         assert repair["row_error_px"][when] == getattr(solution.row_errors, when)
@@ -86,7 +86,6 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     assert "already good" in both.out
     repairs = json.loads(target.read_text())["repairs"]
     assert [r["accepted"] for r in repairs] == [True, False]
-    assert {**repairs[0], "seconds": 0} == {**repair, "seconds": 0}
     assert repairs[1]["extrinsics"]["used"] == repairs[1]["extrinsics"]["before"]
 
 
@@ -96,14 +95,14 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
 def test_0_repaired(command, drifted_scene: Path):
     answer = command("recalibrate", drifted_scene, *COUNT)
     assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith("accepted: the candidate matches more pixels")
+    assert answer.out.startswith("Repaired: ")
 
 
 def test_1_not_improved_and_nothing_is_written(command, drifted_scene: Path, tmp_path: Path):
     target = tmp_path / "repaired.json"
     answer = command("recalibrate", drifted_scene, *NOTHING, "--output", target)
     assert (answer.code, answer.err) == (1, "")
-    assert answer.out.startswith("not accepted, the initial calibration stays: no candidate matches more pixels")
+    assert answer.out.startswith("Not repaired: ")
     assert answer.out.endswith(f"{target}: not written, since the initial calibration stays\n")
     assert list(tmp_path.iterdir()) == []
 
@@ -221,25 +220,15 @@ def test_nothing_but_the_rotation_moves(command, drifted_scene: Path, tmp_path: 
 
 @pytest.mark.slow
 def test_intrinsics_of_several_recordings(command, drifted_scene: Path, tmp_path: Path):
-    """The same small scene twice tells nothing of lenses: they stay, and it is said why."""
+    """What is said of them is said once; they leave no more than the extrinsics alone would."""
     target = tmp_path / "solution.json"
-    words = [
-        "--free",
-        "extrinsics,intrinsics",
-        "--extrinsics",
-        "one",
-        "--json",
-        target,
-        "--output",
-        tmp_path / "new.json",
-    ]
-    answer = command("recalibrate", drifted_scene, drifted_scene, *words)
+    words = ("--free", "extrinsics,intrinsics", "--extrinsics", "one", "--json", target)
+    answer = command("recalibrate", drifted_scene, drifted_scene, *words, "--output", tmp_path / "new.json")
     assert answer.code in (0, 1)
-    assert answer.out.count("the intrinsics stay") == 1
     assert "new.json: " in answer.out
-    for repair in json.loads(target.read_text())["repairs"]:
-        assert repair["intrinsics"]["outcome"] != "refined"
-        assert "the intrinsics stay" in repair["intrinsics"]["verdict"]
+    for found in (repair["intrinsics"] for repair in json.loads(target.read_text())["repairs"]):
+        assert answer.out.count(found["verdict"]) == 1
+        assert found["freed_px"] < found["fixed_px"] + 0.05
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.io import load_scene, save_scene
-from stereorecal.recalibration import health
+from stereorecal.recalibration import HEALTH_LIMITS, health
 from stereorecal.synthetic import default_rig, render
 
 SIZE = (320, 240)  # smaller images do not determine yaw
@@ -44,8 +44,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     content = json.loads(target.read_text())
     assert content["schema"] == "stereorecal.health/2"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
-    limits = content["settings"]["thresholds"]
-    assert (limits["good_rows_px"], limits["alpha"]) == (0.3, 0.01)
+    assert content["settings"]["thresholds"] == HEALTH_LIMITS
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
@@ -64,7 +63,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
 def test_unhealthy(command, drifted_scene: Path):
     answer = command("score", drifted_scene)
     assert (answer.code, answer.err) == (1, "")
-    assert "repair it: " in answer.out
+    assert "Repair it: " in answer.out
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -74,8 +73,8 @@ def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: 
     lines = answer.out.splitlines()
     (good,) = [line for line in lines if "/clean" in line]
     (bad,) = [line for line in lines if "/drifted" in line]
-    assert " healthy: " in good
-    assert "repair it: " in bad
+    assert " Good" in good
+    assert "Repair it: " in bad
 
 
 def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
@@ -125,7 +124,7 @@ def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_sc
     answer = command("score", clean_scene, tmp_path / "mixed", "--json", tmp_path / "both.json")
     assert answer.code == 2
     assert "upside down" in answer.err
-    assert "healthy" in answer.out
+    assert "Good" in answer.out
     good, bad = json.loads((tmp_path / "both.json").read_text())["scenes"]
     assert good["error"] is None
     assert good["healthy"]
@@ -181,7 +180,7 @@ def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: 
     answer = command("score", clean_scene, drifted_scene, "--matcher", "moody", "--json", target)
     assert answer.code == 130
     assert f"interrupted; {finished} of 2 recordings were finished" in answer.err
-    assert target.exists() == ("healthy" in answer.out) == bool(finished)
+    assert target.exists() == ("Good" in answer.out) == bool(finished)
     if finished:
         content = json.loads(target.read_text())
         assert content["interrupted"] is True
@@ -189,9 +188,9 @@ def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: 
 
 
 def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
-    answer = command("score", drifted_scene, "--json", "-", "--distances", "8,3", "--tolerances", "alpha=0.001")
+    answer = command("score", drifted_scene, "--json", "-", "--distances", "8,3", "--tolerances", "harm=0.001")
     settings = json.loads(answer.out)["settings"]
-    assert settings["thresholds"]["alpha"] == 0.001
+    assert settings["thresholds"]["harm"] == 0.001
     assert settings["distances"] == [3.0, 8.0]
 
 
@@ -199,9 +198,9 @@ def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--tolerances", "alpha"), "give NAME=NUMBER"),
-        (("--tolerances", "alhpa=0.1"), "did you mean alpha"),
-        (("--tolerances", "alpha=2"), "between 0 and 1"),
+        (("--tolerances", "harm"), "give NAME=NUMBER"),
+        (("--tolerances", "hram=0.1"), "did you mean harm"),
+        (("--tolerances", "harm=2"), "between 0 and 1"),
         (("--distances", "near"), "give baselines"),
         (("--distances", "0"), "in baselines, each 1 or more"),
     ],

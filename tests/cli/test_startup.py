@@ -123,5 +123,5 @@ def test_help_says_what_there_is(capsys):
     assert all(name in help_of("recalibrate", capsys) for name in SCHEDULES)
     text = help_of("score", capsys)
     limits = HEALTH_LIMITS
-    assert f"smaller by {limits['gain_px']} px" in text
     assert f"within {limits['good_rows_px']} px with {100 * limits['good_surely']:.0f} %" in text
+    assert f"{100 * limits['harm']:.0f} %" in text

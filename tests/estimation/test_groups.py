@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
-import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import PLACES, Estimate, Posterior, frames_by_place, rig_parameters
-from stereorecal.estimation._groups import FLOOR, Groups, grouped
+from stereorecal.estimation import PLACES, rig_parameters
+from stereorecal.estimation._groups import FLOOR, grouped
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations
 
 COLUMNS, ROWS = 14, 9
@@ -136,19 +135,6 @@ def test_a_longer_focal_length_makes_no_noise_smaller(seen):
     assert np.sqrt(np.mean((after / groups.deviation) ** 2)) > 0.99 * np.sqrt(np.mean((before / groups.deviation) ** 2))
 
 
-def test_outliers_have_no_part(rig, chart, seen):
-    """One correspondence of each group ten pixels off."""
-    found = seen(rig, rig, 0, cells=6000, noise=0.05)
-    groups = grouped(found, chart, np.zeros(chart.dim))
-    right = np.array(found.right)
-    right[0, ::20, 1] += np.float32(10 / 500)
-    spoiled = grouped(replace(found, right=right), chart, np.zeros(chart.dim))
-    before, after = (one.rows(chart, np.zeros(chart.dim)).differences[0] for one in (groups, spoiled))
-    large, large_too = groups.count > 10, spoiled.count > 10
-    assert np.abs(before[large]).max() < 0.15
-    assert np.abs(after[large_too]).max() < 0.15
-
-
 def test_rays_of_jax_are_grouped_likewise(rig, chart, seen):
     found = seen(rig, rig)
     names = ("left", "right", "weight", "tile", "focal", "scale", "independent")
@@ -156,38 +142,3 @@ def test_rays_of_jax_are_grouped_likewise(rig, chart, seen):
     one, other = (grouped(each, chart, np.zeros(chart.dim)) for each in (found, of_jax))
     for name in ("offset", "deviation", "place", "disparity"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-
-
-def test_too_few_make_no_group(rig, chart, seen):
-    found = seen(rig, rig, 0, cells=3000)
-    groups = grouped(found, chart, np.zeros(chart.dim))
-    assert groups.count.min() == 4
-    dropped = found.found - int(groups.count.sum())
-    assert 0 < dropped < 0.2 * found.found
-
-
-def shown(disparity, count=1) -> Groups:
-    """Of frames (f, p) that show these disparities, at as many places."""
-    frames, size = np.shape(disparity)
-    rays, one = np.tile([0.0, 0.0, 1.0], (frames * size, 1)), np.ones(frames * size)
-    frame, place = np.repeat(np.arange(frames), size), np.tile(np.arange(size), frames)
-    counts = np.broadcast_to(count, one.shape)
-    return Groups(rays, rays, 0.0 * one, one, frame, place, np.ravel(disparity), counts, 500.0, one)
-
-
-def test_frames_are_of_one_place_if_half_of_it_stays():
-    """Whatever passes near."""
-    still = np.full(int(np.prod(PLACES)), 10.0)
-    passed, most = still.copy(), still.copy()
-    passed[: round(0.4 * len(still))] += 30.0
-    most[: round(0.6 * len(still))] += 30.0
-    assert frames_by_place(shown([still, passed])) == [(0, 1)]
-    assert frames_by_place(shown([still, most])) == [(0,), (1,)]
-
-
-@pytest.mark.parametrize("order", [[0, 1, 2], [2, 0, 1], [1, 2, 0]])
-def test_the_nearest_twentieth_is_of_correspondences_in_whatever_order(chart, order):
-    groups = shown([[10.0, 50.0, 100.0]], np.array([90, 6, 4])).of(order)
-    known = Posterior(np.ones(1), np.zeros((1, chart.dim)), np.eye(chart.dim)[None])
-    seen = Estimate(chart, known, (0.0, 0.0), 3, 0.0, np.ones(chart.dim), shown=groups)
-    assert seen.nearest == 10.0  # 500 px over 50 px

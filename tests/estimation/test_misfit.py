@@ -44,8 +44,3 @@ def test_a_region_that_moved_as_a_whole_is_expected_and_a_group_alone_is_not(siz
     alone = np.abs(unexpected(covariance, size * (EVERY == 60)))
     assert alone[60] > 3.0
     assert alone.argmax() == 60
-
-
-def test_without_a_field_deviations_are_what_counts():
-    found = unexpected(covariance_of_rows(EVERY, np.full(len(EVERY), 0.1), 0.0), 0.3 * LEFT)
-    np.testing.assert_allclose(found, 3.0 * LEFT)

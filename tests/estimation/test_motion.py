@@ -60,12 +60,14 @@ def slanted(rays) -> np.ndarray:
     return 0.1 + 0.05 * rays[:, 0] - 0.08 * rays[:, 1]
 
 
-def test_slopes_are_those_of_the_residuals(chart, steps):
+@pytest.mark.parametrize("readout", [0.0, 0.4], ids=["all at once", "rolling"])
+def test_slopes_are_those_of_the_residuals(chart, steps, readout):
     theta = np.random.default_rng(0).normal(size=chart.dim) * 10 * steps
     true = chart.rig_at(theta)
-    turn, move = np.array([0.01, -0.02, 0.005]), np.array([0.1, 0.2, -1.0])
+    turn, move = np.array([0.01, -0.02, 0.005]), np.zeros(3) if readout else np.array([0.1, 0.2, -1.0])
     tracks = tracks_of(true, move, turn, number=60, noise=0.0, nearness=slanted)
-    near = slanted(np.asarray(true.left.rays(tracks.left[0]))) / float(true.baseline)
+    tracks = rolling_tracks(true, readout, move, turn, number=60, noise=0.0) if readout else tracks
+    near = slanted(np.asarray(true.left.rays(tracks.left[0]))) / float(true.baseline) * (not readout)
     motion = Motion(np.asarray(rotation_from_vector(turn), float), move * float(true.baseline))
 
     def at(theta, motion=motion, near=near):
@@ -76,15 +78,18 @@ def test_slopes_are_those_of_the_residuals(chart, steps):
         found = (ends[0].value - ends[1].value) / (2.0 * step)
         np.testing.assert_allclose(exact, found, atol=1e-4 * np.abs(found).max() + 1e-5)
 
-    here = at(theta)
-    np.testing.assert_allclose(here.value, 0.0, atol=1e-6)
+    for _ in range(3 * bool(readout)):  # how near things are, which turn alone
+        start = at(theta, near=near)
+        near = near - start.value[:, 0] / start.by_nearness[:, 0]
+    here = at(theta, near=near)
+    np.testing.assert_allclose(here.value, 0.0, atol=1e-4 if readout else 1e-6)
     exact = by_theta(track_readings(tracks, true), chart, theta, motion, near)
     for index, step in enumerate(np.diag(steps)):
-        check(exact[..., index], [at(theta + sign * step) for sign in (1, -1)], steps[index])
-    for index, step in enumerate(1e-6 * np.eye(6)):
+        check(exact[..., index], [at(theta + sign * step, near=near) for sign in (1, -1)], steps[index])
+    for index, step in enumerate(1e-6 * np.eye(6) if not readout else ()):
         turned = [np.asarray(rotation_from_vector(sign * step[:3]), float) @ motion.rotation for sign in (1, -1)]
         ends = [Motion(t, motion.translation + s * step[3:]) for t, s in zip(turned, (1, -1), strict=True)]
-        check(here.by_motion[..., index], [at(theta, end) for end in ends], 1e-6)
+        check(here.by_motion[..., index], [at(theta, end, near) for end in ends], 1e-6)
     check(here.by_nearness, [at(theta, near=near + sign * 1e-6) for sign in (1, -1)], 1e-6)
 
 
@@ -137,15 +142,6 @@ def test_intervals_hold_the_truth(rig, chart, prior, seen, options):
     assert sum(holds) >= 2
 
 
-@pytest.mark.parametrize("options", [{"move": REST}, {"move": REST, "turn": (0.0, 0.03, 0.0)}], ids=["rest", "turning"])
-def test_no_way_tells_no_depth(rig, chart, options):
-    """Not even beside a depth that is wrong: how points turn tells of lenses, which err by as much."""
-    told = window(tracks_of(drifted(chart), **options), chart, np.zeros(chart.dim))
-    assert not told.informative
-    assert told.motion is not None
-    assert told.metres[0] < 0.1 * float(rig.baseline)
-
-
 @pytest.mark.parametrize("move", [AHEAD, SIDEWAYS, (0.0, 0.0, -0.3)], ids=["ahead", "sideways", "slowly"])
 def test_a_way_tells_depth_beside_a_turn(chart, move):
     told = window(tracks_of(drifted(chart), move=move, turn=(0.0, 0.03, 0.0)), chart, np.zeros(chart.dim))
@@ -153,15 +149,17 @@ def test_a_way_tells_depth_beside_a_turn(chart, move):
     assert np.linalg.eigvalsh(told.normal.a[np.ix_(both, both)])[0] > 0.0
 
 
-def test_windows_without_parallax_change_nothing(rig, chart, prior, seen):
-    """And are counted."""
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (0.0, 0.03, 0.0)], ids=["rest", "turning"])
+def test_windows_without_parallax_change_nothing(rig, chart, prior, seen, turn):
+    """And are counted; how points turn tells of lenses, which err by as much as a depth that is wrong."""
     true = drifted(chart)
     found = seen(rig, true, frames=2, cells=250)
-    turning = windows(true, 2, move=REST, turn=(0.0, 0.03, 0.0))
+    turning = windows(true, 2, move=REST, turn=turn)
     alone, beside = (estimate(found, rig, prior, windows=some) for some in (Windows(), turning))
     np.testing.assert_allclose(beside.theta, alone.theta, atol=1e-6)
     np.testing.assert_allclose(beside.posterior.covariance, alone.posterior.covariance, atol=1e-9)
     assert [one.informative for one in beside.motions] == [False, False]
+    assert max(one.metres[0] for one in beside.motions) < 0.1 * float(rig.baseline)
 
 
 @settings(max_examples=max(4, settings.default.max_examples // 15))
@@ -284,26 +282,6 @@ def test_rolling_shutters_beside_a_drift(rig, chart, prior, seen):
     found = estimate(seen(rig, true, frames=2, cells=600), rig, prior, windows=several)
     assert held(found, true)
     assert abs(offset(found.mean_rig, true)) < 2.5
-
-
-def test_slopes_beside_a_rolling_shutter(rig, chart, steps):
-    turn = np.array([0.03, -0.02, 0.01])
-    tracks = rolling_tracks(rig, 0.4, (0.0, 0.0, 0.0), turn, number=60, noise=0.0)
-    motion, near = Motion(np.asarray(rotation_from_vector(turn), float), np.zeros(3)), np.zeros(len(tracks))
-
-    def at(theta, motion=motion, near=near):
-        rig = chart.rig_at(theta)
-        return residuals(track_readings(tracks, rig), rig, motion, near)
-
-    for _ in range(3):
-        here = at(np.zeros(chart.dim), near=near)
-        near = near - here.value[:, 0] / here.by_nearness[:, 0]
-    np.testing.assert_allclose(at(np.zeros(chart.dim), near=near).value, 0.0, atol=1e-4)
-    exact = by_theta(track_readings(tracks, rig), chart, np.zeros(chart.dim), motion, near)
-    for index, step in enumerate(np.diag(steps)):
-        one, other = (at(sign * step, near=near).value for sign in (1, -1))
-        found = (one - other) / (2.0 * steps[index])
-        np.testing.assert_allclose(exact[..., index], found, atol=1e-4 * np.abs(found).max() + 1e-5)
 
 
 @pytest.mark.parametrize("own", [(1.5, 0.0, 0.0), (-1.5, 0.0, 0.0), (2.0, 0.0, 0.5)])

@@ -13,7 +13,6 @@ from stereorecal.estimation import (
     SavedPrior,
     as_mixture,
     as_prior,
-    calibration_prior,
     estimate,
     points_of_view,
     readings,
@@ -86,37 +85,29 @@ def damaged(content: dict, where: str, value) -> dict:
     return content
 
 
-@pytest.mark.parametrize(
-    ("where", "value"),
-    [
-        ("schema", "stereorecal.prior/9"),
-        ("rig", None),
-        ("rig.left.size", "wide"),
-        ("rig.extrinsics", [1.0]),
-        ("names", ["yaw"]),
-        ("units", 1),
-        ("components", []),
-        ("components.0.weight", -1.0),
-        ("components.0.weight", 0.7),
-        ("components.0.mean", [0.0]),
-        ("components.0.covariance", [[1.0]]),
-        ("components.0.covariance.0", [-1.0]),
-        ("components.0.covariance.1.0", 1e9),
-        ("components.0.covariance.3", None),
-        ("images", "0123"),
-        ("images", [1]),
-        ("earlier", {}),
-        ("earlier", 3),
-        ("earlier.prior", "exact"),
-        ("earlier.prior", {"left.f": -1.0}),
-        ("earlier.prior", {"focus": 1.0}),
-    ],
-)
+DAMAGED = {
+    "schema": ["stereorecal.prior/9"],
+    "rig": [None],
+    "rig.left.size": ["wide"],
+    "rig.extrinsics": [[1.0]],
+    "names": [["yaw"]],
+    "components": [[]],
+    "components.0.weight": [-1.0, 0.7],
+    "components.0.mean": [[0.0]],
+    "components.0.covariance": [[[1.0]]],
+    "components.0.covariance.0": [[-1.0]],
+    "components.0.covariance.1.0": [1e9],
+    "components.0.covariance.3": [None],
+    "images": ["0123", [1]],
+    "earlier": [{}, 3],
+    "earlier.prior": ["exact", {"left.f": -1.0}, {"focus": 1.0}],
+}
+
+
+@pytest.mark.parametrize(("where", "value"), [(where, one) for where, several in DAMAGED.items() for one in several])
 def test_what_is_damaged_is_refused_in_a_sentence(rig, chart, where, value):
     whole = SavedPrior(rig, mixture(chart, 0, 1), ("00",), Earlier(rig, "default")).as_dict()
-    if where == "units":  # for people
-        SavedPrior.from_dict(damaged(whole, where, value))
-        return
+    SavedPrior.from_dict(damaged(whole, "units", 1))  # those are for people
     with pytest.raises(sr.InputError, match="no prior that stereorecal has written, or it is damaged") as error:
         SavedPrior.from_dict(damaged(whole, where, value))
     assert "\n" not in str(error.value)
@@ -155,22 +146,17 @@ def test_what_is_known_does_not_change_with_the_rig_that_it_is_counted_from(rig,
     np.testing.assert_allclose(known.means[0] + used, before.weights @ before.means, atol=1e-12)
 
 
-def test_a_covariance_may_have_a_mean(rig, chart):
-    prior = as_prior(sr.CalibrationCovariance(("left.cx", "yaw"), np.diag([4.0, 0.01]), np.array([1.5, -0.2])), chart)
-    ((mean,), (root,)) = prior.means, prior.roots
-    assert (mean[chart.names.index("left.cx")], mean[chart.names.index("yaw")]) == (1.5, -0.2)
-    assert np.count_nonzero(mean) == 2
-    np.testing.assert_allclose(np.diag(root @ root.T)[chart.names.index("left.cx")], 4.0)
-    with pytest.raises(sr.InputError, match="mean"):
-        sr.CalibrationCovariance(("left.cx", "yaw"), np.diag([4.0, 0.01]), np.array([1.0, np.nan]))
-
-
-def test_the_mean_of_a_covariance_is_where_nothing_is_seen(rig, chart, seen):
-    mean = np.linspace(-0.1, 0.1, chart.dim)
-    prior = sr.CalibrationCovariance(chart.names, as_mixture(calibration_prior(chart)).covariances[0], mean)
+def test_a_covariance_may_have_a_mean_which_is_where_nothing_is_seen(rig, chart, seen):
+    names, mean = ("left.cx", "yaw"), np.array([1.5, -0.2])
     blind = seen(rig, rig)
-    found = estimate(sr.Correspondences(**{**vars(blind), "weight": 0.0 * blind.weight}), rig, prior)
-    np.testing.assert_allclose(found.theta, mean, atol=1e-9)
+    blind = sr.Correspondences(**{**vars(blind), "weight": 0.0 * blind.weight})
+    found = estimate(blind, rig, sr.CalibrationCovariance(names, np.diag([4.0, 0.01]), mean))
+    where = [chart.names.index(name) for name in names]
+    np.testing.assert_allclose(found.theta[where], mean)
+    assert sigmas(found)[where[0]] == pytest.approx(2.0)
+    assert np.count_nonzero(found.theta) == 2
+    with pytest.raises(sr.InputError, match="mean"):
+        sr.CalibrationCovariance(names, np.diag([4.0, 0.01]), np.array([1.0, np.nan]))
 
 
 # --- twice ----------------------------------------------------------------------------------------------------

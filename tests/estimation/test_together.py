@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stereorecal.estimation import Recording, estimate, estimate_together, with_free_together
+from stereorecal.estimation import Recording, estimate, estimate_together
 
 DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])
 
@@ -59,14 +59,3 @@ def test_their_order_does_not_matter(recordings, together):
     again = estimate_together(recordings[::-1])[::-1]
     for one, other in zip(together, again, strict=True):
         assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
-
-
-def test_what_is_written_is_one_calibration(together, chart):
-    names = [name for name in chart.names if name in ("pitch", "yaw", "roll", "left.f", "right.cx")]
-    thetas = with_free_together(together, names)
-    for theta in thetas:
-        np.testing.assert_allclose(theta[6:], thetas[0][6:], rtol=1e-12)
-        assert not theta[~np.isin(chart.names, names)].any()
-    assert np.abs(thetas[0][:3] - thetas[1][:3]).min() > 0.05
-    (alone,) = with_free_together(together[:1], names)
-    np.testing.assert_allclose(alone, together[0].with_free(names), atol=1e-9)

@@ -199,7 +199,7 @@ WRONG = (
 
 @pytest.mark.usefixtures("unchecked")
 def test_tolerances_may_be_given_by_name():
-    assert Config(tolerances={"alpha": 0.1}).tolerances == sr.Tolerances(alpha=0.1)  # pyright: ignore[reportArgumentType]
+    assert Config(tolerances={"harm": 0.1}).tolerances == sr.Tolerances(harm=0.1)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.usefixtures("unchecked")

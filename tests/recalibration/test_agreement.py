@@ -1,4 +1,4 @@
-"""Frames of one rig agree; those of another are left out and named."""
+"""Frames of one rig agree, whatever their order; those of another are left out and named."""
 
 from dataclasses import replace
 
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal.recalibration import Condition
 
 
 @pytest.fixture
@@ -22,44 +23,68 @@ def one_late(street: sr.Scene) -> sr.Scene:
     return replace(street, rig=bad, pairs=tuple(pairs))
 
 
+def rows_off(rig: sr.StereoRig, true: sr.StereoRig) -> float:
+    return sr.difference(rig, true).row_error_median
+
+
+def test_frames_of_one_rig_agree(street):
+    found, looked = sr.recalibrate(street.rig, street.pairs), sr.health(street.rig, street.pairs)
+    assert found.reason is looked.reason is sr.Reason.ALREADY_GOOD
+    assert found.left_out == found.disagreeing == looked.disagreeing == ()
+    assert found.frames.used == (0, 1, 2, 3)
+    assert "disagree" not in str(found)
+
+
 @pytest.mark.slow
 def test_a_frame_that_is_late_is_left_out(street):
-    """The other three frames are used, and the rig is theirs."""
+    """The other three frames are used, and the rig is theirs, in whichever order they come."""
     late = one_late(street)
-    bad, pairs = late.rig, late.pairs
-    solution = sr.recalibrate(bad, pairs)
-    assert solution.left_out == ("late",)
-    assert solution.accepted
-    error = np.degrees(solution.rig.extrinsics[:3] - street.rig.extrinsics[:3])
-    assert np.abs(error).max() < 0.03
-    assert "late" in str(solution)
-    assert_counts_of_kept(solution, pairs)
+    found, reversed_ = (sr.recalibrate(late.rig, pairs) for pairs in (late.pairs, late.pairs[::-1]))
+    for solution in (found, reversed_):
+        assert solution.left_out == ("late",)
+        assert solution.accepted
+        assert rows_off(solution.rig, street.rig) < 0.1
+        assert "late" in str(solution)
+    assert_counts_of_kept(found, late.pairs)
 
 
 def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
     kept, how = [pairs[index] for index in solution.frames.used], {"matcher": solution.matcher, "view": solution.view}
     assert len(kept) < len(pairs)
     assert solution.score_before == sr.score(solution.initial, kept, **how)
-    assert solution.score_after == sr.score(solution.candidate, kept, **how)
+    if solution.candidate.left is solution.initial.left:
+        assert solution.score_after == sr.score(solution.candidate, kept, **how)
 
 
 @pytest.mark.slow
 def test_counts_of_a_joint_repair_are_of_the_frames_that_take_part(street, scene):
     late, other = one_late(street), scene("street", 1, (320, 240))
-    repairs = sr.recalibrate_many([late, replace(other, rig=late.rig)], extrinsics="one")
+    scenes = [late, replace(other, rig=late.rig)]
+    repairs = sr.recalibrate_many(scenes, extrinsics="one", free="extrinsics")
     solution = repairs[0].solution
     assert solution.accepted
     assert_counts_of_kept(solution, late.pairs)
 
 
-def test_frames_of_different_rigs_are_refused(street):
-    pairs = [sr.Pair(p.left, np.roll(p.right, 2 * i, axis=0), p.name) for i, p in enumerate(street.pairs)]
-    solution = sr.recalibrate(street.rig, pairs)
+def assert_of_different_rigs(rig: sr.StereoRig, pairs) -> None:
+    """A repair and a look say so, and the rig stays."""
+    solution, looked = sr.recalibrate(rig, pairs), sr.health(rig, pairs)
     assert solution.reason is sr.Reason.FRAMES_DISAGREE
-    assert solution.rig is street.rig
+    assert solution.rig is rig
     assert not solution.left_out
     assert solution.disagreeing
-    assert "disagree with others" in str(solution)
+    assert "different rigs" in solution.verdict
+    assert f"disagree with others: {', '.join(solution.disagreeing)}" in str(solution)
+    assert not looked.healthy
+    if looked.reason is not sr.Reason.NO_MATCHES:  # a look matches under the given rig alone
+        assert looked.condition is Condition.CANNOT_TELL
+        assert "different rigs" in looked.verdict
+        assert set(looked.disagreeing) < {pair.name for pair in pairs}
+
+
+def test_two_frames_of_different_rigs(street):
+    first, second = street.pairs[:2]
+    assert_of_different_rigs(street.rig, [first, sr.Pair(second.left, np.roll(second.right, 3, axis=0), "other")])
 
 
 def turned(pair: sr.Pair, rig: sr.StereoRig, pitch: float) -> sr.Pair:
@@ -76,11 +101,7 @@ def turned(pair: sr.Pair, rig: sr.StereoRig, pitch: float) -> sr.Pair:
 def test_frames_so_far_apart_that_some_match_nothing(street, pitches):
     """They leave no correspondences under the candidate, and are no less apart for it."""
     pairs = [turned(pair, street.rig, pitch) for pair, pitch in zip(street.pairs, pitches, strict=False)]
-    solution = sr.recalibrate(street.rig, pairs)
-    assert solution.reason is sr.Reason.FRAMES_DISAGREE
-    found = sr.health(street.rig, pairs)
-    assert not found.healthy
-    assert "different rigs" in found.verdict
+    assert_of_different_rigs(street.rig, pairs)
 
 
 @pytest.mark.slow
@@ -90,8 +111,8 @@ def test_one_frame_from_before_a_bump(street):
     solution = sr.recalibrate(street.rig, pairs)
     assert solution.accepted
     assert solution.left_out == (pairs[0].name,)
-    alone = sr.recalibrate(street.rig, pairs[1:])
-    assert np.abs(np.degrees(solution.change[:3] - alone.change[:3])).max() < 0.02
+    assert solution.row_errors.before > 5.0
+    assert solution.row_errors.after < 0.25
 
 
 @pytest.mark.slow
@@ -102,3 +123,15 @@ def test_a_frame_that_shows_nothing_has_no_say(street):
     assert sr.recalibrate(street.rig, [*street.pairs[:2], blank]).left_out == ()
     conflict = [turned(street.pairs[0], street.rig, 0.0), turned(street.pairs[1], street.rig, 1.2), blank]
     assert sr.recalibrate(street.rig, conflict).reason is sr.Reason.FRAMES_DISAGREE
+
+
+def test_the_order_of_pairs_does_not_matter(street):
+    """Directions that the images hardly tell may differ; rows and depth do not by what is noticed."""
+    off = street.rig.with_extrinsics(street.rig.extrinsics + np.radians([0.2, 0.1, -0.1, 0, 0, 0]))
+    found = [sr.recalibrate(off, [street.pairs[index] for index in order]) for order in ((0, 1, 2, 3), (2, 0, 3, 1))]
+    assert {one.reason for one in found} == {sr.Reason.IMPROVED}
+    change = sr.difference(found[0].rig, found[1].rig)
+    assert change.row_error_median < 0.05
+    assert abs(change.depth_error_percent[30]) < 1.0
+    exact = [sr.recalibrate(off, pairs, prior="exact") for pairs in (street.pairs[:2], street.pairs[1::-1])]
+    np.testing.assert_allclose(*(one.rig.extrinsics for one in exact), atol=1e-8)

@@ -1,7 +1,6 @@
 """Many recordings: any executor gives the same answers, and one that fails does not take the others with it."""
 
 import json
-import os
 import pickle
 import re
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -69,22 +68,6 @@ def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
     assert len({repair.solution.score_before.count for repair in serial}) == 3
 
 
-@pytest.mark.slow
-def test_every_option_arrives(scenes, serial):
-    view = sr.view(scenes[1].rig.resized((80, 60))).scaled(1.0)
-    other = {
-        "matcher": sr.BM(num_disparities=32),
-        "schedule": sr.Schedule.count(strategy("compass"), 1.0),
-        "budget": Budget(evaluations=3),
-        "reach": Reach(0.5, 0.02),
-    }
-    for name, value in other.items():
-        (found,) = recalibrate_many(scenes[:1], **{**OPTIONS, name: value})
-        assert what([found]) != what(serial[:1]), name
-    (found,) = recalibrate_many(scenes[:1], **OPTIONS, view=view)
-    assert found.solution.view is view
-
-
 class Seeded(AbstractStrategy):
     def run(self, objective, start, seed):
         raise KeyError(f"the seed is {seed}")
@@ -115,7 +98,7 @@ def test_processes(scenes, serial):
         found = recalibrate_many(scenes, executor=pool, **OPTIONS)
     assert what(found) == what(serial)
     for here, there in zip(serial, found, strict=True):
-        assert str(there.solution).splitlines()[2:] == str(here.solution).splitlines()[2:]
+        assert str(there.solution).splitlines()[3:] == str(here.solution).splitlines()[3:]  # but for the time
         assert (there.solution.rig is there.solution.candidate) == here.solution.accepted
         np.testing.assert_array_equal(there.solution.trace.points, here.solution.trace.points)
 
@@ -167,14 +150,6 @@ def test_lost_workers_are_errors(scenes, serial):
     assert "CancelledError" in found[2].error
 
 
-def test_workers_that_die_are_errors(scenes):
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=os._exit, initargs=(1,)) as pool:
-        first = recalibrate_many(scenes[:2], executor=pool, **OPTIONS)
-        second = recalibrate_many(scenes[:1], executor=pool, **OPTIONS)  # submitting fails from now on
-    assert [repair.fault for repair in first + second] == [Fault.INSIDE] * 3
-    assert all("BrokenProcessPool" in repair.error for repair in first + second)
-
-
 def stop_after(number):
     def progress(finished, total):
         assert total == 3
@@ -182,11 +157,6 @@ def stop_after(number):
             raise KeyboardInterrupt
 
     return progress
-
-
-def test_ctrl_c_passes(scenes):
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many(scenes, progress=stop_after(2), **OPTIONS)
 
 
 def test_who_takes_them_one_by_one_has_what_is_finished(scenes, serial):
@@ -227,14 +197,8 @@ def test_ctrl_c_cancels_what_waits(scenes):
     assert len(begun) <= 2
 
 
-def test_progress(scenes):
-    seen = []
-    recalibrate_many(scenes, progress=lambda *numbers: seen.append(numbers), **OPTIONS)
-    assert seen == [(1, 3), (2, 3), (3, 3)]
-
-
 def test_nothing_to_repair():
-    with pytest.raises(InputError, match="nothing to repair"):
+    with pytest.raises(sr.InputError, match="nothing to repair"):
         recalibrate_many([])
 
 

@@ -39,20 +39,10 @@ def test_the_tracker_follows_shifts_to_a_twentieth_of_a_pixel():
         np.testing.assert_allclose(np.median(found, axis=0), expected, atol=0.05)
 
 
-def test_without_matches_nothing_is_tracked():
-    pair, none = sr.make_pair(moved(0, 0), moved(-9, 0)), Matches(np.zeros((0, 2)), np.zeros((0, 2)))
-    assert len(tracked(pair, pair, (none, none), radius=5.0)) == 0
-
-
 def taken(*times: float | None) -> list[sr.Pair]:
     """Pairs of these times, none of which is another one again."""
     left, right = moved(0, 0), moved(-9, 0)
     return [replace(sr.make_pair(left + 1e-3 * n, right), time=time) for n, time in enumerate(times)]
-
-
-@pytest.mark.parametrize("motion", [None, False])
-def test_pairs_of_no_known_order_do_not_follow_each_other(motion):
-    assert following(taken(*[None] * 9), range(9), motion, None) == ()
 
 
 def test_times_tell_which_pairs_follow_each_other():
@@ -118,18 +108,6 @@ def test_an_odometer_that_knows_nothing_of_the_pairs_is_refused():
 @pytest.mark.parametrize("times", [(0.0, 0.0, 0.0, 0.0), (3.0, 2.9, 2.8, 2.7), (0.0, 100.0, 200.0, 300.0)])
 def test_times_that_stand_go_back_or_are_in_milliseconds_make_no_windows(times):
     assert following(taken(*times), range(4), None, None) == ()
-
-
-def test_of_a_video_of_sixty_pairs_a_second_every_window_has_moved():
-    pairs = taken(*(np.arange(30) / 60.0).tolist())
-    windows = following(pairs, range(30), None, None)
-    assert len(windows) == MOST_WINDOWS
-    assert {later - first for first, later in windows} == {6}
-
-
-def test_times_that_jump_make_no_window_across_the_jump():
-    pairs = taken(0.0, 0.1, 50.0, 50.1, 0.2, 0.3)
-    assert following(pairs, range(6), None, None) == ((0, 1), (2, 3), (4, 5))
 
 
 @pytest.mark.parametrize("motion", [None, True])

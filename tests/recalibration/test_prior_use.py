@@ -1,6 +1,5 @@
 """Which prior a repair begins with, which pairs count, and what is known after it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import stereorecal as sr
 from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
 from stereorecal.io import load_rig, save_rig
 from stereorecal.recalibration import Condition
-from stereorecal.recalibration._prior_use import fingerprint, known_after, prior_use
+from stereorecal.recalibration._prior_use import fingerprint, prior_use
 
 DRIFT = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
 MATCHER = sr.SAD(num_disparities=32)
@@ -171,12 +170,10 @@ def test_the_next_look_begins_with_it(scenes, first):
 
 
 def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
-    """What was written is not to be repaired, by its own images or others; its depth is off, since it was kept as it
-    was calibrated, and only what was saved knows that."""
+    """What was written is not to be repaired, by its own images or others; what was saved knows what its depth may be
+    off by."""
     _, pairs, true = scenes
     wrong = sr.difference(first.rig, true).depth_error_percent[30]
-    assert first.decision.keeps_depth
-    assert wrong < -10.0
     save_rig(first.rig, tmp_path / "calib.json", prior=first.prior)
     rig = load_rig(tmp_path / "calib.json")
     for some in (pairs[:1], pairs[1:]):
@@ -185,7 +182,6 @@ def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
         assert found.as_dict() == again.as_dict()
         depth = found.correction.depth_percent[30]
         assert depth.low < wrong < depth.high
-        assert depth.value < -5.0
     with pytest.raises(sr.InputError, match="no prior is saved"):
         sr.health(first.rig, pairs, matcher=MATCHER, prior="saved")
 
@@ -208,20 +204,3 @@ def test_where_images_fit_no_rig_nothing_is_learnt(scenes, first):
     assert not looked.reason.healthy
     assert looked.prior is first.prior
     assert sr.recalibrate(first.rig, [dark], matcher=MATCHER, prior="default").prior is None
-
-
-def test_of_a_repair_that_takes_intrinsics_as_exact_depth_is_not_known(scenes):
-    bad, pairs, _ = scenes
-    solution = sr.recalibrate(bad, pairs[:1], matcher=MATCHER, prior="exact")
-    assert solution.accepted
-    assert solution.prior.known is None
-    solution.prior.check(solution.rig)
-    next_one = prior_use(solution.prior, solution.rig, pairs[:1])
-    assert (next_one.name, next_one.numbers) == ("saved", (0,))
-
-
-def test_only_one_repair_back_is_kept(scenes, first):
-    use = replace(prior_use(first.prior, first.rig, scenes[1][1:]), images=("11" * 8,))
-    after = known_after(use, first.estimate, first.rig, first.rig, [0], good=True)
-    assert after.images == (*first.prior.images, "11" * 8)
-    assert after.earlier.prior is first.prior.known

@@ -5,9 +5,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.estimation import MatchedRanges
 from stereorecal.recalibration._match_ranges import match_ranges
-from stereorecal.recalibration._rescale import _YAW as YAW, _solved_baseline as lengthened
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import with_measured_range
 from stereorecal.synthetic import ranges as measured
@@ -31,6 +29,16 @@ def some(number: int = 60, noise: float = 0.01, draw: int = 0) -> list[sr.Range]
     return [
         sr.Range(0, tuple(pixel), far, 0.01 * far) for pixel, far in zip(pixels.tolist(), metres.tolist(), strict=True)
     ]
+
+
+@pytest.fixture(scope="module")
+def small() -> sr.Scene:
+    return sr.synthetic.render("harbour", 2, rig=SMALL)
+
+
+def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
+    pixels, metres = measured("harbour", 2, rig=SMALL, number=60)
+    return [sr.Range(pair, tuple(p), times * m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
 
 
 @pytest.mark.slow(after=1)
@@ -92,40 +100,24 @@ def test_ranges_in_millimetres_are_no_length_of_the_baseline(harbour):
         sr.rescale_baseline(RIG, harbour.pairs, wrong)
 
 
-@pytest.mark.slow
-def test_a_repair_with_ranges(harbour):
-    """Rows are as good as before; depth is what changes."""
-    bad = longer(RIG, 2.0)
-    alone = sr.recalibrate(bad, harbour.pairs)
-    solution = sr.recalibrate(bad, harbour.pairs, ranges=some())
-    assert alone.reason is sr.Reason.ALREADY_GOOD
-    assert solution.reason is sr.Reason.RANGES
-    assert solution.accepted
-    assert abs(100 * (solution.rig.baseline / RIG.baseline - 1)) < 0.8
-    assert solution.uncertainty.names[-1] == "baseline"
-    again = sr.recalibrate(RIG, harbour.pairs, ranges=some())
-    assert again.reason is sr.Reason.ALREADY_GOOD
-    assert again.rig is RIG
-
-
-@pytest.mark.slow
-def test_ranges_of_one_recording_among_others(harbour):
-    street = sr.synthetic.render("street", 3)
-    scenes = [sr.Scene(s.name, longer(RIG, 2.0), s.pairs) for s in (harbour, street)]
-    named = [sr.Range(harbour.pairs[0].name, r.left_pixel, r.metres) for r in some()]
-    repairs = sr.recalibrate_many(scenes, ranges=named)
-    for repair in repairs:
-        assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
-
-
-@pytest.fixture(scope="module")
-def small() -> sr.Scene:
-    return sr.synthetic.render("harbour", 2, rig=SMALL)
-
-
-def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
-    pixels, metres = measured("harbour", 2, rig=SMALL, number=60)
-    return [sr.Range(pair, tuple(p), times * m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("percent", [3.0, -3.0, 0.0])
+@pytest.mark.parametrize("prior", [None, "exact"])
+def test_a_repair_with_ranges(small, prior, percent):
+    """A baseline that is off is repaired though rows are as good as before, which alone are no reason; where intrinsics
+    are exact, too, but then depth is not known after it."""
+    bad = longer(SMALL, percent)
+    solution = sr.recalibrate(bad, small.pairs, ranges=of_small(), prior=prior)
+    assert abs(sr.difference(solution.rig, SMALL).depth_error_percent[10]) < 1.5  # which intrinsics tell as well
+    if not percent:
+        assert solution.reason is sr.Reason.ALREADY_GOOD
+        assert solution.rig is bad
+        return
+    assert solution.reason is sr.Reason.IMPROVED
+    assert solution.uncertainty.names[5] == "baseline"
+    assert solution.ranges.contradict < 0.2 * solution.ranges.matched
+    assert (solution.prior.known is None) == (prior == "exact")
+    assert sr.recalibrate(bad, small.pairs, prior=prior).reason is sr.Reason.ALREADY_GOOD
 
 
 @pytest.mark.slow
@@ -133,14 +125,14 @@ def test_ranges_of_one_recording_are_no_reason_for_another(small):
     """A shutter that rolls in one image poses as a drift; the recording keeps its extrinsics, and learns the length of
     the baseline."""
     street = sr.synthetic.render("street", 3, rig=SMALL)
-    pair, bad = street.pairs[0], longer(SMALL, 2.0)
+    pair, bad = street.pairs[0], longer(SMALL, 3.0)
     lines, columns = np.mgrid[: SIZE[1], : SIZE[0]].astype(np.float32)
     right = cv2.remap(np.asarray(pair.right), columns + 5 * lines / SIZE[1] - 2.5, lines, cv2.INTER_CUBIC)
     rolled = sr.make_pair(pair.left, np.clip(right, 0, 255), name="rolled")
     given_scenes = [sr.Scene("harbour", bad, small.pairs), sr.Scene("street", bad, (rolled,))]
     alone = sr.recalibrate(bad, [rolled])
     first, second = sr.recalibrate_many(given_scenes, ranges=of_small(pair=small.pairs[0]))
-    assert first.solution.reason is sr.Reason.RANGES
+    assert first.solution.reason is sr.Reason.IMPROVED
     np.testing.assert_array_equal(second.solution.rig.rotation, alone.rig.rotation)
     assert second.solution.rig.baseline == pytest.approx(first.solution.rig.baseline, rel=5e-4)
     np.testing.assert_allclose(
@@ -155,7 +147,7 @@ def test_a_repair_outlives_bad_ranges(small):
     solution = sr.recalibrate(off, small.pairs, ranges=of_small(3.2808))
     assert solution.reason is sr.Reason.IMPROVED
     assert abs(solution.rig.baseline / SMALL.baseline - 1) < 0.01
-    assert np.abs(np.degrees(solution.rig.extrinsics - SMALL.extrinsics)[:3]).max() < 0.1
+    assert sr.difference(solution.rig, SMALL).row_error_median < 0.1
     seen = solution.ranges
     assert seen.given == 60
     assert 2 * seen.contradict > seen.matched > 20
@@ -183,7 +175,7 @@ def test_beside_boards_and_what_was_saved(small):
     """Squares of another size: the boards agree with a baseline that is too long, and ranges do not."""
     bad = longer(SMALL, 3.0)
     first = sr.recalibrate(bad, small.pairs, boards=boards_of(bad), ranges=of_small())
-    assert first.reason is sr.Reason.RANGES
+    assert first.reason is sr.Reason.IMPROVED
     length = first.estimate.names.index("baseline")
     low, high = first.estimate.intervals[length]
     assert low < 100 * (SMALL.baseline / bad.baseline - 1) < high  # which a yaw may stand for
@@ -196,36 +188,10 @@ def test_beside_boards_and_what_was_saved(small):
     assert low < 100 * (SMALL.baseline / first.rig.baseline - 1) < high
 
 
-@pytest.mark.slow
-def test_where_intrinsics_are_exact_the_length_is_told_and_depth_not_known(small):
-    solution = sr.recalibrate(longer(SMALL, 2.0), small.pairs, prior="exact", ranges=of_small())
-    assert solution.reason is sr.Reason.RANGES
-    assert abs(100 * (solution.rig.baseline / SMALL.baseline - 1)) < 0.8
-    assert solution.prior.known is None
-
-
 def test_ranges_without_a_match_are_told(small):
     solution = sr.recalibrate(SMALL, small.pairs, ranges=[sr.Range(0, (c, 2.0), 10.0) for c in (5.0, 10.0, 15.0)])
     assert (solution.ranges.given, solution.ranges.matched) == (3, 0)
     assert "3 given, 0 matched" in str(solution)
-
-
-@pytest.mark.slow
-def test_the_interval_of_the_length_admits_what_repairs_leave_of_yaw():
-    """Exact geometry, ranges of 1 %, disparities of 0.1 px; yaw off as repairs of real rigs leave it."""
-    hits = []
-    for seed in range(24):
-        rng = np.random.default_rng(seed)
-        left, metres = rng.uniform([40, 40], [600, 440], (60, 2)), RIG.baseline * rng.uniform(5, 40, 60)
-        rays = RIG.left.rays(left)
-        points = rays / np.linalg.norm(rays, axis=-1, keepdims=True) * metres[:, None]
-        right = RIG.right.project(points @ RIG.rotation.T + RIG.translation) + rng.normal(0, 0.1, (60, 2))
-        metres = metres * (1 + 0.01 * rng.normal(size=60))
-        off = RIG.with_extrinsics(RIG.extrinsics + np.array([0, np.radians(0.06 * rng.normal()), 0, 0, 0, 0]))
-        found = MatchedRanges(left, right, metres, 0.01 * metres, np.full(60, 0.1))
-        change, deviation, _ = lengthened(found, off, YAW)
-        hits.append(abs(change) < 1.96 * deviation)
-    assert np.mean(hits) >= 0.85
 
 
 @pytest.mark.parametrize(
@@ -261,24 +227,9 @@ def test_names_that_several_pairs_have(harbour):
         assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
 
 
-@pytest.mark.slow
-def test_ranges_do_not_hide_frames_that_disagree(harbour):
-    street = sr.synthetic.render("street", 3, rig=RIG.resized((320, 240)), frames=4)
-    rolled = [sr.Pair(p.left, np.roll(p.right, 2 * (i % 2), axis=0), p.name) for i, p in enumerate(street.pairs)]
-    far = [sr.Range(0, (160.0, 150.0), 5.0)]
-    assert sr.recalibrate(street.rig, rolled, ranges=far).reason is sr.Reason.FRAMES_DISAGREE
-
-
 def test_the_count_sees_no_ranges(harbour):
     with pytest.raises(sr.InputError, match="a schedule that ends on the count"):
         sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
-
-
-@pytest.mark.slow
-def test_ranges_make_depth_surer(small):
-    alone, ranged = sr.recalibrate(SMALL, small.pairs), sr.recalibrate(SMALL, small.pairs, ranges=of_small())
-    widths = [s.expected.depth_percent[30].high - s.expected.depth_percent[30].low for s in (alone, ranged)]
-    assert widths[1] < 0.6 * widths[0]
 
 
 def test_ranges_of_nothing(harbour):

@@ -9,7 +9,7 @@ import pytest
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.objectives import Reach
-from stereorecal.strategies import Budget, strategy
+from stereorecal.strategies import strategy
 
 OPTIONS = {
     "matcher": sr.SAD(num_disparities=24),
@@ -60,16 +60,6 @@ def test_a_pair_that_shows_nothing_leaves_the_rig(scene, drifted):
     assert found.rig is rig
 
 
-def test_the_budget_is_that_of_each_pair(scene, drifted):
-    found = in_order(drifted, scene(frames=3).pairs[:2], budget=Budget(evaluations=3), **OPTIONS)
-    assert all(0 < one.cost.budgeted <= 3 for one in found)
-
-
-def test_no_pair(drifted):
-    with pytest.raises(InputError, match="nothing to repair"):
-        in_order(drifted, [])
-
-
 def test_what_cannot_be_repaired_leaves_the_rig(scene, drifted):
     pairs = scene(frames=3).pairs
     first, last = (sr.Scene(name, drifted, (pair,)) for name, pair in (("a", pairs[0]), ("c", pairs[1])))
@@ -114,12 +104,3 @@ def test_the_path_of_the_default_schedule_has_the_end_of_every_stage(scene):
     assert cost.survey > 1
     np.testing.assert_allclose(path[-1].cost, cost.total - cost.judging - last.survey_cost)
     np.testing.assert_allclose(path[-2].cost + solution.stages[-2].survey_cost, path[-1].cost - last.cost)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["nlopt-lbfgs", "features"])
-def test_the_path_of_a_strategy_that_evaluates_nothing_still_ends_at_the_end(scene, drifted, name):
-    schedule = sr.Schedule.count(strategy(name), 0.5)
-    solution = sr.recalibrate(drifted, scene().pairs, **{**OPTIONS, "schedule": schedule}, budget=Budget(60))
-    np.testing.assert_allclose(solution.path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
-    np.testing.assert_array_equal(solution.path[0].extrinsics, drifted.extrinsics)

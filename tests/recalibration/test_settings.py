@@ -20,12 +20,12 @@ def test_nothing_said_is_the_default():
     found = as_settings({})
     assert found == as_settings(dict.fromkeys(OPTIONS - {"seed", "ranges"}))
     assert (found.seed, found.ranges, found.matcher) == (0, (), sr.SAD())
-    assert (found.reach, found.budget, found.free) == (sr.Reach(), sr.Budget(), sr.Parameters(widens=True))
+    assert (found.reach, found.budget, found.free) == (sr.Reach(), sr.Budget(), sr.Parameters(everything=True))
     assert found.schedule == sr.Schedule.default()
 
 
 def test_settings_are_options_again():
-    found = as_settings({"reach": (2.0, 0.01), "budget": 50, "free": "rotation", "tolerances": {"alpha": 0.001}})
+    found = as_settings({"reach": (2.0, 0.01), "budget": 50, "free": "rotation", "tolerances": {"harm": 0.001}})
     assert as_settings(found.options) == found
 
 

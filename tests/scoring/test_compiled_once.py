@@ -164,18 +164,6 @@ def test_what_looks_once(compilations, given, matcher):
     check(compilations, call)
 
 
-@pytest.mark.slow  # test_warm_up is stricter
-@pytest.mark.parametrize("schedule", ["default", "count"])
-def test_a_repair(compilations, given, schedule):
-    bad = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
-    kept = {"matcher": MATCHER, "budget": 40} if schedule == "count" else {}
-
-    def call(k):
-        return sr.recalibrate(bad, given.pairs, schedule=schedule, **kept).score_after.count
-
-    check(compilations, call)
-
-
 @pytest.mark.slow
 def test_a_comparison(compilations, given):
     def call(k):

@@ -37,7 +37,7 @@ def street(scene) -> Callable[..., tuple[sr.StereoRig, list[Counted]]]:
 
 
 def bad(rig):
-    return rig.with_extrinsics(rig.extrinsics + np.radians([0.4, -0.2, 0.3, 0, 0, 0]))
+    return rig.with_extrinsics(rig.extrinsics + np.radians([1.2, -0.4, 0.9, 0, 0, 0]))
 
 
 @pytest.mark.slow(after=1)

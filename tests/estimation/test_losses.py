@@ -1,0 +1,104 @@
+"""The expected loss in closed form against rigs drawn from the posterior, and the bound by which it is minimised."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from stereorecal.estimation import Estimate, Matters, Posterior, estimate, points_of_view, readings
+from stereorecal.estimation._losses import PointwiseLoss, errors_near, points_shown
+
+SIZES = {"deg": 0.05, "%": 0.3, "px": 2.0, "": 1e-3}
+
+
+def posterior_of(chart, seed: int, number: int = 3, spread: float = 1.0) -> Posterior:
+    """Explanations that differ by their deviations times a spread."""
+    rng = np.random.default_rng(seed)
+    sizes = np.array([SIZES[parameter.unit] for parameter in chart.parameters])
+    roots = rng.normal(0, 0.3, (number, chart.dim, chart.dim)) * sizes[:, None]
+    means = spread * rng.normal(0, 1, (number, chart.dim)) * sizes
+    return Posterior(rng.dirichlet(np.ones(number)), means, roots @ np.swapaxes(roots, 1, 2))
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 999), spread=st.floats(0.0, 3.0))
+def test_it_is_the_mean_of_absolute_errors_of_many_rigs(chart, seed, spread):
+    """Whether it is told of a rig at the mean or of another; in units of what is noticed."""
+    known = posterior_of(chart, seed, spread=spread)
+    errors = errors_near(chart, known.mean, Matters(0.1, 2.0, (7, 40)), None, None)
+    loss = PointwiseLoss.under(errors, known)
+    drawn = (known.samples(8000, seed) - known.mean) @ errors.slopes.T
+    for found in (np.zeros(drawn.shape[1]), drawn[0]):
+        each = np.abs(found - drawn) @ errors.weights
+        assert loss.expected(found) == pytest.approx(each.mean(), abs=5.0 * each.std() / np.sqrt(len(each)))
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 999), step=st.floats(-3, 2), exact=st.booleans())
+def test_a_quadratic_bound_touches_it_and_lies_above(chart, near, seed, step, exact):
+    """Also at the centre of a distribution, and of one that is nearly a point."""
+    known, rng = posterior_of(chart, seed), np.random.default_rng(seed)
+    known = Posterior(known.weights, known.means, known.covariances * (1e-12 if exact else 1.0))
+    loss = PointwiseLoss.under(near, known)
+    here = np.where(rng.random(loss.centres.shape[1]) < 0.2, loss.centres[0], 3.0 * rng.normal(size=len(near.weights)))
+    curvature, slope = loss.quadratic(here)
+    assert (curvature >= 0.0).all()
+    away = 10.0**step * rng.normal(size=len(here))
+    bound = loss.expected(here) + slope @ away + 0.5 * curvature @ away**2
+    assert loss.expected(here + away) <= bound * (1 + 1e-9)
+    small = 1e-6 * away / np.abs(away).max() * (not exact)
+    assert loss.expected(here + small) == pytest.approx(loss.expected(here) + slope @ small, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def near(chart):
+    return errors_near(chart, np.zeros(chart.dim), Matters(), None, None)
+
+
+@pytest.fixture(scope="module")
+def found(rig, chart, seen) -> Estimate:
+    return estimate(seen(rig, chart.rig_at(np.r_[0.2, 0.1, -0.2, 0.1, -0.2, np.zeros(chart.dim - 5)])), rig)
+
+
+def test_an_estimate_says_one_loss_on_average_and_of_each_rig(chart, found):
+    for used in (np.zeros(chart.dim), found.theta, found.with_free(chart.names[:5])):
+        each = found.losses(used)
+        assert found.expected_loss(used) == pytest.approx(each.total.mean(), rel=0.03)
+        parts = each.seen / 1.5 + each.even / 3.0  # two thirds of rows are where images show something
+        assert (each.total >= parts / found.matters.rows_px * (1 - 1e-9)).all()  # the rest is depth
+
+
+def test_losses_are_those_of_points_of_the_view(rig, chart, found):
+    """Of one rig that is surely the true one: rows and depth as `readings` has them."""
+    true = found.mean_rig
+    surely = Posterior(np.ones(1), found.theta[None], np.zeros((1, chart.dim, chart.dim)))
+    alone = Estimate(chart, surely, (0.0, 0.0), 0, 0.0, np.zeros(chart.dim), shown=found.shown)
+    losses = alone.losses(np.zeros(chart.dim))
+    read = [readings(rig, true, points_of_view(true, distance)) for distance in alone.matters.distances]
+    rows = np.mean([np.abs(rows).mean() for rows, _ in read])
+    depth = [100.0 * np.abs(nearness).mean() for _, nearness in read]
+    points, weights = points_shown(found.shown, true)
+    seen = weights @ np.abs(readings(rig, true, points)[0])
+    np.testing.assert_allclose([losses.even[0], losses.farthest[0], losses.seen[0]], [rows, depth[-1], seen])
+    total = (seen / 1.5 + rows / 3.0) / alone.matters.rows_px + np.mean(depth) / alone.matters.depth_points
+    np.testing.assert_allclose(losses.total, total)
+    small = 1e-3 * np.eye(chart.dim)[chart.names.index("yaw")]
+    assert alone.effect(small) == pytest.approx(alone.expected_loss(alone.theta + small), rel=0.01)
+    twice = Matters(2.0 * alone.matters.rows_px, 2.0 * alone.matters.depth_points)
+    np.testing.assert_allclose(alone.judged_by(twice).losses(np.zeros(chart.dim)).total, 0.5 * total)
+
+
+def test_farther_away_depth_is_worth_more(chart, found):
+    there = found.judged_by(Matters(distances=(7.0, 30.0, 300.0))).losses(np.zeros(chart.dim))
+    assert there.farthest.mean() > 2.0 * found.losses(np.zeros(chart.dim)).farthest.mean()
+
+
+def test_what_images_show_counts_where_they_show_it(rig, chart, seen):
+    """A roll moves the rows of both sides, hardly those of the middle."""
+    sides, middle = np.eye(chart.dim)[chart.names.index("roll")] * 0.3, []
+    for inside in (True, False):
+        some = seen(rig, rig, cells=3000)
+        column = np.abs(some.left[..., 0])
+        some.weight[(column < 0.25) != inside] = 0.0
+        losses = estimate(some, rig, "exact").losses(sides)
+        middle.append(np.mean(losses.seen) / np.mean(losses.even))
+    assert 2.0 * middle[0] < middle[1]

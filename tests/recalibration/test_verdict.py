@@ -1,0 +1,153 @@
+"""What is said first: a verdict of a line and what to do, of every ending and every look; what a refusal keeps."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import stereorecal as sr
+from stereorecal.recalibration import Condition, Health, Reason
+from stereorecal.scoring import ImageQuality
+
+SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
+DRIFT = np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0])
+REASONS = list(Reason)
+
+
+@pytest.fixture(scope="module")
+def harbour(scene) -> sr.Scene:
+    return scene("harbour", 0, (320, 240))
+
+
+@pytest.fixture(scope="module")
+def repaired(harbour) -> sr.Solution:
+    return sr.recalibrate(harbour.rig.with_extrinsics(harbour.rig.extrinsics + DRIFT), harbour.pairs, matcher=SAD_48)
+
+
+@pytest.fixture(scope="module")
+def counted(scene) -> sr.Solution:
+    """Judged by the count, which decides on nothing else."""
+    small = scene()
+    off = small.rig.with_extrinsics(small.rig.extrinsics + DRIFT)
+    return sr.recalibrate(off, small.pairs, matcher=sr.SAD(num_disparities=24), schedule="count", budget=30)
+
+
+@pytest.fixture(scope="module")
+def looked(harbour) -> Health:
+    return sr.health(harbour.rig, harbour.pairs, matcher=SAD_48)
+
+
+def without(solution: sr.Solution, finding: str) -> sr.Solution:
+    return replace(solution, findings=replace(solution.findings, **{finding: None}))
+
+
+def sentences(text: str) -> list[str]:
+    return [part for line in text.splitlines() for part in re.split(r"(?<=[.;])\s+(?=[A-Z])", line)]
+
+
+def assert_plain(text: str, verdict: str, advice: str) -> None:
+    """The first line is a verdict of at most twelve words, the second says what to do; no sentence has two colons."""
+    assert text.splitlines()[:2] == [verdict, advice]
+    assert len(verdict.split()) <= 12, verdict
+    for said in (verdict, advice):
+        assert said[0].isupper()
+        assert said.endswith(".")
+    for sentence in sentences(text):
+        assert len(re.findall(r":(?:\s|$)", sentence)) <= 1, sentence
+
+
+@pytest.mark.parametrize("reason", REASONS, ids=[reason.name for reason in REASONS])
+def test_every_ending_is_a_verdict_and_an_advice(repaired, counted, reason):
+    for solution in (repaired, without(repaired, "decision"), counted):
+        found = replace(solution, reason=reason)
+        assert_plain(str(found), found.verdict, found.advice)
+        assert found.verdict.startswith("Repaired") == reason.accepted
+        assert found.accepted == (found.rig is found.candidate)
+
+
+@pytest.mark.parametrize("reason", REASONS, ids=[reason.name for reason in REASONS])
+def test_every_look_is_a_verdict_and_an_advice(looked, reason):
+    found = replace(looked, reason=reason)
+    assert_plain(str(found), found.verdict, found.advice)
+    assert found.healthy == (reason is Reason.ALREADY_GOOD)
+    assert found.verdict.startswith("Repair it") == (found.condition is Condition.REPAIR) or reason.accepted
+    if found.condition is Condition.REPAIR:
+        assert "recalibrate" in found.advice
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        ImageQuality(19.0, 0.8),
+        ImageQuality(120.0, 0.1),
+        ImageQuality(99.0, 0.5, coarse=True),
+        pytest.param(ImageQuality(99.0, 0.5, noise=True), marks=pytest.mark.xfail(reason="takes thirteen words")),
+    ],
+)
+def test_images_that_show_too_little_are_named(looked, shown):
+    found = replace(looked, reason=Reason.TOO_LITTLE_TEXTURE, shown=shown, correction=None)
+    assert_plain(str(found), found.verdict, found.advice)
+    assert str(shown.problem) in found.verdict
+
+
+@given(pairs=st.integers(1, 2000), rows=st.tuples(*[st.floats(0.0, 1e4)] * 3).map(sorted))
+def test_no_number_makes_a_verdict_longer(looked, pairs, rows):
+    decision = replace(looked.correction.decision, rows_px=np.array([rows, rows]))
+    for reason in REASONS:
+        found = replace(looked, reason=reason, pairs=pairs, correction=replace(looked.correction, decision=decision))
+        assert len(found.verdict.split()) <= 12
+
+
+def test_no_two_reasons_say_the_same():
+    assert len({reason.value for reason in Reason}) == len(Reason)
+    assert {reason for reason in Reason if reason.healthy} == {
+        Reason.IMPROVED,
+        Reason.MORE_MATCHES,
+        Reason.ALREADY_GOOD,
+    }
+
+
+@pytest.mark.parametrize("reason", [reason for reason in REASONS if not reason.accepted], ids=lambda one: one.name)
+def test_what_is_refused_stays_bit_for_bit(repaired, reason):
+    """And no interval or depth is told of the answer that was found wrong."""
+    found = replace(repaired, reason=reason)
+    assert found.rig is repaired.initial
+    assert found.to_dict()["extrinsics"]["used"] == found.to_dict()["extrinsics"]["before"]
+    assert "depth was off" not in str(found)
+    assert ("±" in str(found)) == reason.healthy
+
+
+def test_what_changes_of_intrinsics_is_said_and_how_to_keep_them(repaired):
+    assert "--free extrinsics" in repaired.advice
+    assert "intrinsics change" in repaired.advice
+    assert "intrinsics" not in replace(repaired, reason=Reason.MISFIT).advice.partition("a lens")[0]
+    assert "--free" not in without(repaired, "intrinsics").advice
+
+
+def test_data_of_a_repair(repaired):
+    data = json.loads(json.dumps(repaired.to_dict(), allow_nan=False))
+    assert (data["accepted"], data["healthy"], data["reason"]) == (True, True, "improved")
+    assert (data["verdict"], data["advice"]) == (repaired.verdict, repaired.advice)
+    assert data["why"] == repaired.reason.value
+    assert data["intrinsics"]["outcome"] == "refined"
+    decision = data["decision"]
+    assert (decision["verdict"], decision["failed"]) == ("repair", None)
+    assert 0.0 <= decision["depth_corrected"] <= 1.0
+    assert decision["expected_loss"]["candidate"] < decision["expected_loss"]["before"]
+    assert decision["rows_px"]["candidate"]["high"] < decision["rows_px"]["before"]["low"]
+    assert {"name", "count", "before", "after", "fitted"} == set(decision["held_out"][0])
+    refused = replace(repaired, reason=Reason.CANNOT_TELL).to_dict()
+    assert (refused["accepted"], refused["healthy"], refused["expected"]) == (False, False, None)
+
+
+def test_data_of_a_look(looked):
+    data = json.loads(json.dumps(looked.as_dict(), allow_nan=False))
+    assert (data["condition"], data["reason"], data["healthy"]) == ("healthy", "already_good", True)
+    assert (data["verdict"], data["advice"]) == (looked.verdict, looked.advice)
+    assert data["axes"] == []
+    bad = replace(looked, reason=Reason.IMPROVED).as_dict()
+    assert (bad["condition"], bad["healthy"]) == ("repair", False)
+    assert len(bad["axes"]) >= 1
