@@ -115,7 +115,7 @@ def recalibrate_many(
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
     if len(scenes) == 1:
-        alone = replace(settings, ranges=[replace(one, pair=_number(one, scenes[0].pairs)) for one in ranges])
+        alone = replace(settings, ranges=tuple(replace(one, pair=_number(one, scenes[0].pairs)) for one in ranges))
     else:
         alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
     if checked_choice(start, ["given", "previous"], "start") == "previous":

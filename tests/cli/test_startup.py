@@ -124,4 +124,4 @@ def test_help_says_what_there_is(capsys):
     text = help_of("score", capsys)
     limits = HEALTH_LIMITS
     assert f"within {limits['good_rows_px']} px with {100 * limits['good_surely']:.0f} %" in text
-    assert f"{100 * limits['harm']:.0f} %" in text
+    assert f"{100 * limits['harm']:.0f} %" in help_of("recalibrate", capsys)

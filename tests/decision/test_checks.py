@@ -14,10 +14,10 @@ SHOWN = {
     Reason.NO_MATCHES: {"matches": ENOUGH.matches - 1},
     Reason.FRAMES_DISAGREE: {"frames_disagree": True},
     Reason.CANNOT_TELL: {"texture": 1.01 * GOOD["covered"] / ENOUGH.of_texture},
+    Reason.LATE_SHUTTER: {"late": True},
     Reason.REACH_EDGE: {"away": 1.01 * ENOUGH.reach},
     Reason.FEWER_MATCHES: {"lost": 1.01 * ENOUGH.lost},
     Reason.MISFIT: {"misfit_px": ENOUGH.misfit_px},
-    Reason.LATE_SHUTTER: {"late": True},
 }
 
 
@@ -59,8 +59,9 @@ def test_of_two_that_hold_the_first_is_said(first, second):
     one, other = CHECKS[first], CHECKS[second]
     shown = SHOWN[other.reason] | SHOWN[one.reason]
     assert said(None, **shown) is one.reason
-    assert said(Verdict.REPAIR, **shown) is next((c.reason for c in (one, other) if c.vetoes), Reason.IMPROVED)
-    assert said(Verdict.GOOD, **shown) is next((c.reason for c in (one, other) if c.doubts), Reason.ALREADY_GOOD)
+    vetoed, doubted = one.vetoes or other.vetoes, one.doubts or other.doubts
+    assert said(Verdict.REPAIR, **shown) is (one.reason if vetoed else Reason.IMPROVED)
+    assert said(Verdict.GOOD, **shown) is (one.reason if doubted else Reason.ALREADY_GOOD)
 
 
 @pytest.mark.parametrize("few", [{"matches": 0}, {"covered": 0.0}, {"places": 0}])

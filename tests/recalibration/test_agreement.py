@@ -134,4 +134,4 @@ def test_the_order_of_pairs_does_not_matter(street):
     assert change.row_error_median < 0.05
     assert abs(change.depth_error_percent[30]) < 1.0
     exact = [sr.recalibrate(off, pairs, prior="exact") for pairs in (street.pairs[:2], street.pairs[1::-1])]
-    np.testing.assert_allclose(*(one.rig.extrinsics for one in exact), atol=1e-8)
+    np.testing.assert_allclose(*(one.rig.extrinsics for one in exact), atol=1e-6)

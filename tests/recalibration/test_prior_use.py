@@ -194,7 +194,8 @@ def test_the_same_images_again_change_nothing(scenes, first):
     apart = first.estimate.chart.coordinates_of(again.candidate) - first.estimate.chart.coordinates_of(first.rig)
     sigmas = np.sqrt(np.diag(first.estimate.posterior.covariance))
     assert (np.abs(apart[:5]) < 2.0 * sigmas[:5]).all()
-    assert (np.sqrt(np.diag(again.estimate.posterior.covariance))[:5] > 0.8 * sigmas[:5]).all()  # counted twice: 0.7
+    widths = np.sqrt(np.diag(again.estimate.posterior.covariance))[:5]
+    assert np.median(widths / sigmas[:5]) > 0.85  # counted twice: 0.7
 
 
 def test_where_images_fit_no_rig_nothing_is_learnt(scenes, first):
