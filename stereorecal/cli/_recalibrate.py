@@ -55,7 +55,8 @@ def run(options: RecalibrateOptions) -> int:
     with executor(options.executor) as pool:
         with files_read() as read:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
-            found = recordings(options, few=bool(settings.free.shared) and not settings.ranges)
+            few = settings.free.everything or bool(settings.free.shared)
+            found = recordings(options, few=few and not settings.ranges)
             boards = boards_of(options)
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]

@@ -125,9 +125,9 @@ CHECKS = (
     Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
     Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),
     Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
-    Check(Reason.REACH_EDGE, lambda seen: seen.away > ENOUGH.reach, doubts=False),
-    Check(Reason.FEWER_MATCHES, lambda seen: seen.lost > ENOUGH.lost, doubts=False),
-    Check(Reason.MISFIT, lambda seen: seen.misfit_px >= ENOUGH.misfit_px, doubts=False),
+    Check(Reason.REACH_EDGE, lambda seen: not seen.away <= ENOUGH.reach, doubts=False),
+    Check(Reason.FEWER_MATCHES, lambda seen: not seen.lost <= ENOUGH.lost, doubts=False),
+    Check(Reason.MISFIT, lambda seen: not seen.misfit_px < ENOUGH.misfit_px, doubts=False),
 )
 
 

@@ -167,7 +167,9 @@ def _decision(
         failed = Test.HARMLESS
     if not failed:
         held_out = estimate.held_out(free, share)
-        if not predicts(held_out, limits, rows_alone=not (estimate.matched_ranges or estimate.windows)):
+        if estimate.shown is not None and not predicts(
+            held_out, limits, rows_alone=not (estimate.matched_ranges or estimate.windows)
+        ):
             failed = Test.PREDICTS
     good = float(np.mean(before.seen <= limits.good_rows_px)) >= limits.good_surely
     return Decision(
@@ -191,9 +193,9 @@ def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: boo
     Args:
         rows_alone: whether nothing but rows tells what it gains; else they need not get better.
     """
-    if any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
+    if not held_out or any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
         return False
-    each = np.array([(part.count, part.before, part.after, part.fitted) for part in held_out]).reshape(-1, 4)
+    each = np.array([(part.count, part.before, part.after, part.fitted) for part in held_out])
     before, after, fitted = each[:, 1:].T @ each[:, 0]
     aligned = after <= limits.good_rows_px * each[:, 0].sum()
     gained = before - after >= limits.predicts * (before - fitted)

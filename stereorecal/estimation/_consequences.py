@@ -120,6 +120,23 @@ def readings(
     ) * nearness - 1.0
 
 
+def nearness_of(
+    rig: StereoRig, left: Float[np.ndarray, "p 3"], right: Float[np.ndarray, "p 3"], view: View | None = None
+) -> Float[np.ndarray, "p"]:
+    """Baselines over depth along the axis of the left camera, of points that both cameras see along these rays; 0 of
+    what they see behind themselves.
+
+    Args:
+        view: as `readings` has it.
+    """
+    to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
+    left = left / left[:, 2:]
+    _, nearness = _rows_and_nearness(_formulas(view), left @ to_left.T, right @ to_right.T)
+    points = left * (float(rig.baseline) / np.where(nearness > 0.0, nearness, 1.0))[:, None]
+    ahead = (points @ rig.rotation.T + rig.translation)[:, 2] > 0.0
+    return np.where(ahead & (nearness > 0.0), nearness, 0.0)
+
+
 def _formulas(view: View | None) -> Projection:
     return projection(PINHOLE) if view is None else view.formulas
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._consequences import Consequences, consequences, readings
+from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
@@ -128,20 +128,24 @@ def errors_near(
         groups: what the images show; None: nothing.
     """
     true, points, weights = chart.rig_at(at), [], np.zeros(0)
-    if groups is not None and (groups.disparity > 0.0).any():
-        shown, weights = points_shown(groups, true)
-        points = [shown]
+    if groups is not None:
+        shown, weights = points_shown(groups, true, view)
+        points = [shown] if len(shown) else []
     return Errors(matters, consequences(chart, at, matters.distances, view, points), at, true, chart, view, weights)
 
 
-def points_shown(groups: Groups, rig: StereoRig) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]]:
+def points_shown(
+    groups: Groups, rig: StereoRig, view: View | None = None
+) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]]:
     """Points that stand for what groups show, in the frame of the left camera, and their weights: each place of the
     image that shows something counts as much as another."""
-    groups = groups.of(groups.disparity > 0.0)
-    groups = groups.of(slice(None, None, -(-len(groups) // _MOST_SHOWN)))
-    depth = float(rig.baseline) * groups.focal / groups.disparity
+    nearness = nearness_of(rig, groups.left, groups.right, view)
+    some = np.flatnonzero(nearness > 0.0)
+    some = np.random.default_rng(0).permutation(some)[:_MOST_SHOWN]  # groups are in the order of their depths
+    nearness, groups = nearness[some], groups.of(some)
     of_place = np.bincount(groups.place, groups.count, int(np.prod(PLACES)))
     weights = groups.count / of_place[groups.place]
+    depth = float(rig.baseline) / nearness
     return groups.left / groups.left[:, 2:] * depth[:, None], weights / weights.sum()
 
 

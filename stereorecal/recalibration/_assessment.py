@@ -21,7 +21,7 @@ from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, witho
 from stereorecal.scoring import Correspondences, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
 
-_MATCHED_AGAIN = 3  # times, at most
+_MATCHED_AGAIN = 2  # times, at most
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 _Estimator = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Estimate]

@@ -78,7 +78,8 @@ class JointEstimate:
         estimated, found = self.estimates[at], self.estimated_from[at].found
         repair, candidate = self.recordings[at].repair, self.rig(at)
         turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(repair.initial.extrinsics))[[0, 2]]
-        seen = Seen(
+        seen = replace(
+            repair.findings.seen or Seen(),
             matches=found.found,
             covered=found.covered,
             places=len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)),

@@ -111,7 +111,7 @@ def recalibrate_many(
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     if start == "previous" and settings.free.everything:  # one after the other, recordings share no intrinsics
-        settings = replace(settings, free=settings.free.extrinsics)
+        settings = replace(settings, free=replace(settings.free, everything=False))
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
     if len(scenes) == 1:

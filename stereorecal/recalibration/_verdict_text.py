@@ -12,7 +12,7 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
     Args:
         decision: None if nothing was decided.
         pairs: that were looked at.
-        repaired: a calibration that is to be replaced has been.
+        repaired: by a repair, not a look.
     """
     begins = "Repaired" if repaired else "Repair it"
     if decision is None or reason is Reason.MORE_MATCHES:
@@ -29,7 +29,7 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
         number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
         which = f"from {number} pair{'' if pairs == 1 else 's'}"
         return f"Cannot tell {which}: row error {before[1]:.2f} to {before[2]:.2f} px."
-    return f"{'Cannot tell' if reason in _UNTOLD else 'Not repaired'}: {reason.value}."
+    return f"{'Not repaired' if repaired and reason not in _UNTOLD else 'Cannot tell'}: {reason.value}."
 
 
 def advice_of(reason: Reason, *, intrinsics_change: bool = False) -> str:
