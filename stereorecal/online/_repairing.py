@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.objectives import Parameters, Reach
+from stereorecal.geometry import StereoRig
+from stereorecal.objectives import EXTRINSICS, Parameters, Reach
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._job import Job
 from stereorecal.online._reading import reading
@@ -44,11 +45,21 @@ def continued(state: State) -> tuple[State, list[Event]]:
 def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
     if not solution.accepted or solution.covariance is None:
         return state, [_rejected(state, solution)]
-    offset = state.offset_of(solution.rig)
+    offset = state.offset_of(_depth_kept(solution))
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.reported is Kind.KNOCK else [knock]
     return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.covariance), events
+
+
+def _depth_kept(solution: Solution) -> StereoRig:
+    """The repair; if no row needs another depth, the one that keeps it: looks know more of depth than some pairs do."""
+    estimate, decision = solution.estimate, solution.decision
+    if estimate is None or decision is None:
+        return solution.rig
+    kept = estimate.with_free(EXTRINSICS, keep_depth=True)
+    rows, of_kept = (float(np.median(estimate.losses(theta).even)) for theta in (decision.theta, kept))
+    return estimate.chart.rig_at(kept) if of_kept <= rows + solution.tolerances.rows_px else solution.rig
 
 
 def too_far(state: State) -> bool:
