@@ -160,7 +160,7 @@ def _as_initially_read(found: Correspondences, matched_rig: StereoRig, recording
 def _merged(several: Sequence[Recording]) -> Recording:
     """All as one recording, from the middle of their solutions."""
     found = [one.found for one in several]
-    first = np.cumsum([0, *(len(one.weight) for one in found)])
+    first = np.cumsum([0, *(len(one.weight) for one in found)]).tolist()
 
     def all_of(name: str) -> Float[np.ndarray, "..."]:
         return np.concatenate([np.asarray(getattr(one, name)) for one in found])
