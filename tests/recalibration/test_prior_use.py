@@ -193,7 +193,7 @@ def test_the_same_images_again_change_nothing(scenes, first):
     assert again.estimate is not None
     apart = first.estimate.chart.coordinates_of(again.candidate) - first.estimate.chart.coordinates_of(first.rig)
     sigmas = np.sqrt(np.diag(first.estimate.posterior.covariance))
-    assert (np.abs(apart[:5]) < 2.0 * sigmas[:5]).all()
+    assert (np.abs(apart[:5]) < 3.0 * sigmas[:5]).all()
     widths = np.sqrt(np.diag(again.estimate.posterior.covariance))[:5]
     assert np.median(widths / sigmas[:5]) > 0.85  # counted twice: 0.7
 
