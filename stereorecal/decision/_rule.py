@@ -139,18 +139,18 @@ def _candidates(
     several: Sequence[Estimate], free: Sequence[str], limits: Tolerances
 ) -> tuple[list[Float[np.ndarray, "n"]], float]:
     """Of each calibration, and how far they go from keeping depth to losing least: as far as harms none of them."""
-    kept, least = (with_free_together(several, free, keep_depth=keep) for keep in (True, False))
+    least, share = with_free_together(several, free), 1.0
     before = [one.losses(np.zeros(len(one.names))) for one in several]
 
-    def at(share: float) -> list[Float[np.ndarray, "n"]]:
-        return [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
-
-    def harmless(share: float) -> bool:
-        each = zip(several, before, at(share), strict=True)
+    def harmless(thetas: list[Float[np.ndarray, "n"]]) -> bool:
+        each = zip(several, before, thetas, strict=True)
         return all(_harm(losses, one.losses(theta), limits) <= limits.harm for one, losses, theta in each)
 
-    share = next((share for share in np.linspace(1.0, 0.0, STEPS + 1).tolist() if harmless(share)), 0.0)
-    return at(share), share
+    thetas, kept = least, [] if harmless(least) else with_free_together(several, free, keep_depth=True)
+    while kept and share > 0.0 and (share == 1.0 or not harmless(thetas)):
+        share -= 1.0 / STEPS
+        thetas = [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
+    return thetas, share
 
 
 def _decision(

@@ -180,12 +180,12 @@ class Estimate:
         rows, slopes = near.differences[0], near.jacobian[:, 0].T
 
         def under(posterior: Posterior) -> Float[np.ndarray, "g"]:
-            known = replace(self.known, posterior=posterior)
-            kept, least = (
-                least_loss([known], free, np.zeros_like(free), keep_depth=keep, linear=True)[0]
-                for keep in (True, False)
-            )
-            return rows + slopes @ (kept + share * (least - kept) - at)
+            known, shared = replace(self.known, posterior=posterior), np.zeros_like(free)
+            (theta,) = least_loss([known], free, shared, linear=True)
+            if share < 1.0:
+                (kept,) = least_loss([known], free, shared, keep_depth=True, linear=True)
+                theta = kept + share * (theta - kept)
+            return rows + slopes @ (theta - at)
 
         fitted, found = under(self.posterior), []
         for name, inside, posterior in self._rests:

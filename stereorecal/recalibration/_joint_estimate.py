@@ -109,7 +109,7 @@ def joint_estimate(
     for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    estimates = _estimates(estimated_from, one=one, each=each)
+    estimates = tuple(estimate_together(_together(estimated_from, one=one), each=each))
     likely = with_free_together(estimates, free.names)
     of_estimates = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
     rigs = of_estimates * len(recordings) if one else of_estimates
@@ -118,15 +118,15 @@ def joint_estimate(
         replace(before, found=_as_initially_read(found, rig, r), start=_start(r, rig))
         for before, r, found, rig in zip(estimated_from, recordings, again, rigs, strict=True)
     ]
-    estimates = _estimates(estimated_from, one=one, each=each)
+    several = _together(estimated_from, one=one)
+    estimates = tuple(estimate_together(several, each=each))
     decisions = tuple(decide_together(estimates, free.names, recordings[0].repair.tolerances))
-    several = (_merged(estimated_from),) if one else tuple(estimated_from)
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)
 
 
-def _estimates(estimated_from: Sequence[Recording], *, one: bool, each: Each) -> tuple[Estimate, ...]:
-    """Of each recording, or of all as one."""
-    return tuple(estimate_together((_merged(estimated_from),) if one else estimated_from, each=each))
+def _together(several: Sequence[Recording], *, one: bool) -> tuple[Recording, ...]:
+    """What is estimated from: each recording, or all as one."""
+    return (_merged(several),) if one else tuple(several)
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
