@@ -97,7 +97,7 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
 
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
        - it does not harm: with 98 % probability neither rows, where images show something or over the view, nor depth
-         at the farthest distance become worse by what is noticed;
+         ahead at the farthest distance become worse by what is noticed;
        - it predicts what it has not seen: thirds of the view, and places, each left out in turn. Under the candidate of
          the rest each is aligned, or not worse than under the calibration; all together have at most eight tenths of
          the row error that they have under it (where rows alone tell), and are aligned, or show eight tenths of what

@@ -23,7 +23,7 @@ class Tolerances:
         depth_points: the same of the error of depth, in percentage points.
         leaves: share of the expected loss that a repair leaves, at most; it gains one unit of it, at least.
         better: probability that the loss falls, at least.
-        harm: probability that rows, or depth at the farthest distance, become worse, at most.
+        harm: probability that rows, or depth ahead at the farthest distance, become worse, at most.
         predicts: row error of parts of the images that were left out, under what the rest says, at most, as a share of
             theirs under the initial calibration; and the share of what the candidate gains on them that is there, too,
             at least.

@@ -16,7 +16,7 @@ _ROUNDS, _SETTLED = 40, 0.02  # standard deviations of θ
 _HALVINGS, _ROUNDING = 10, 1e-9
 _FAR = 0.01  # of the loss, for a standard deviation from the posterior mean: what costs no loss stays likely
 _NORMALS = 8  # of a posterior: so many hold what its loss depends on
-_KEPT = 0.5  # of the loss, for a change of depth by what matters, everywhere; four times as much for twice that change
+_KEPT = 0.5  # of the loss, for a change of depth by what matters, all ahead; four times as much for twice that change
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ def least_loss(
         several: rigs, with the same parameters.
         free: which parameters may change.
         shared: which are the same for all.
-        keep_depth: a change of depth, against the initial rig, costs its square: depth changes by little where rows
-            need it, and by less where nothing does.
+        keep_depth: a change of depth ahead, against the initial rig, costs its square: depth changes by little where
+            rows need it, and by less where nothing does.
         linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
     """
     searches = [_Search(one, keep_depth, linear) for one in several]
@@ -131,7 +131,7 @@ class _Search:
         away = theta - self.known.posterior.mean
         loss = self.loss.expected(found) + float(away @ self.far @ away)
         if self.keep_depth:
-            loss += _KEPT * float(self.known.errors.of_depth @ (found - self.known.initial) ** 2)
+            loss += _KEPT * float(self.known.errors.depth_ahead @ (found - self.known.initial) ** 2)
         return loss
 
     def quadratic(
@@ -141,7 +141,7 @@ class _Search:
         slopes = self.known.errors.slopes
         curvature, slope = self.loss.quadratic(found)
         if self.keep_depth:
-            kept = 2.0 * _KEPT * self.known.errors.of_depth
+            kept = 2.0 * _KEPT * self.known.errors.depth_ahead
             curvature, slope = curvature + kept, slope + kept * (found - self.known.initial)
         by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self.far
         return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.known.posterior.mean)

@@ -84,8 +84,7 @@ class Errors:
     @cached_property
     def even(self) -> Float[np.ndarray, "p"]:
         """Weights of the points, even over the view and the distances."""
-        each = [weights[0] / len(self.consequences.distances) for weights in self.consequences.weights]
-        return np.concatenate([*each[: len(self.consequences.distances)], np.zeros(len(self.shown))])
+        return self._of_distances(0)
 
     @cached_property
     def seen(self) -> Float[np.ndarray, "p"]:
@@ -96,10 +95,10 @@ class Errors:
 
     @cached_property
     def farthest(self) -> Float[np.ndarray, "p"]:
-        """Weights of the points at the farthest of the distances."""
+        """Weights of the points ahead at the farthest of the distances."""
         lengths, farthest = map(len, self.consequences.points), int(np.argmax(self.consequences.distances))
         of_set = [np.full(length, float(index == farthest)) for index, length in enumerate(lengths)]
-        weights = self.even * np.concatenate(of_set)
+        weights = self._of_distances(1) * np.concatenate(of_set)
         return weights / weights.sum()
 
     @cached_property
@@ -107,10 +106,17 @@ class Errors:
         """Of all errors in the loss; those of rows sum to 1, and so do those of depth."""
         return np.concatenate([_OF_SHOWN * self.seen + (1.0 - _OF_SHOWN) * self.even, self.even])
 
-    @property
-    def of_depth(self) -> Float[np.ndarray, "q"]:
-        """The weights of depth alone."""
-        return np.concatenate([np.zeros_like(self.even), self.even])
+    @cached_property
+    def depth_ahead(self) -> Float[np.ndarray, "q"]:
+        """Weights of depth alone, ahead: what is kept of depth. A rig that was turned bends depth by a tenth in the
+        corners, and that need not be kept."""
+        return np.concatenate([np.zeros_like(self.even), self._of_distances(1)])
+
+    def _of_distances(self, which: int) -> Float[np.ndarray, "p"]:
+        """Weights of the points at all distances alike, over the view, 0, or ahead, 1."""
+        number = len(self.consequences.distances)
+        each = [weights[which] / number for weights in self.consequences.weights[:number]]
+        return np.concatenate([*each, np.zeros(len(self.shown))])
 
 
 @one_blas_thread()
@@ -204,7 +210,8 @@ class Losses:
     Attributes:
         seen: mean |row error| where images show something, pixels.
         even: mean |row error| over the whole view at all distances, pixels.
-        farthest: mean |error of depth| over the view at the farthest distance, percent.
+        farthest: mean |error of depth| ahead, in the middle half of the view each way, at the farthest distance,
+            percent.
         total: the loss.
     """
 

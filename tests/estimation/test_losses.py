@@ -76,9 +76,13 @@ def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     read = [readings(rig, true, points_of_view(true, distance)) for distance in alone.matters.distances]
     rows = np.mean([np.abs(rows).mean() for rows, _ in read])
     depth = [100.0 * np.abs(nearness).mean() for _, nearness in read]
+    farthest = points_of_view(true, alone.matters.distances[-1])
+    middle = np.abs(true.left.project(farthest / farthest[:, 2:]) / np.array(true.left.size) - 0.5).max(axis=1) <= 0.25
+    ahead = 100.0 * np.abs(read[-1][1][middle]).mean()
+    assert abs(ahead - depth[-1]) > 0.1, "else the test cannot tell them apart"
     points, weights = points_shown(found.shown, true)
     seen = weights @ np.abs(readings(rig, true, points)[0])
-    np.testing.assert_allclose([losses.even[0], losses.farthest[0], losses.seen[0]], [rows, depth[-1], seen])
+    np.testing.assert_allclose([losses.even[0], losses.farthest[0], losses.seen[0]], [rows, ahead, seen])
     total = (seen / 1.5 + rows / 3.0) / alone.matters.rows_px + np.mean(depth) / alone.matters.depth_points
     np.testing.assert_allclose(losses.total, total)
     small = 1e-3 * np.eye(chart.dim)[chart.names.index("yaw")]
