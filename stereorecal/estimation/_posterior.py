@@ -58,6 +58,8 @@ def merged(posterior: Posterior, most: int) -> Posterior:
     w, means, covariances = posterior.weights, posterior.means, posterior.covariances
     if len(w) <= most:
         return posterior
+    if most == 1:
+        return Posterior(np.ones(1), posterior.mean[None], posterior.covariance[None])
     white = _whitening(posterior.covariance)
     shapes = (white @ covariances @ white.T).reshape(len(w), -1) / np.sqrt(2.0)
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)

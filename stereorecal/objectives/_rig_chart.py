@@ -1,6 +1,7 @@
 """From the unit box to rigs, of which intrinsics may be free as well as extrinsics."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -41,17 +42,17 @@ class RigChart:
         """n, the number of free parameters."""
         return len(self.parameters)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Of the free parameters."""
         return tuple(parameter.name for parameter in self.parameters)
 
-    @property
+    @cached_property
     def units(self) -> Float[np.ndarray, "n"]:
         """One half width of the box in the units of people: degrees, percent, pixels."""
         return np.array([self.wide * parameter.sigma for parameter in self.parameters])
 
-    @property
+    @cached_property
     def half_width(self) -> Float[np.ndarray, "n"]:
         """One half width of the box in the units of a rig: rad, metres, fractions, pixels."""
         return self.units * np.array([parameter.in_rig for parameter in self.parameters])
@@ -67,7 +68,7 @@ class RigChart:
                 values[3:] += change / float(self.rig.baseline) * start[3:]
         return values
 
-    @property
+    @cached_property
     def extrinsic_slopes(self) -> Float[np.ndarray, "n 6"]:
         """Derivatives of the extrinsics by the coordinates of the box, the same everywhere."""
         start, found = np.asarray(self.rig.extrinsics, float), np.zeros((self.dim, 6))

@@ -18,7 +18,7 @@ from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import StageRun, matched
 from stereorecal.recalibration._tile_counts import counts, share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, without_frames_of
-from stereorecal.scoring import Correspondences, image_quality
+from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import refuse_swapped_images
 
 _MATCHED_AGAIN = 2  # times, at most
@@ -118,15 +118,15 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:
-    quality = max((image_quality(pair) for pair in case.images.pairs), key=lambda one: one.texture)
+    quality = max(case.images.quality, key=lambda one: one.texture)
     places = np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
     return Seen(
         matches=found.found,
         covered=found.covered,
         places=len(places),
         texture=quality.texture,
-        enough=any(image_quality(pair).enough for pair in case.images.pairs),
-        coarse=all(image_quality(pair).coarse for pair in case.images.pairs),
+        enough=any(one.enough for one in case.images.quality),
+        coarse=all(one.coarse for one in case.images.quality),
     )
 
 

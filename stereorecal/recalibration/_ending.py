@@ -18,7 +18,7 @@ from stereorecal.recalibration._schedule import Schedule
 from stereorecal.recalibration._stages import StageRun, last_matched
 from stereorecal.recalibration._tile_counts import counts
 from stereorecal.recalibration._uncertainty import Uncertainty, uncertainty_of
-from stereorecal.scoring import Correspondences, image_quality
+from stereorecal.scoring import Correspondences
 from stereorecal.strategies import Status
 
 
@@ -129,7 +129,7 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
         return ending_of_assessment(case, assessment)
     tiles = counts(case, end_rig)
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
-        enough = any(image_quality(pair).enough for pair in case.images.pairs)
+        enough = any(one.enough for one in case.images.quality)
         return Ending(end_rig, reason_of(None, Seen(enough=enough, cut=cut)), tiles)
     before, after = tiles.sum(axis=(1, 2)).tolist()
     return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)

@@ -28,7 +28,7 @@ from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
-from stereorecal.scoring import ImageQuality, Pyramid, host, image_quality, pyramid
+from stereorecal.scoring import ImageQuality, Pyramid, host, pyramid
 from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
 
 HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
@@ -182,9 +182,9 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     assert look is not None  # the default schedule ends on matches
     run, assessment = look
     score = _score(images, case.matcher)
-    quality = max((image_quality(pair) for pair in images.pairs), key=lambda one: one.texture)
+    quality = max(images.quality, key=lambda one: one.texture)
 
-    few = Seen(enough=any(image_quality(pair).enough for pair in images.pairs))
+    few = Seen(enough=any(one.enough for one in images.quality))
     reason = reason_of(None, few) if assessment is None else assessment.reason
     found = Health(
         score=score,

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import jax
 import numpy as np
@@ -13,6 +14,7 @@ from stereorecal._pytree import register_pytree
 from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames
+from stereorecal.scoring._image_quality import ImageQuality, image_quality
 
 _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 _COEFFICIENTS = 8  # of a pinhole camera in programs
@@ -88,6 +90,11 @@ class Pyramid:
         if (scale, number) not in self._levels:
             self._levels[scale, number] = _prepared(self.rig, select_frames(self.pairs, number), self.view, scale)
         return self._levels[scale, number]
+
+    @cached_property
+    def quality(self) -> tuple[ImageQuality, ...]:
+        """That of each pair."""
+        return tuple(map(image_quality, self.pairs))
 
     def sample(self, scale: float) -> ScoringData:
         """The first pair alone at `scale`: enough for the shapes of all data at that scale."""
