@@ -13,7 +13,7 @@ from stereorecal._signals import hold
 from stereorecal.cli import _calibration_output, _library_arguments, _option_values
 from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED
+from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
 from stereorecal.cli._html_page import check_page, write_report
 from stereorecal.cli._library_arguments import health_options
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
@@ -256,7 +256,10 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
     for fault, code in _CODES.items():
         if fault in faults:
             return code
-    reasons = {repair.solution.reason for repair in repairs if repair.solution}
+    solutions = [repair.solution for repair in repairs if repair.solution]
+    if any(one.findings.mismatch for one in solutions):
+        return WRONG_INPUT
+    reasons = {one.reason for one in solutions}
     wrong = {reason for reason in reasons if not reason.healthy}
     untold = {Reason.TOO_LITTLE_TEXTURE, Reason.CANNOT_TELL, Reason.FEWER_MATCHES}
     return 1 if wrong - untold else CANNOT_TELL if wrong else 0

@@ -11,8 +11,8 @@ from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.io import calibrated_scene, load_scene, open_pairs
-from stereorecal.recalibration import MOST_FRAMES, chosen_frames
+from stereorecal.io import about, calibrated_scene, load_scene, open_pairs
+from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
 _LONG = 100  # pairs: more of image files are treated like a video's, which are not all looked at
@@ -47,12 +47,21 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
         InputError: if one cannot be used.
     """
     found = _recordings(options, partial(_selected, few=few))
+    if options.fix is not None:
+        found = replace(found, scenes=[_fixed(scene, options.fix) for scene in found.scenes])
     if options.readout is None:
         return found
     if options.readout and all(pair.time is None for one in found.scenes for pair in one.pairs):
         raise InputError("--readout is part of the rig's motion, and no pair knows its time; leave it out.")
     read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
     return replace(found, scenes=read)
+
+
+def _fixed(scene: Scene, cause: str) -> Scene:
+    assert scene.rig is not None
+    with about(scene.name):
+        rig, pairs = fixed(scene.rig, scene.pairs, cause)
+    return replace(scene, rig=rig, pairs=pairs)
 
 
 def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:

@@ -96,10 +96,20 @@ class _ScheduleOptions:
 
 
 @option_group
+class _FixOptions(RecordingOptions):
+    """Recordings with a mistake in them."""
+
+    title = READS
+    fix: Literal["exchanged", "scaled", "late", "early"] | None = option(
+        "the mistake in images or calibration that a report names", metavar="CAUSE"
+    )
+
+
+@option_group
 class RecalibrateOptions(
     _CalibrationOutputOptions,
     ReportOptions,
-    RecordingOptions,
+    _FixOptions,
     _FreeOptions,
     ReachOptions,
     DecisionOptions,
@@ -113,7 +123,8 @@ class RecalibrateOptions(
     makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
 
     Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4
-    cannot tell (too dark, too little texture, or the images do not determine what is better); 130 interrupted. Of
+    cannot tell (too dark, too little texture, or the images do not determine what is better); 5 wrong input (these
+    cannot be images of this rig: exchanged, of two moments, another size); 130 interrupted. Of
     several recordings, the worst one decides."""
 
     @property
@@ -154,7 +165,7 @@ class RecalibrateOptions(
 
 
 @option_group
-class ScoreOptions(ReportOptions, RecordingOptions, DecisionOptions, CommonOptions):
+class ScoreOptions(ReportOptions, _FixOptions, DecisionOptions, CommonOptions):
     """Check the calibration of each recording against its images, and change nothing. The report: the share of matched
     pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
 

@@ -7,7 +7,7 @@ from typing import Any
 from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._signals import hold
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
+from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT
 from stereorecal.cli._library_arguments import health_options, tolerances
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
@@ -22,7 +22,12 @@ from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
 SCHEMA = "stereorecal.health/2"
-_CODES = {Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL, Condition.HEALTHY: 0}  # the first that occurs
+_CODES = {  # the first that occurs
+    Condition.WRONG_INPUT: WRONG_INPUT,
+    Condition.REPAIR: REPAIR,
+    Condition.CANNOT_TELL: CANNOT_TELL,
+    Condition.HEALTHY: 0,
+}
 
 
 def run(options: ScoreOptions) -> int:

@@ -48,7 +48,7 @@ _ADVICE = {
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
     Reason.OUT_OF_BUDGET: "Give a larger budget.",
     Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture.",
-    Reason.NO_MATCHES: "Check that both images are of this rig and of one moment; a larger reach searches farther.",
+    Reason.NO_MATCHES: "Give a larger reach, or images that show more.",
     Reason.FRAMES_DISAGREE: "Take them at rest, or check the synchronisation of the cameras.",
     Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
     Reason.FEWER_MATCHES: "Take another pair; something moved between the exposures, or a lens does not fit its model.",

@@ -11,6 +11,7 @@ from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._mismatch import MATCHED
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
@@ -23,6 +24,7 @@ from stereorecal.scoring.host import refuse_swapped_images
 
 _MATCHED_AGAIN = 2  # times, at most
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
+
 
 _Estimator = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Estimate]
 
@@ -111,7 +113,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         away=_away(case, candidate),
     )
     reason = reason_of(decision, seen)
-    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
+    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES) or seen.covered < MATCHED * seen.texture:
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = again * case.images.at(run.scale, run.stage.frames).cost
     return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)

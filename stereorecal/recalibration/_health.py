@@ -22,6 +22,7 @@ from stereorecal.recalibration._correction import Correction, correction_of
 from stereorecal.recalibration._ending import rows_at
 from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._health_text import health_text
+from stereorecal.recalibration._mismatch import Mismatch, may_be_wrong_input, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
@@ -29,7 +30,7 @@ from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, pyramid
-from stereorecal.scoring.host import Score, refuse_swapped_images, with_measured_range
+from stereorecal.scoring.host import Score, with_measured_range
 
 HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
 
@@ -39,6 +40,7 @@ class Condition(enum.Enum):
 
     HEALTHY = "healthy"
     REPAIR = "repair it"
+    WRONG_INPUT = "wrong input"
     CANNOT_TELL = "cannot tell"
 
 
@@ -56,6 +58,8 @@ class Health:
             frame that shows most. False matches count as pixels, but hardly here.
         shown: light and texture of the images, of the frame that shows most.
         correction: of the extrinsics, that the images ask for; None if hardly anything matches.
+        mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
+            rig explains it.
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
         view: that was looked through.
@@ -68,6 +72,7 @@ class Health:
     covered: float
     shown: ImageQuality
     correction: Correction | None
+    mismatch: Mismatch | None = None
     disagreeing: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
     view: View | None = None
@@ -79,7 +84,10 @@ class Health:
     @property
     def condition(self) -> Condition:
         """Repair, if a change is an improvement, or hardly anything matches of images that show enough. Healthy, if
-        none is, and the rows are aligned where the images show something. Cannot tell, otherwise."""
+        none is, and the rows are aligned where the images show something. Wrong input, if the images cannot be of this
+        rig. Cannot tell, otherwise."""
+        if self.mismatch is not None:
+            return Condition.WRONG_INPUT
         if self.reason is Reason.ALREADY_GOOD:
             return Condition.HEALTHY
         repair = self.reason in (Reason.IMPROVED, Reason.NO_MATCHES) and not self.doubts
@@ -93,6 +101,8 @@ class Health:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
+        if self.mismatch is not None:
+            return self.mismatch.verdict
         if self.doubts and not self.healthy:
             return "Cannot tell: the calibration has values that hardly any rig has."
         if self.reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
@@ -105,6 +115,8 @@ class Health:
     @property
     def advice(self) -> str:
         """What to do."""
+        if self.mismatch is not None:
+            return self.mismatch.advice
         if self.doubts and not self.healthy:
             return "Check the calibration file."
         return "Run recalibrate with these images." if self.condition is Condition.REPAIR else self.reason.advice
@@ -127,6 +139,7 @@ class Health:
                 "probability_worse": correction and correction.decision.worse,
                 "probability_better": correction and correction.decision.better,
                 "view": self.view and self.view.as_dict(),
+                "mismatch": self.mismatch and self.mismatch.as_dict(),
                 "disagreeing": self.disagreeing,
                 "doubts": self.doubts,
                 "axes": correction and (correction.main_axes if self.condition is Condition.REPAIR else ()),
@@ -197,8 +210,9 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         view=images.view,
         pairs=len(images.pairs),
     )
+    if may_be_wrong_input(reason):
+        found = replace(found, mismatch=mismatch_of(images, settings.matcher))
     if assessment is None:
-        refuse_swapped_images(images)
         return found
     if reason is Reason.FRAMES_DISAGREE:
         return replace(found, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))

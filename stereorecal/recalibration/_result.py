@@ -20,6 +20,7 @@ from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
 from stereorecal.recalibration._match_ranges import RangesSeen
+from stereorecal.recalibration._mismatch import Mismatch
 from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._regional_misfit import Misfit
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
@@ -48,6 +49,8 @@ class Findings:
         estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
         decision: on the initial calibration, by the estimate; None in the same cases.
         seen: what the images show besides, that checks look at; None in the same cases.
+        mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
+            rig explains it.
     """
 
     score_before: Score
@@ -61,6 +64,7 @@ class Findings:
     estimate: Estimate | None = None
     decision: Decision | None = None
     seen: Seen | None = None
+    mismatch: Mismatch | None = None
 
     if not TYPE_CHECKING:
         __getattr__ = renamed_attributes({"beams": "matched_ranges"})
@@ -148,12 +152,16 @@ class AbstractResult:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
+        if self.findings.mismatch is not None:
+            return self.findings.mismatch.verdict
         pairs = len(self.frames.used) + len(self.frames.left_out)
         return verdict_of(self.reason, self.decision, pairs, repaired=True)
 
     @property
     def advice(self) -> str:
         """What to do."""
+        if self.findings.mismatch is not None:
+            return self.findings.mismatch.advice
         return advice_of(self.reason, intrinsics_change=self.intrinsics is not None and self.intrinsics.changed)
 
     @property

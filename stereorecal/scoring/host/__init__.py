@@ -26,7 +26,11 @@ from stereorecal.scoring.host._survey import (
     with_disparity_range as with_disparity_range,
     with_measured_range as with_measured_range,
 )
-from stereorecal.scoring.host._swapped_images import refuse_swapped_images as refuse_swapped_images
+from stereorecal.scoring.host._swapped_images import (
+    FeatureMotion as FeatureMotion,
+    motion_by_features as motion_by_features,
+    refuse_swapped_images as refuse_swapped_images,
+)
 from stereorecal.scoring.host._tracking import (
     Corners as Corners,
     Matches as Matches,

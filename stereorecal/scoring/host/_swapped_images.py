@@ -5,6 +5,7 @@ the rotation between the cameras, so the answer is the same for any drift. In do
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -29,8 +30,12 @@ _ENOUGH_AGREE = 30  # pairs that agree
 _MANY_TIMES = 3  # as many pairs agree once an image is flipped; of correct images a ninth
 _AGREE = 1.5  # pixels from the epipolar line
 _MOST = 0.8  # share of the pairs that agree, and of those that say the same
-_TRAIL = 2.0  # times as far from the median as the other end; of images that are exchanged 0.7 to 1.4
-_MOVED = 2.0  # of parallax, in units of _AGREE; less may be noise
+_BEHIND = -1.0  # of parallax, in units of _AGREE: what is farther behind both cameras is no noise
+_AHEAD, _NOT_AHEAD = 0.9, 0.5  # share of the pairs that are ahead of both cameras; of right images 0.98 and more
+_ALIGNED = 0.75  # of the pairs, by a rotation alone: of one moment; 0.8 and more do, of late images on the move 0.7
+_TURNED = np.radians(6.0)  # more is another rig
+_ASIDE = np.radians(30.0)  # from the baseline: of true pairs up to 10 degrees, of late ones on the move 65
+_TURNED_LESS = np.radians(3.0)  # by exchanged images, which then explain the pairs better
 _DISTINCT = 150.0  # between descriptors of 512: one thing seen twice is nearer, two different things are farther
 _ROUNDS = 6  # of least squares, which converge in two or three
 _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
@@ -53,6 +58,33 @@ def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) 
         raise InputError(which + sentence)
 
 
+@dataclass(frozen=True)
+class FeatureMotion:
+    """What features say of the motion between two cameras, whatever the calibration.
+
+    Attributes:
+        turned: they fit the rig, but for a rotation.
+        aside: they fit the rig's rotation, but not the direction of its baseline, as if a camera had moved.
+    """
+
+    turned: bool
+    aside: bool
+
+
+def motion_by_features(images: Pyramid) -> FeatureMotion:
+    """Of the pairs with most texture: what one of them says."""
+    each = [_motion(images.rig, pair) for pair in select_frames(images.pairs, _FRAMES)]
+    turned = any(one.turned for one in each)
+    return FeatureMotion(turned, not turned and any(one.aside for one in each))
+
+
+def _motion(rig: StereoRig, pair: Pair) -> FeatureMotion:
+    left, right = (_features(np.asarray(image))[:2] for image in (pair.left, pair.right))
+    found = _ahead(rig, left, right, _tolerance(rig, pair))
+    turned = found.share >= _AHEAD and found.aligned >= _ALIGNED and found.angle < _TURNED
+    return FeatureMotion(turned, found.agree >= _MOST and found.aside > _ASIDE)
+
+
 def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
     if not image_quality(pair).enough:
         return None
@@ -60,11 +92,11 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
     if min(len(left), len(right)) < enough:
         return None
-    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
+    tolerance = _tolerance(rig, pair)
     rays = _rays_of_matches(rig, (left, first), (right, second))
-    turned, agree = _rotation(*rays, tolerance)
+    turned, _, agree = _rotation(*rays, tolerance)
     flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
-    _, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
+    *_, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
     if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
         return "one of the two images is mirrored; flip it from left to right."
     if agree.sum() <= _CHANCE:
@@ -85,19 +117,24 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
             "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
             "the right one; transpose it."
         )
-    if _angle(turned, calibrated) > _NEAR:
-        return None
-    towards = np.asarray(rig.translation, float) / float(rig.baseline)
-    first, second = (found[agree] for found in rays)
-    turned = _aligned(first, second, turned, towards, tolerance)
-    parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
-    if np.mean(parallax < -_MOVED) > _MOST and not _trails_ahead(parallax):
+    given = _ahead(rig, (left, first), (right, second), tolerance)
+    exchanged = _ahead(rig, (right, second), (left, first), tolerance)
+    if (
+        exchanged.share >= _AHEAD
+        and exchanged.angle < _NEAR
+        and (given.share < _NOT_AHEAD or given.angle > exchanged.angle + _TURNED_LESS)
+    ):
         return (
             "near things lie on the wrong side: the left and right images look swapped (or both are mirrored or upside "
             "down, or the calibration says how the left camera stands in the right one the other way round); exchange "
             "left and right, or invert the transform."
         )
     return None
+
+
+def _tolerance(rig: StereoRig, pair: Pair) -> float:
+    """Of the distance to an epipolar line, at depth 1."""
+    return _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
 
 
 def _rays_of_matches(
@@ -111,11 +148,46 @@ def _rays_of_matches(
     return _at_depth_1(first), _at_depth_1(second)
 
 
-def _trails_ahead(parallax: Float[np.ndarray, "n"]) -> bool:
-    """Whether things that are nearer than most lie on the right side of those: then it is the rotation that was not
-    found, as where a part of an image has moved."""
-    low, middle, high = np.percentile(parallax, [5.0, 50.0, 95.0])
-    return bool(high - middle > _TRAIL * (middle - low))
+@dataclass(frozen=True)
+class _Ahead:
+    """Cheirality, once rows are aligned across the given baseline.
+
+    Attributes:
+        share: of the pairs that agree on a motion, that are not behind both cameras.
+        agree, aligned: share of all pairs that agree on the motion, and that this rotation aligns.
+        angle: from the given rotation to that one, rad.
+        aside: from the given baseline to the direction of the motion, or its opposite, rad.
+    """
+
+    share: float
+    agree: float
+    aligned: float
+    angle: float
+    aside: float
+
+
+def _ahead(
+    rig: StereoRig,
+    left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
+    right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
+    tolerance: float,
+) -> _Ahead:
+    """Of features (pixels, descriptors), if the first images are the left camera's. The sign of parallax tells, since
+    the direction of the baseline is known better than any essential matrix has it."""
+    rays = _rays_of_matches(rig, left, right)
+    turned, along, agree = _rotation(*rays, tolerance)
+    if agree.sum() <= _CHANCE:
+        return _Ahead(0.0, 0.0, 0.0, np.pi, 0.0)
+    calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
+    towards = np.asarray(rig.translation, float) / float(rig.baseline)
+    start = turned if _angle(turned, calibrated) < _NEAR else calibrated
+    first, second = (found[agree] for found in rays)
+    turned = _aligned(first, second, start, towards, tolerance)
+    across = np.einsum("ni,ni->n", second, np.cross(towards, first @ turned.T))
+    parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
+    aligned = float(np.sum(np.abs(across) < tolerance)) / len(agree)
+    aside = float(np.arccos(np.clip(abs(along @ towards), 0.0, 1.0)))
+    return _Ahead(float(np.mean(parallax > _BEHIND)), float(agree.mean()), aligned, _angle(turned, calibrated), aside)
 
 
 def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]:
@@ -157,16 +229,17 @@ def _second_best(distances: Float[np.ndarray, "n m"], axis: int) -> Float[np.nda
 
 def _rotation(
     left: Float[np.ndarray, "n 3"], right: Float[np.ndarray, "n 3"], tolerance: float
-) -> tuple[Float[np.ndarray, "3 3"], Bool[np.ndarray, "n"]]:
-    """The rotation, left to right, of the motion on which most pairs agree, and which do."""
-    none = np.eye(3), np.zeros(len(left), bool)
+) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"], Bool[np.ndarray, "n"]]:
+    """Rotation, left to right, and direction of the motion on which most pairs agree, and which do."""
+    none = np.eye(3), np.zeros(3), np.zeros(len(left), bool)
     if len(left) < _CHANCE:
         return none
     left_points, right_points = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
     essential, agree = cv2.findEssentialMat(left_points, right_points, np.eye(3), cv2.RANSAC, 0.999, tolerance)
     if essential is None or essential.shape != (3, 3):
         return none
-    return cv2.recoverPose(essential, left_points, right_points, np.eye(3), mask=agree.copy())[1], agree.reshape(-1) > 0
+    _, turned, along, _ = cv2.recoverPose(essential, left_points, right_points, np.eye(3), mask=agree.copy())
+    return turned, along.reshape(3), agree.reshape(-1) > 0
 
 
 def _aligned(

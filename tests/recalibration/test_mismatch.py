@@ -1,0 +1,141 @@
+"""Images that cannot be of a rig: the mistake is named, and mended where that is asked for; a drifted rig has none."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+from stereorecal import InputError, recalibrate
+from stereorecal.geometry import StereoRig
+from stereorecal.io import load_scene
+from stereorecal.matching import SAD
+from stereorecal.recalibration import Condition, Reason, fixed, health
+from stereorecal.recalibration._mismatch import mismatch_of
+from stereorecal.recordings import Pair
+from stereorecal.scoring import pyramid
+from stereorecal.synthetic import KINDS, decalibrate
+
+SIZE, SAD_ANY = (320, 240), SAD()
+
+
+def scaled(rig: StereoRig, ratio: float) -> StereoRig:
+    def of(camera):
+        matrix = np.diag([ratio, ratio, 1.0]) @ camera.matrix
+        matrix[:2, 2] += 0.5 * (ratio - 1.0)
+        return replace(camera, matrix=matrix)
+
+    return replace(rig, left=of(rig.left), right=of(rig.right))
+
+
+def late(pairs: list[Pair], by: int) -> list[Pair]:
+    """The right images came so many frames later; the first have none."""
+    both = zip(pairs[max(by, 0) :], pairs[max(-by, 0) :], strict=False)
+    return [replace(pair, right=other.right, origin=None) for pair, other in both]
+
+
+@pytest.fixture
+def rig_and_pairs(scene):
+    """Of three places, by one rig."""
+    scenes = [scene(kind, 0, SIZE) for kind in ("street", "harbour", "coast")]
+    return scenes[0].rig, [one.pairs[0] for one in scenes]
+
+
+@pytest.mark.slow(after=2)
+@pytest.mark.parametrize("ratio", [0.5, 2.0, 1.5])
+def test_k_of_another_size_is_named_and_mended(rig_and_pairs, ratio):
+    rig, (pair, *_) = rig_and_pairs
+    tilted = rig.with_extrinsics(rig.extrinsics + np.radians([0.0, 4.0, 0.0, 0.0, 0.0, 0.0]))  # K is seen by rows then
+    wrong = scaled(tilted, ratio)
+    found = mismatch_of(pyramid(wrong, [pair]), SAD_ANY)
+    if found is not None:  # rectified images match under any K
+        assert found.cause.name == "scaled"
+    mended, same = fixed(wrong, (pair,), "scaled")
+    assert same == (pair,)
+    for one, other in ((mended.left, tilted.left), (mended.right, tilted.right)):
+        np.testing.assert_allclose(one.matrix, other.matrix, rtol=1e-12)
+
+
+@pytest.mark.slow(after=2)
+@pytest.mark.parametrize(("by", "name"), [(1, "early"), (-1, "late")])
+def test_frames_that_are_one_aside_are_named_and_mended(rig_and_pairs, by, name):
+    rig, pairs = rig_and_pairs
+    wrong = late(pairs, by)
+    for look in (health, recalibrate):
+        try:
+            said = look(rig, wrong)
+        except InputError as error:
+            assert "different things" in str(error)
+        else:
+            assert "one frame" in said.verdict and f"--fix {name}" in said.advice
+    mended = fixed(rig, tuple(wrong), name)[1]
+    (middle,) = mended
+    assert middle.left is pairs[1].left and middle.right is pairs[1].right
+
+
+@pytest.mark.slow(after=2)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_drift_is_no_mistake(scene, kind, seed):
+    shown = scene(kind, seed, (640, 480))
+    bad = decalibrate(shown.rig, jax.random.key(seed), 2.5, 0.02)
+    assert mismatch_of(pyramid(bad, shown.pairs), SAD_ANY) is None
+
+
+def test_exchanged_images_are_mended(scene):
+    shown = scene("harbour", 0, SIZE)
+    (pair,) = shown.pairs
+    wrong = (replace(pair, left=pair.right, right=pair.left, origin=None),)
+    rig, (mended,) = fixed(shown.rig, wrong, "exchanged")
+    assert rig is shown.rig and mended.left is pair.left and mended.right is pair.right
+    assert health(rig, [mended]).healthy
+
+
+def test_what_nothing_says_how_to_mend(scene):
+    shown = scene("harbour", 0, SIZE)
+    for name in ("scaled", "late"):  # K fits, and there is one pair
+        with pytest.raises(InputError, match=f"how to mend '{name}'"):
+            fixed(shown.rig, shown.pairs, name)
+
+
+@pytest.mark.slow(after=20)
+def test_no_exchanged_pair_is_accepted_and_no_true_pair_named(data_dir: Path):
+    named, every = 0, 0
+    for calibration in sorted(data_dir.glob("*/*/calib.json")):
+        if (given := load_scene(calibration.parent)).rig is None:
+            continue
+        every += 1
+        pair = given.pairs[0]
+        assert mismatch_of(pyramid(given.rig, [pair]), SAD_ANY) is None, given.name
+        try:
+            solution = recalibrate(given.rig, [replace(pair, left=pair.right, right=pair.left, origin=None)])
+        except InputError as error:
+            assert "swapped" in str(error)
+            named += 1
+        else:
+            assert solution.findings.mismatch is not None and not solution.accepted
+            named += solution.findings.mismatch.cause is not None
+    assert every > 18 and named == every
+
+
+@pytest.mark.slow(after=10)
+def test_images_of_two_moments_on_the_move(data_dir: Path):
+    given = load_scene(data_dir / "kitti_odometry/suburb_drive")
+    wrong = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs[:8:2], given.pairs[1:9:2], strict=True)]
+    for said in (health(given.rig, wrong), recalibrate(given.rig, wrong[:1])):
+        assert "two moments" in said.verdict
+    found = health(given.rig, wrong)
+    assert found.condition is Condition.WRONG_INPUT and found.reason is not Reason.ALREADY_GOOD
+    assert found.as_dict()["mismatch"]["two_moments"] is True
+
+
+@pytest.mark.slow(after=5)
+@pytest.mark.parametrize("ratio", [0.5, 2.0])
+def test_k_of_another_size_of_a_real_rig(data_dir: Path, ratio):
+    given = load_scene(data_dir / "boofcv_bumblebee2/garden01")
+    wrong = scaled(given.rig, ratio)
+    for look in (health, recalibrate):
+        said = look(wrong, given.pairs)
+        assert f"K scaled by {1 / ratio:g} 7" in said.verdict, "and seven tenths match"
+        assert "--fix scaled" in said.advice
