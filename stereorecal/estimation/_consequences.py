@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Inexact
+from jaxtyping import Bool, Float, Inexact
 
 from stereorecal.estimation._jacobian import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
     PINHOLE,
+    Camera,
     Projection,
     StereoRig,
     View,
@@ -29,6 +30,7 @@ DISTANCES = (5, 10, 30, 100)  # baselines
 _GRID = (9, 7)  # points of the left image
 AHEAD = 0.1  # cosine of the angle off the axis
 _FLAT = 2.0  # tangent of it: farther aside, a pinhole stretches the image five times, and no view shows it
+_REACHED = 0.97  # of the angle up to which a lens model is good: a little other parameters end it sooner
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
@@ -49,12 +51,18 @@ def points_of_view(rig: StereoRig, distance: float, view: View | None = None) ->
     away = distance * float(rig.baseline)
     points = rays * away if pinhole else rays * (away / np.linalg.norm(rays, axis=1))[:, None]
     right = points @ rig.rotation.T + rig.translation
-    ahead = (right[:, 2] > 0.0) & (np.hypot(rays[:, 0], rays[:, 1]) < float(rig.left.lens_radius))
+    ahead = (right[:, 2] > 0.0) & within_lens(rig.left, rays)
     at_1 = right / np.where(ahead, right[:, 2], 1.0)[:, None]
-    inside = np.hypot(at_1[:, 0], at_1[:, 1]) < float(rig.right.lens_radius)
+    inside = within_lens(rig.right, at_1)
     pixels = np.asarray(rig.right.project(at_1))
     by_both = ahead & inside & ((pixels >= 0.0) & (pixels <= np.array([width, height]) - 1.0)).all(axis=-1)
     return points[by_both] if by_both.any() else points[ahead & inside]
+
+
+def within_lens(camera: Camera, rays: Float[np.ndarray, "p 3"]) -> Bool[np.ndarray, "p"]:
+    """Whether rays at depth 1 are well within what the lens model is good for."""
+    radius = np.hypot(rays[:, 0], rays[:, 1])
+    return (radius < float(camera.lens_radius)) & (np.arctan(radius) < _REACHED * float(camera.lens_field))
 
 
 def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings
+from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings, within_lens
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
@@ -146,7 +146,8 @@ def points_shown(
     """Points that stand for what groups show, in the frame of the left camera, and their weights: each place of the
     image that shows something counts as much as another."""
     nearness = nearness_of(rig, groups.left, groups.right, view)
-    some = np.flatnonzero(nearness > 0.0)
+    left, right = (rays / rays[:, 2:] for rays in (groups.left, groups.right))
+    some = np.flatnonzero((nearness > 0.0) & within_lens(rig.left, left) & within_lens(rig.right, right))
     some = np.random.default_rng(0).permutation(some)[:_MOST_SHOWN]  # groups are in the order of their depths
     nearness, groups = nearness[some], groups.of(some)
     of_place = np.bincount(groups.place, groups.count, int(np.prod(PLACES)))
