@@ -28,7 +28,7 @@ class Reason(enum.Enum):
     @property
     def advice(self) -> str:
         """What to do."""
-        return _ADVICE[self]
+        return "Use the new calibration (solution.rig, --output FILE)." if self.accepted else _ADVICE[self]
 
     @property
     def accepted(self) -> bool:
@@ -40,10 +40,14 @@ class Reason(enum.Enum):
         """True if the calibration to use is good: repaired, or good from the start."""
         return self.accepted or self is Reason.ALREADY_GOOD
 
+    @property
+    def untold(self) -> bool:
+        """True if it cannot be told whether the calibration is good, whatever the candidate is."""
+        return self in _UNTOLD
 
+
+_UNTOLD = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.MISFIT, Reason.CANNOT_TELL)
 _ADVICE = {
-    Reason.IMPROVED: "Use the new calibration (solution.rig, --output FILE).",
-    Reason.MORE_MATCHES: "Use the new calibration (solution.rig, --output FILE).",
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
     Reason.OUT_OF_BUDGET: "Give a larger budget.",

@@ -162,15 +162,11 @@ def _decision(
     expected = estimate.expected_loss(zero), estimate.expected_loss(theta)
     better, worse = float(np.mean(after.total < before.total)), _harm(before, after, limits)
     gains = expected[1] < min(expected[0] - 1.0, limits.leaves * expected[0]) and better >= limits.better
-    failed, held_out = None if gains else Test.GAINS, []
-    if not failed and not worse <= limits.harm:  # NaN is no proof of harmlessness
-        failed = Test.HARMLESS
-    if not failed:
-        held_out = estimate.held_out(free, share)
-        if estimate.shown is not None and not predicts(
-            held_out, limits, rows_alone=not (estimate.matched_ranges or estimate.windows)
-        ):
-            failed = Test.PREDICTS
+    harmless = worse <= limits.harm  # NaN is no proof of harmlessness
+    held_out = estimate.held_out(free, share) if gains and harmless else []
+    rows_alone = not (estimate.matched_ranges or estimate.windows)
+    predicted = estimate.shown is None or predicts(held_out, limits, rows_alone=rows_alone)
+    failed = next((one for one, passed in zip(Test, (gains, harmless, predicted), strict=True) if not passed), None)
     good = float(np.mean(before.seen <= limits.good_rows_px)) >= limits.good_surely
     return Decision(
         verdict=Verdict.REPAIR if failed is None else Verdict.GOOD if good else Verdict.CANNOT_TELL,

@@ -26,8 +26,8 @@ from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import name_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
-_SAYS_NOTHING = (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES, Reason.OUT_OF_BUDGET)
-_UNKNOWN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
+_NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
+_SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
 def report_of(
@@ -89,7 +89,7 @@ def report_of(
 
 def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
-    if reason in _UNKNOWN:
+    if reason in _NOTHING_SEEN:
         return Conclusion.UNKNOWN
     if not reason.healthy:
         return Conclusion.REFUSED
