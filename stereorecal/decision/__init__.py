@@ -12,8 +12,8 @@ from stereorecal.decision._checks import (
     reason_of as reason_of,
 )
 from stereorecal.decision._rule import (
+    Criterion as Criterion,
     Decision as Decision,
-    Test as Test,
     Verdict as Verdict,
     chance_of_harm as chance_of_harm,
     decide as decide,

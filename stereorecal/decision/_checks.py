@@ -4,7 +4,7 @@ import enum
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stereorecal.decision._rule import Decision, Test, Verdict
+from stereorecal.decision._rule import Criterion, Decision, Verdict
 from stereorecal.decision._tolerances import ENOUGH
 
 
@@ -140,7 +140,7 @@ def reason_of(decision: Decision | None, seen: Seen) -> Reason:
     None: too few matches for any decision."""
     held = [check for check in CHECKS if check.holds(seen)]
     if decision is None or decision.verdict is Verdict.CANNOT_TELL:
-        own = Reason.MISFIT if decision and decision.failed is Test.PREDICTS else Reason.CANNOT_TELL
+        own = Reason.MISFIT if decision and decision.failed is Criterion.PREDICTS else Reason.CANNOT_TELL
         return held[0].reason if held else own
     if decision.verdict is Verdict.REPAIR:
         return held[0].reason if any(check.vetoes for check in held) else Reason.IMPROVED

@@ -22,8 +22,8 @@ class Verdict(enum.Enum):
     CANNOT_TELL = "the rows may be misaligned, and there is no significant improvement"
 
 
-class Test(enum.Enum):
-    """What a candidate has to pass; the value says what it is to fail."""
+class Criterion(enum.Enum):
+    """What a candidate has to meet; the value says what it is to fail."""
 
     GAINS = "no change is a significant improvement"
     HARMLESS = "a change may make it worse"
@@ -43,7 +43,7 @@ class Decision:
         loss: (2,) that is to be expected of the calibration, and of the candidate.
         rows_px: (2, 3) row error where images show something, of both: median, 95 % interval.
         view_px: (2, 3) the same over the whole view at all distances.
-        failed: the first test that the candidate fails; None: it passes.
+        failed: the first criterion that the candidate fails; None: it meets all.
         held_out: what parts that were left out say; empty if nobody asked.
         tolerances: by which it was decided.
     """
@@ -56,7 +56,7 @@ class Decision:
     loss: tuple[float, float]
     rows_px: Float[np.ndarray, "2 3"]
     view_px: Float[np.ndarray, "2 3"]
-    failed: Test | None = None
+    failed: Criterion | None = None
     held_out: tuple[HeldOut, ...] = ()
     tolerances: Tolerances = DEFAULT
 
@@ -93,7 +93,7 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
 
     1. The candidate is the one of least expected loss, rows and depth; where that may harm, as near to it as does no
        harm on the way to the one to which a change of depth costs its square.
-    2. It replaces the calibration if it passes three tests:
+    2. It replaces the calibration if it meets three criteria:
 
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
        - it does not harm: with 98 % probability neither rows, where images show something or over the view, nor depth
@@ -166,7 +166,7 @@ def _decision(
     held_out = estimate.held_out(free, share) if gains and harmless else []
     rows_alone = not (estimate.matched_ranges or estimate.windows)
     predicted = estimate.shown is None or predicts(held_out, limits, rows_alone=rows_alone)
-    failed = next((one for one, passed in zip(Test, (gains, harmless, predicted), strict=True) if not passed), None)
+    failed = next((one for one, met in zip(Criterion, (gains, harmless, predicted), strict=True) if not met), None)
     good = float(np.mean(before.seen <= limits.good_rows_px)) >= limits.good_surely
     return Decision(
         verdict=Verdict.REPAIR if failed is None else Verdict.GOOD if good else Verdict.CANNOT_TELL,

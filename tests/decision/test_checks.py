@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stereorecal.decision import CHECKS, ENOUGH, Decision, Reason, Seen, Test as Asked, Verdict, reason_of
+from stereorecal.decision import CHECKS, ENOUGH, Criterion, Decision, Reason, Seen, Verdict, reason_of
 
 GOOD = {"matches": 2000, "covered": 0.5, "places": 40, "texture": 0.6}
 SHOWN = {
@@ -21,7 +21,7 @@ SHOWN = {
 }
 
 
-def said(verdict: Verdict | None, failed: Asked | None = None, **shown) -> Reason:
+def said(verdict: Verdict | None, failed: Criterion | None = None, **shown) -> Reason:
     px = np.ones((2, 3))
     decision = Decision(verdict or Verdict.GOOD, np.zeros(5), 0.0, 0.0, 1.0, (2.0, 1.0), px, px, failed)
     return reason_of(None if verdict is None else decision, Seen(**(GOOD | shown)))
@@ -39,9 +39,9 @@ def test_every_reason_has_an_advice_of_one_sentence(reason):
 
 def test_without_a_finding_the_verdict_is_the_reason():
     assert said(Verdict.REPAIR) is Reason.IMPROVED
-    assert said(Verdict.GOOD, Asked.GAINS) is Reason.ALREADY_GOOD
-    assert said(Verdict.CANNOT_TELL, Asked.HARMLESS) is said(None) is Reason.CANNOT_TELL
-    assert said(Verdict.CANNOT_TELL, Asked.PREDICTS) is Reason.MISFIT
+    assert said(Verdict.GOOD, Criterion.GAINS) is Reason.ALREADY_GOOD
+    assert said(Verdict.CANNOT_TELL, Criterion.HARMLESS) is said(None) is Reason.CANNOT_TELL
+    assert said(Verdict.CANNOT_TELL, Criterion.PREDICTS) is Reason.MISFIT
 
 
 def test_each_check_says_its_own_reason():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Test as Asked, Tolerances, Verdict, chance_of_harm, decide, decide_together
+from stereorecal.decision import LIMITS, Criterion, Tolerances, Verdict, chance_of_harm, decide, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     Earlier,
@@ -80,7 +80,7 @@ def test_images_must_bear_it_out(drifted):
     groups = seen.shown
     as_given = groups.differences(seen.chart, np.zeros(len(seen.theta)))
     aligned = replace(seen, shown=replace(groups, offset=groups.offset - as_given))  # as if they met as calibrated
-    assert decide(aligned, AXES).failed is Asked.PREDICTS
+    assert decide(aligned, AXES).failed is Criterion.PREDICTS
 
 
 @settings(max_examples=5)
@@ -156,19 +156,19 @@ NAN = np.where(FEW, np.nan, 0.1)
 ALIGNED = HeldOut("rows 1 of 3", 100, 0.2, 0.2, 0.1)
 CASES = {
     "all pass": ({}, {}, (PART, PART), None),
-    "less than a unit": ({"total": 1.5}, {"total": 0.6}, (PART, PART), Asked.GAINS),
-    "too small a share": ({}, {"total": 18.0}, (PART, PART), Asked.GAINS),
-    "not sure to be better": ({}, {"total": np.where(np.arange(1000) < 300, 21.0, 1.0)}, (PART,), Asked.GAINS),
-    "rows where something is seen": ({}, {"seen": np.where(FEW, 1.2, 0.1)}, (PART,), Asked.HARMLESS),
-    "rows over the view": ({}, {"even": np.where(FEW, 1.2, 0.1)}, (PART,), Asked.HARMLESS),
-    "depth": ({}, {"farthest": np.where(FEW, 3.0, 0.1)}, (PART,), Asked.HARMLESS),
+    "less than a unit": ({"total": 1.5}, {"total": 0.6}, (PART, PART), Criterion.GAINS),
+    "too small a share": ({}, {"total": 18.0}, (PART, PART), Criterion.GAINS),
+    "not sure to be better": ({}, {"total": np.where(np.arange(1000) < 300, 21.0, 1.0)}, (PART,), Criterion.GAINS),
+    "rows where something is seen": ({}, {"seen": np.where(FEW, 1.2, 0.1)}, (PART,), Criterion.HARMLESS),
+    "rows over the view": ({}, {"even": np.where(FEW, 1.2, 0.1)}, (PART,), Criterion.HARMLESS),
+    "depth": ({}, {"farthest": np.where(FEW, 3.0, 0.1)}, (PART,), Criterion.HARMLESS),
     "seldom": ({}, {"farthest": np.where(np.arange(1000) < 3, 3.0, 0.1)}, (PART,), None),
-    "rows that are no number": ({}, {"seen": NAN}, (PART,), Asked.HARMLESS),
-    "depth that is no number": ({}, {"farthest": NAN}, (PART,), Asked.HARMLESS),
-    "one part worse": ({}, {}, (PART, PART, replace(PART, count=5, before=0.5, after=0.7)), Asked.PREDICTS),
+    "rows that are no number": ({}, {"seen": NAN}, (PART,), Criterion.HARMLESS),
+    "depth that is no number": ({}, {"farthest": NAN}, (PART,), Criterion.HARMLESS),
+    "one part worse": ({}, {}, (PART, PART, replace(PART, count=5, before=0.5, after=0.7)), Criterion.PREDICTS),
     "one part worse, and aligned": ({}, {}, (PART, PART, replace(PART, before=0.1, after=0.2)), None),
-    "parts as they were": ({}, {}, (ALIGNED, ALIGNED), Asked.PREDICTS),
-    "parts that gain little of it": ({}, {}, (replace(PART, before=2.0, after=1.5, fitted=0.2),), Asked.PREDICTS),
+    "parts as they were": ({}, {}, (ALIGNED, ALIGNED), Criterion.PREDICTS),
+    "parts that gain little of it": ({}, {}, (replace(PART, before=2.0, after=1.5, fitted=0.2),), Criterion.PREDICTS),
     "parts that gain most of it": ({}, {}, (replace(PART, before=2.0, after=0.5, fitted=0.4),), None),
 }
 
@@ -191,7 +191,7 @@ def test_parts_whose_rows_stay_aligned_do_where_something_else_tells_depth(drift
     told = {"windows": MOTION} if measured == "motion" else {"matched_ranges": ranges_of(rig)}
     assert said_of(seen, parts=(ALIGNED, ALIGNED), **told).verdict is Verdict.REPAIR
     torn = replace(ALIGNED, after=0.5)
-    assert said_of(seen, parts=(ALIGNED, torn), **told).failed is Asked.PREDICTS
+    assert said_of(seen, parts=(ALIGNED, torn), **told).failed is Criterion.PREDICTS
 
 
 # --- ranges ---------------------------------------------------------------------------------------------------
