@@ -168,13 +168,13 @@ def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], view: View | Non
 
 def readings_at(
     used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None = None
-) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d 2"]]:
-    """`readings` of several sets of points: the row differences of each, and the mean relative errors of its
-    disparities over the view, and ahead."""
+) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
+    """`readings` of several sets of points: the row differences of each, and the mean relative error of its
+    disparities over the view."""
     ends = np.cumsum([len(points) for points in sets])[:-1]
     rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), view))
     each = zip(_weights(true, sets, view), nearness, strict=True)
-    return rows, np.array([weights @ some for weights, some in each])
+    return rows, np.array([over_view @ some for (over_view, _), some in each])
 
 
 def _focal(used: StereoRig) -> float:
@@ -201,9 +201,9 @@ class Consequences:
     weights: tuple[Float[np.ndarray, "2 _"], ...]
 
     @cached_property
-    def mean_nearness(self) -> Float[np.ndarray, "d 2 n"]:
-        """Mean relative errors of disparity at each of the distances, over the view and ahead."""
-        return np.stack([w @ part for w, part, _ in zip(self.weights, self.nearness, self.distances, strict=False)])
+    def mean_nearness(self) -> Float[np.ndarray, "d n"]:
+        """Mean relative error of disparity over the view at each of the distances."""
+        return np.stack([w[0] @ part for w, part, _ in zip(self.weights, self.nearness, self.distances, strict=False)])
 
 
 def consequences(

@@ -107,11 +107,6 @@ class Estimate:
         """Whether a delay of the right shutter is more probable than none."""
         return self.delay is not None and self.delay.likely
 
-    @property
-    def mean_rig(self) -> StereoRig:
-        """The rig at the posterior's mean: all parameters change."""
-        return self._readings.mean_rig
-
     @cached_property
     @one_blas_thread()
     def motions(self) -> tuple[Window, ...]:
@@ -215,7 +210,7 @@ class Estimate:
     def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        nearness = self._readings.rows_and_nearness(used)[1][..., 0]
+        nearness = self._readings.rows_and_nearness(used)[1]
         found = {}
         for distance, of_samples in zip(DISTANCES, nearness.T, strict=False):
             middle, high, low = (

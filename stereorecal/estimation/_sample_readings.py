@@ -35,9 +35,9 @@ class SampleReadings:
     @one_blas_thread()
     def rows_and_nearness(
         self, used: Float[np.ndarray, "n"]
-    ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d 2"]]:
+    ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
         """What the rig at θ = used reads: root mean squares of row errors [pixels] over the view, and relative errors
-        of disparity, on average over it, and ahead."""
+        of disparity, on average over it."""
         at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self.slopes.points, self.view)
         square = [
             np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
@@ -72,6 +72,6 @@ class SampleReadings:
 
     @cached_property
     @one_blas_thread()
-    def _nearness(self) -> Float[np.ndarray, "s d 2"]:
+    def _nearness(self) -> Float[np.ndarray, "s d"]:
         """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
-        return np.einsum("sn,dan->sda", self.samples - self.posterior.mean, self.slopes.mean_nearness)
+        return (self.samples - self.posterior.mean) @ self.slopes.mean_nearness.T

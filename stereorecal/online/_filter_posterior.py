@@ -41,7 +41,7 @@ def _around(initial: StereoRig, using: tuple[float, ...], view: View) -> tuple[R
     (of a lens with distortion, principal points bend them, too)."""
     chart = rig_parameters(rig_with(initial, np.array(using)))
     consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
-    rows, depth = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1, 0]  # over the view
+    rows, depth = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1]
     principal_point, way = chart.names.index(_PRINCIPAL_POINT), np.zeros(chart.dim)
     way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
     like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])

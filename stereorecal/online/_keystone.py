@@ -24,11 +24,7 @@ def left_of_yaw(rig: StereoRig, config: Config, view: View | None = None) -> tup
         return None
     chart = rig_parameters(rig)
     consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
-    rows, depth, own = (
-        consequences_at_rig.rows[0],
-        consequences_at_rig.mean_nearness[1, 0],
-        len(EXTRINSICS),
-    )  # over the view
+    rows, depth, own = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1], len(EXTRINSICS)
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
     prior = as_prior(config.prior, chart)

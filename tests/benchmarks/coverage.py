@@ -58,7 +58,7 @@ def judged(seed: int, frames: int, ranges: int, boards: bool, together: bool) ->
 
 def measured(rig: simulated_rigs.Simulated, seen: Estimate) -> dict[str, np.ndarray]:
     """One rig."""
-    used = seen.mean_rig
+    used = seen.chart.rig_at(seen.theta)
     depth, rows = rig.depth_error_percent(used, DISTANCES), rig.rows_px(used, DISTANCES)
     before = rig.depth_error_percent(rig.calibrated, DISTANCES)
     ends = np.array([seen.depth_error_percent(seen.theta)[distance][1:] for distance in DISTANCES])

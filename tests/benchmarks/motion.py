@@ -69,7 +69,7 @@ def real(folder: Path, starts: int, console: Console) -> None:
         table.add_row(
             "stored" if seed < 0 else f"2.5°, {seed}",
             f"{offset_px(found.rig, scene.rig):+.2f}",
-            f"{offset_px(seen.mean_rig, scene.rig):+.2f}",
+            f"{offset_px(seen.chart.rig_at(seen.theta), scene.rig):+.2f}",
             f"{found.row_errors.after:.3f}",
             f"{np.median(apart):.2f} {apart.max():.2f}",
             f"{seconds:.1f}",
@@ -77,7 +77,9 @@ def real(folder: Path, starts: int, console: Console) -> None:
         )
     console.print(table)
     data = sr.recalibrate(scene.rig, scene.pairs[:2], motion=True).estimate  # what one window looks like
-    console.print(f"one window alone: {offset_px(data.mean_rig, scene.rig):+.2f} px of the posterior's mean")
+    console.print(
+        f"one window alone: {offset_px(data.chart.rig_at(data.theta), scene.rig):+.2f} px of the posterior's mean"
+    )
     halves(scene, console)
 
 
@@ -95,7 +97,7 @@ def halves(scene: sr.Scene, console: Console) -> None:
     console.print(
         f"{len(offsets)} single windows: mean {np.mean(offsets):+.3f} px, scatter {np.std(offsets):.3f} px, halves "
         f"{np.mean(offsets[:half]):+.3f} {np.mean(offsets[half:]):+.3f} px; thirds of the drive, posterior's means: "
-        + " ".join(f"{offset_px(seen.mean_rig, scene.rig):+.2f}" for seen in found)
+        + " ".join(f"{offset_px(seen.chart.rig_at(seen.theta), scene.rig):+.2f}" for seen in found)
     )
 
 
@@ -145,7 +147,7 @@ def stuttering(folder: Path, console: Console) -> None:
             seen = found.estimate
             ends = (100.0 / (100.0 + end) - 1.0 for end in seen.depth_error_percent(seen.theta)[30][:0:-1])
             low, high = (end * float(rig.left.matrix[0, 0]) / 30.0 for end in ends)
-            means = f"{offset_px(seen.mean_rig, scene.rig):+.2f}: {low:+.2f} {high:+.2f}"
+            means = f"{offset_px(seen.chart.rig_at(seen.theta), scene.rig):+.2f}: {low:+.2f} {high:+.2f}"
             written = f"{offset_px(found.rig, scene.rig):+.2f}"
             table.add_row(name, start, means, written, f"{len(seen.windows.tracks)}", found.reason.name)
     console.print(table)

@@ -61,7 +61,7 @@ def rendered(seeds: Sequence[int], size: tuple[int, int], console: Console) -> N
                     f"{late:g}",
                     f"{abs(depth_error_percent(given, true)):.1f}",
                     f"{abs(depth_error_percent(found.rig, true)):.2f}",
-                    f"{depth_error_percent(seen.mean_rig, true):+.2f}: {low:+.1f} {high:+.1f}",
+                    f"{depth_error_percent(seen.chart.rig_at(seen.theta), true):+.2f}: {low:+.1f} {high:+.1f}",
                     f"{found.row_errors.before:.2f} {found.row_errors.after:.2f}",
                     f"{delay.seconds:+.3f}" if delay and delay.probability > 0.5 else "",
                     found.reason.name,

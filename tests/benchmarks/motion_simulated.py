@@ -123,7 +123,7 @@ class Judged:
 
 def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
     """By the truth."""
-    (error,) = rig.depth_error_percent(seen.mean_rig, [30.0])
+    (error,) = rig.depth_error_percent(seen.chart.rig_at(seen.theta), [30.0])
     _, low, high = seen.depth_error_percent(seen.theta)[30]
     decision = decide(seen, EXTRINSICS)
     accepted, harmful = decision.verdict is Verdict.REPAIR, False

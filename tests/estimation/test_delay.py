@@ -37,7 +37,7 @@ def test_a_late_shutter_is_told_and_does_no_harm(rig, chart, prior, seen, late):
     assert found.delay.probability > 0.99
     assert found.is_late
     assert found.delay.seconds == pytest.approx(late * SECONDS, abs=0.03 * SECONDS)
-    error = 100.0 * float(readings(found.mean_rig, true, points_of_view(true, 30))[1].mean())
+    error = 100.0 * float(readings(found.chart.rig_at(found.theta), true, points_of_view(true, 30))[1].mean())
     assert abs(error) < 3.0
     assert not found.other_rigs
 

@@ -66,7 +66,7 @@ def test_true_depth_lies_within_its_interval(rig, chart, prior, seen):
         _, low, high = found.depth_error_percent(np.zeros(chart.dim))[30]
         nearness = readings(rig, true, points_of_view(true, 30))[1].mean()
         held.append(low <= 100 * (1 / (1 + nearness) - 1) <= high)
-        mean_rows = readings(found.mean_rig, true, points_of_view(true, 10))[0]
+        mean_rows = readings(found.chart.rig_at(found.theta), true, points_of_view(true, 10))[0]
         rows.append(np.sqrt(np.mean(mean_rows**2)))
     assert sum(held) >= 7
     assert max(rows) < 0.1
@@ -145,7 +145,7 @@ def test_the_scene_in_a_mirror(rig, chart, seen):
     found = seen(rig, chart.rig_at(at(chart)), cells=2500)
     swapped = replace(found, left=found.right * flip.astype(np.float32), right=found.left * flip.astype(np.float32))
     one, other = estimate(found, rig, "exact"), estimate(swapped, other_side(rig), "exact")
-    apart = other.chart.coordinates_of(other_side(one.mean_rig)) - other.theta
+    apart = other.chart.coordinates_of(other_side(one.chart.rig_at(one.theta))) - other.theta
     assert (np.abs(apart[:5]) < 2 * sigmas(other)[:5]).all()
 
 

@@ -69,7 +69,7 @@ def test_an_estimate_says_one_loss_on_average_and_of_each_rig(chart, found):
 
 def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     """Of one rig that is surely the true one: rows and depth as `readings` has them."""
-    true = found.mean_rig
+    true = found.chart.rig_at(found.theta)
     surely = Posterior(np.ones(1), found.theta[None], np.zeros((1, chart.dim, chart.dim)))
     alone = Estimate(chart, surely, (0.0, 0.0), 0, 0.0, np.zeros(chart.dim), shown=found.shown)
     losses = alone.losses(np.zeros(chart.dim))

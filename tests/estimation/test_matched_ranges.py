@@ -71,7 +71,7 @@ def test_they_tell_depth(rig, chart, scaled, seen, percent):
     zero = np.zeros(chart.dim)
     widths = [low - high for _, low, high in (one.depth_error_percent(zero)[30] for one in (alone, told))]
     assert widths[1] / widths[0] < 0.5
-    assert abs(nearness(told.mean_rig, true)) < 0.01
+    assert abs(nearness(told.chart.rig_at(told.theta), true)) < 0.01
 
 
 @pytest.mark.parametrize(("times", "number"), [(3.2808, 40), (0.001, 1)])
@@ -89,8 +89,8 @@ def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
     mixed = ranges_of(true)
     mixed.metres[::5] *= 2.5
     told = estimate(seen(rig, true, cells=700), rig, scaled, ranges=mixed)
-    assert abs(nearness(told.mean_rig, true)) < 0.012
-    assert told.matched_ranges.contradict(told.mean_rig)[::5].all()
+    assert abs(nearness(told.chart.rig_at(told.theta), true)) < 0.012
+    assert told.matched_ranges.contradict(told.chart.rig_at(told.theta))[::5].all()
 
 
 def test_the_deviation_of_a_disparity_is_what_the_error_of_its_range_makes(chart):
