@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
+from stereorecal.objectives import RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._mismatch import MATCHED
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
@@ -70,7 +71,7 @@ def looked(case: Case, stage: Stage) -> tuple[StageRun, Assessment | None] | Non
     """
     if stage.score is not ScoreKind.EPIPOLAR:
         return None
-    data, chart = case.images.at(case.scale_of(stage), stage.frames), case.of_extrinsics.chart
+    data, chart = case.images.at(case.scale_of(stage)), case.of_extrinsics.chart
     found = matched(data, chart, np.zeros(chart.dim), case.matcher)
     run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
     return run, assessed(case, run, case.rig)
@@ -86,14 +87,16 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     """
     if run.found is None or _seen(case, run.found).few:
         return None
-    found, at, again = run.found, rig_parameters(case.rig).coordinates_of(end_rig), 0
+    chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
+    at = chart.coordinates_of(end_rig)
+    found = _matched(case, run, chart, at) if fewer else run.found
     estimate_of = _estimator(case, found, end_rig)
     excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
     while not disagree and again < _MATCHED_AGAIN:
         likely = estimated.with_free(case.free.names)
         if estimated.effect(likely - at) < _SETTLED:
             break
-        anew = _matched(case, run, estimated, likely)
+        anew = _matched(case, run, chart, likely)
         again += 1
         if anew.covered < (1.0 - ENOUGH.lost) * found.covered:
             break  # what no row shows may have moved too far for the disparity range
@@ -101,7 +104,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
     decision = decide(estimated, case.free.names, case.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
-    candidate = estimated.chart.rig_at(decision.theta)
+    candidate = chart.rig_at(decision.theta)
     tiles, seen = counts(case, candidate), _seen(case, used)
     used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
     seen = replace(
@@ -115,7 +118,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES) or seen.covered < MATCHED * seen.texture:
         refuse_swapped_images(case.images, excluded if disagree else None)
-    cost = again * case.images.at(run.scale, run.stage.frames).cost
+    cost = (again + fewer) * case.images.at(run.scale).cost
     return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
 
 
@@ -138,9 +141,9 @@ def _away(case: Case, candidate: StereoRig) -> float:
     return float(np.abs(turned).max() / case.reach.degrees)
 
 
-def _matched(case: Case, run: StageRun, estimated: Estimate, theta: Float[np.ndarray, "n"]) -> Correspondences:
-    """The correspondences under a candidate."""
-    return matched(case.images.at(run.scale, run.stage.frames), estimated.chart, theta, case.matcher)
+def _matched(case: Case, run: StageRun, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Correspondences:
+    """The correspondences under a candidate, of all frames: a stage may look at fewer."""
+    return matched(case.images.at(run.scale), chart, theta, case.matcher)
 
 
 def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estimator:

@@ -330,9 +330,10 @@ class AbstractResult:
 
     @property
     def found(self) -> Correspondences | None:
-        """The last correspondences, of the pairs that are kept."""
+        """The last correspondences, of the pairs that are kept; of fewer, if a budget ended in a stage that looks at
+        fewer."""
         found, used = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.frames.used
-        if found is None or len(used) == len(found.weight):
+        if found is None or len(used) >= len(found.weight):
             return found
         parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}
         tile = np.asarray(found.tile)[list(used)] % TILES_OF_A_FRAME

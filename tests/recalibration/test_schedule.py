@@ -1,9 +1,12 @@
 """Stages and schedules: what they refuse, at which scale they look, whose strategy they take."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.recalibration import Schedule, ScoreKind, Stage
 from stereorecal.strategies import AbstractStrategy, Need, strategy
@@ -102,3 +105,23 @@ def test_using_a_solver_on_the_count_alone_changes_nothing():
     assert schedule.using(Climber()).stages[0].strategy == Climber()
     assert schedule.name == "count"
     assert schedule.stages == (Stage(COMPASS, 0.5, ScoreKind.COUNT),)
+
+
+@pytest.mark.parametrize("degrees", [0.4, 1.4], ids=["one look", "a search"])
+def test_all_frames_are_decided_on_however_few_the_last_stage_looks_at(scene, degrees):
+    given, schedule = scene(frames=3), Schedule.default()
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([degrees, 0.0, -degrees, 0.0, 0.0, 0.0]))
+    few = replace(schedule, stages=(*schedule.stages[:-1], replace(schedule.stages[-1], frames=2)))
+    repaired = sr.recalibrate(off, given.pairs, matcher=sr.SAD(num_disparities=24), schedule=few)
+    assert repaired.accepted
+    assert repaired.frames.used == (0, 1, 2)
+    assert len(repaired.found.weight) == 3
+
+
+def test_a_budget_that_ends_after_a_stage_on_fewer_frames(scene):
+    given, options = scene(frames=3), {"matcher": sr.SAD(num_disparities=24)}
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([1.4, 0.0, -1.5, 0.0, 0.0, 0.0]))
+    climbed, *_ = sr.recalibrate(off, given.pairs, **options).stages
+    cut = sr.recalibrate(off, given.pairs, budget=climbed.cost + 2.5, **options)
+    assert cut.reason is sr.recalibration.Reason.OUT_OF_BUDGET
+    assert len(cut.found.weight) == 2
