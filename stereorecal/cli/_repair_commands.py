@@ -96,8 +96,8 @@ class _ScheduleOptions:
 
 
 @option_group
-class _FixOptions(RecordingOptions):
-    """Recordings with a mistake in them."""
+class _FixOptions:
+    """Mistakes in recordings."""
 
     title = READS
     fix: Literal["exchanged", "scaled", "late", "early"] | None = option(
@@ -109,6 +109,7 @@ class _FixOptions(RecordingOptions):
 class RecalibrateOptions(
     _CalibrationOutputOptions,
     ReportOptions,
+    RecordingOptions,
     _FixOptions,
     _FreeOptions,
     ReachOptions,
@@ -165,7 +166,7 @@ class RecalibrateOptions(
 
 
 @option_group
-class ScoreOptions(ReportOptions, _FixOptions, DecisionOptions, CommonOptions):
+class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions, CommonOptions):
     """Check the calibration of each recording against its images, and change nothing. The report: the share of matched
     pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
 

@@ -51,7 +51,7 @@ _ADVICE = {
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
     Reason.OUT_OF_BUDGET: "Give a larger budget.",
-    Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture.",
+    Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture; of interlaced images take every second row.",
     Reason.NO_MATCHES: "Give a larger reach, or images that show more.",
     Reason.FRAMES_DISAGREE: "Take them at rest, or check the synchronisation of the cameras.",
     Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
@@ -72,7 +72,7 @@ class Seen:
         places: tiles of a frame that show something.
         texture: share of the image that has texture, likewise.
         enough: whether light and texture are enough for an aligned rig to match.
-        coarse: the images have so few grey levels that they match elsewhere than their scene does.
+        problem: why all images match elsewhere than their scene does.
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.
         misfit_px: systematic errors that are in no parameter.
@@ -86,7 +86,7 @@ class Seen:
     places: int = 0
     texture: float = 0.0
     enough: bool = True
-    coarse: bool = False
+    problem: str | None = None
     frames_disagree: bool = False
     late: bool = False
     misfit_px: float = 0.0
@@ -124,7 +124,7 @@ class Check:
 
 CHECKS = (
     Check(Reason.OUT_OF_BUDGET, lambda seen: seen.cut),
-    Check(Reason.TOO_LITTLE_TEXTURE, lambda seen: seen.coarse or (seen.few and not seen.enough)),
+    Check(Reason.TOO_LITTLE_TEXTURE, lambda seen: seen.problem is not None or (seen.few and not seen.enough)),
     Check(Reason.NO_MATCHES, lambda seen: seen.few),
     Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
     Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),

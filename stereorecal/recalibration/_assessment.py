@@ -131,7 +131,7 @@ def _seen(case: Case, found: Correspondences) -> Seen:
         places=len(places),
         texture=quality.texture,
         enough=any(one.enough for one in case.images.quality),
-        coarse=all(one.coarse for one in case.images.quality),
+        problem=quality.problem if all(one.misleading for one in case.images.quality) else None,
     )
 
 

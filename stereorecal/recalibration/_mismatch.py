@@ -157,7 +157,7 @@ def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[Cause]:
         if len(pairs) > 1:
             each = zip(left, right, strict=False)
             moved = tuple(replace(one, right=other.right, origin=None) for one, other in each)
-            yield Cause(name, f"right images one frame {when}", _TWO_MOMENTS, rig, moved)
+            yield Cause(name, f"{when} right images", _TWO_MOMENTS, rig, moved)
 
 
 def _other_intrinsics(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[Cause]:

@@ -154,6 +154,8 @@ class AbstractResult:
         """In one short sentence."""
         if self.findings.mismatch is not None:
             return self.findings.mismatch.verdict
+        if self.reason is Reason.TOO_LITTLE_TEXTURE and self.findings.seen is not None and self.findings.seen.problem:
+            return f"Cannot tell: {self.findings.seen.problem}."
         pairs = len(self.frames.used) + len(self.frames.left_out)
         return verdict_of(self.reason, self.decision, pairs, repaired=True)
 

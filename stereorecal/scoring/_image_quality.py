@@ -14,6 +14,8 @@ _TEXTURED_SLOPE = 8.0  # x-Sobel response, four times a step in grey levels: fog
 _DARK = 20.0  # mean grey level; what moves at night is noise
 _FEWEST_LEVELS, _LEAST_CONTRAST = 12, 1.5  # grey levels
 _SOME = 3  # every third pixel of every third row
+_EVERY, _ASIDE = 4, 6  # rows of which one is looked at; columns that odd rows may be aside
+_COMB = 0.9  # of the difference at no move: a comb of a pixel leaves 0.4 to 0.8
 _CORRELATED = 0.2  # correlation of slopes in two halves of an image's columns: 0 for noise, 0.6 and more for texture
 _TEXTURED = 1.0 / 3.0  # of what the lens shows; daylight shows 0.5 to 0.9, night and fog 0 to 0.2
 _LEAST_TEXTURED = 0.2  # of the image: half of it matches, and less than a tenth of an image tells nothing
@@ -30,6 +32,7 @@ class ImageQuality:
         shown: share of the image that the lens shows: 1, or that of the image circle of a wide lens on black.
         coarse: True if there are so few different grey levels, or so little contrast, that rounding to whole levels
             moves what matches.
+        interlaced: True if odd rows show another moment than even ones: they match them better some columns aside.
         noise: True if the texture is noise only, as behind a lens cap, whose image of 16 bit or floating point is
             stretched to full contrast.
     """
@@ -39,6 +42,7 @@ class ImageQuality:
     noise: bool = False
     shown: float = 1.0
     coarse: bool = False
+    interlaced: bool = False
 
     @property
     def dark(self) -> bool:
@@ -59,12 +63,19 @@ class ImageQuality:
             return "an image shows only noise, as behind a lens cap"
         if not self.textured:
             return "the images have too little texture"
-        return "an image has only a few grey levels" if self.coarse else None
+        if self.coarse:
+            return "an image has only a few grey levels"
+        return "an image is interlaced" if self.interlaced else None
+
+    @property
+    def misleading(self) -> bool:
+        """True if images match elsewhere than their scene does."""
+        return self.coarse or self.interlaced
 
     @property
     def enough(self) -> bool:
         """True if images of an aligned rig would match."""
-        return self.textured and not (self.dark or self.coarse or self.noise)
+        return self.textured and not (self.dark or self.misleading or self.noise)
 
 
 def image_quality(pair: Pair) -> ImageQuality:
@@ -77,7 +88,7 @@ def image_quality(pair: Pair) -> ImageQuality:
     )
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
     noise = texture >= _TEXTURED * share_shown and any(_is_noise(image) for image in images)
-    return ImageQuality(brightness, texture, noise, share_shown, is_coarse(pair))
+    return ImageQuality(brightness, texture, noise, share_shown, is_coarse(pair), any(map(_is_interlaced, images)))
 
 
 def is_coarse(pair: Pair) -> bool:
@@ -88,6 +99,18 @@ def is_coarse(pair: Pair) -> bool:
         or np.ptp(np.quantile(of_image, (0.01, 0.99))) < _LEAST_CONTRAST
         for of_image in levels
     )
+
+
+def _is_interlaced(image: Float[np.ndarray, "h w"]) -> bool:
+    """Whether odd rows look more like the mean of their neighbours when they are moved along. Some rows are enough."""
+    height, width = image.shape
+    if height < 2 * _EVERY or width <= 4 * _ASIDE:
+        return False
+    odd = image[1 : height - 1 : _EVERY]
+    even = 0.5 * (image[0 : height - 2 : _EVERY] + image[2:height:_EVERY])[:, _ASIDE : width - _ASIDE]
+    moves = range(-_ASIDE, _ASIDE + 1)
+    apart = [float(np.abs(odd[:, _ASIDE + by : width - _ASIDE + by] - even).mean()) for by in moves]
+    return min(apart) < _COMB * apart[_ASIDE]
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:

@@ -10,7 +10,7 @@ from stereorecal.decision import CHECKS, ENOUGH, Criterion, Decision, Reason, Se
 GOOD = {"matches": 2000, "covered": 0.5, "places": 40, "texture": 0.6}
 SHOWN = {
     Reason.OUT_OF_BUDGET: {"cut": True},
-    Reason.TOO_LITTLE_TEXTURE: {"coarse": True},
+    Reason.TOO_LITTLE_TEXTURE: {"problem": "an image is interlaced"},
     Reason.NO_MATCHES: {"matches": ENOUGH.matches - 1},
     Reason.FRAMES_DISAGREE: {"frames_disagree": True},
     Reason.CANNOT_TELL: {"texture": 1.01 * GOOD["covered"] / ENOUGH.of_texture},

@@ -141,6 +141,23 @@ def test_images_of_few_grey_levels_are_not_called_good(scene):
     assert recalibrate(drifted, [few]).reason is Reason.TOO_LITTLE_TEXTURE
 
 
+@pytest.mark.parametrize("aside", [1, 2, 4])
+def test_interlaced_images_are_named(scene, aside):
+    """A comb matches itself, every second row away from its own."""
+    shown = scene("harbour", 0, SIZE)
+    (pair,) = shown.pairs
+    assert not image_quality(pair).interlaced
+    images = [np.array(image) for image in (pair.left, pair.right)]
+    for image in images:
+        image[1::2] = np.roll(image, aside, axis=1)[1::2]
+    drifted = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([0.38, 0.0, 0.0, 0.0, 0.0, 0.0]))  # two rows
+    for look in (health, recalibrate):
+        said = look(drifted, [Pair(*images)])
+        assert said.reason is Reason.TOO_LITTLE_TEXTURE
+        assert said.verdict == "Cannot tell: an image is interlaced."
+        assert "every second row" in said.advice
+
+
 def test_more_frames_are_one_look(scene):
     shown = scene("harbour", 0, SIZE, 2)
     found = health(shown.rig, shown.pairs, matcher=SAD_48)

@@ -86,6 +86,7 @@ def test_every_look_is_a_verdict_and_an_advice(looked, reason):
         ImageQuality(120.0, 0.1),
         ImageQuality(99.0, 0.5, coarse=True),
         ImageQuality(99.0, 0.5, noise=True),
+        ImageQuality(99.0, 0.5, interlaced=True),
     ],
 )
 def test_images_that_show_too_little_are_named(looked, shown):
