@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -260,3 +261,24 @@ def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path
     assert "new.json: not written" in answer.out
     with np.load(tmp_path / "maps.npz") as stored:
         np.testing.assert_allclose(stored["Q"], sr.rectification(load_scene(clean_scene).rig).Q, atol=1e-12)
+
+
+@pytest.mark.slow(after=2)
+@pytest.mark.parametrize("coefficients", [5, 12])
+def test_a_file_keeps_its_number_of_coefficients(
+    command, drifted_scene: Path, sides, tmp_path: Path, coefficients: int
+):
+    """Thin prisms are no news to a file that has them; one of five would be another file to other programs."""
+    given = load_scene(drifted_scene).rig
+    cameras = {side: getattr(given, side) for side in ("left", "right")}
+    longer = {
+        side: replace(one, distortion=np.append(one.distortion, [1e-6] * (coefficients - 5)))
+        for side, one in cameras.items()
+    }
+    places = [tmp_path / name for name in ("given.yaml", "new.yaml")]
+    save_rig(replace(given, **longer), places[0], format="opencv")
+    answer = command("recalibrate", *sides, "--calibration", places[0], "--unit", "m", "--output", places[1])
+    assert answer.code == 0
+    before, after = (load_rig(place, unit="m", size=given.left.size).left.distortion for place in places)
+    assert len(before) == len(after) == coefficients
+    assert (after != before)[:5].all()
