@@ -156,7 +156,7 @@ def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estim
     tracks = windows_of(case, first)
 
     def estimate_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Estimate:
-        return estimate(
+        estimated = estimate(
             without_frames_of(found, without),
             case.rig,
             case.prior,
@@ -165,6 +165,7 @@ def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estim
             windows=without_frames(case, tracks, without),
             view=case.images.view,
         )
+        return estimated.judged_by(case.tolerances.matters)
 
     return estimate_of
 

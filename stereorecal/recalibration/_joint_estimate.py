@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide_together, reason_of
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, Tolerances, decide_together, reason_of
 from stereorecal.estimation import (
     NO_RANGES,
     CalibrationPrior,
@@ -109,7 +109,8 @@ def joint_estimate(
     for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    estimates = tuple(estimate_together(_together(estimated_from, one=one), each=each))
+    tolerances = recordings[0].repair.tolerances
+    estimates = _estimates(_together(estimated_from, one=one), tolerances, each)
     likely = with_free_together(estimates, free.names)
     of_estimates = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
     rigs = of_estimates * len(recordings) if one else of_estimates
@@ -119,9 +120,13 @@ def joint_estimate(
         for before, r, found, rig in zip(estimated_from, recordings, again, rigs, strict=True)
     ]
     several = _together(estimated_from, one=one)
-    estimates = tuple(estimate_together(several, each=each))
-    decisions = tuple(decide_together(estimates, free.names, recordings[0].repair.tolerances))
+    estimates = _estimates(several, tolerances, each)
+    decisions = tuple(decide_together(estimates, free.names, tolerances))
     return JointEstimate(recordings, free, several, estimates, decisions, ranges)
+
+
+def _estimates(several: Sequence[Recording], tolerances: Tolerances, each: Each) -> tuple[Estimate, ...]:
+    return tuple(one.judged_by(tolerances.matters) for one in estimate_together(several, each=each))
 
 
 def _together(several: Sequence[Recording], *, one: bool) -> tuple[Recording, ...]:

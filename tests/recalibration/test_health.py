@@ -201,3 +201,17 @@ def test_centimetres_for_metres_are_named(scene):
     found = health(far, shown.pairs, matcher=SAD_48)
     assert "check the unit" in str(found)
     assert not health(shown.rig, shown.pairs, matcher=SAD_48).doubts
+
+
+def test_what_is_noticed_names_axes_and_matches_again(scene):
+    """Where nothing is noticed no candidate moves enough to be matched again, and one axis is named: the first."""
+    shown = scene("harbour", 0, (320, 240))
+    off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0]))
+    named, again = [], []
+    for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
+        options = {"matcher": SAD_48, "tolerances": tolerances}
+        named.append(len(health(off, shown.pairs, **options).correction.main_axes))
+        again.append(recalibrate(off, shown.pairs, **options).cost.judging - 2.0)
+    assert named[1:] == [5, 1]
+    assert 1 <= named[0] < 5
+    assert again == pytest.approx([2.0, 2.0, 0.0], abs=0.01)
