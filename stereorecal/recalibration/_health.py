@@ -21,6 +21,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction, correction_of
 from stereorecal.recalibration._ending import rows_at
 from stereorecal.recalibration._expected import depth_error_intervals
+from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._mismatch import Mismatch, may_be_wrong_input, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
@@ -63,7 +64,7 @@ class Health:
         disagreeing: names of frames that show another rig than others, where they are too many to be left out.
         doubts: sentences on values of the calibration that hardly any rig has.
         view: that was looked through.
-        pairs: how many were looked at.
+        pairs: how many were looked at: of many those that `recalibrate` selects.
     """
 
     score: Score
@@ -187,9 +188,12 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     check_prior(settings.prior, rig_parameters(rig))
     prior = prior_for_health(settings.prior, rig)
     check_motion(settings.motion, len(images.pairs), prior)
-    windows = following(images.pairs, range(len(images.pairs)), settings.motion, prior)
+    free, numbers = what_may_change(rig, replace(settings, prior=prior)), range(len(images.pairs))
+    if free.shared:
+        numbers = selected_frames(images.pairs, ())
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
+    windows = following(images.pairs, numbers, settings.motion, prior)
     matcher, limits = with_measured_range(settings.matcher, images), settings.tolerances
-    free = what_may_change(rig, replace(settings, prior=prior))
     case = Case(images, matcher, settings.reach, free, prior, windows=windows, tolerances=limits)
     look = looked(case, settings.schedule.stages[-1])
     assert look is not None  # the default schedule ends on matches

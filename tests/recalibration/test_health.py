@@ -215,3 +215,13 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     assert named[1:] == [5, 1]
     assert 1 <= named[0] < 5
     assert again == pytest.approx([2.0, 2.0, 0.0], abs=0.01)
+
+
+def test_of_many_pairs_those_are_looked_at_that_a_repair_selects(scene):
+    given = scene(frames=3)
+    many = [replace(pair, name=f"{index}-{pair.name}") for index in range(9) for pair in given.pairs]
+    options = {"matcher": SAD(num_disparities=24)}
+    found, repaired = health(given.rig, many, **options), recalibrate(given.rig, many, **options)
+    assert found.pairs == len(repaired.frames.selected) == 24
+    assert found.score.count == repaired.score_before.count
+    assert health(given.rig, many, prior="exact", **options).pairs == len(many)
