@@ -1,4 +1,4 @@
-"""stereorecal: repair the extrinsic calibration of a stereo rig from ordinary images.
+"""stereorecal: repair the calibration of a stereo rig from ordinary images.
 
 The public names stand in `__init__.pyi`; each is imported when it is first used.
 """

@@ -227,7 +227,7 @@ def consequences(
     outer, by_extrinsics = moved_by_extrinsics(chart, theta, points)
     right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-    # Complex steps (Squire & Trapp 1998): derivatives of all that `_read` says, exact.
+    # Complex steps (Squire & Trapp 1998): derivatives of rows and nearness, exact.
     turned = (
         (camera_points / camera_points[:, 2:] + _TINY * 1j * moved) @ np.asarray(rotation).T
         for camera_points, moved, rotation in ((points, left_rays, to_left), (right, right_rays, to_right))

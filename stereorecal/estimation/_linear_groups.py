@@ -90,10 +90,10 @@ def linear_groups(
     measured: Measured,
     likelihoods: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearGroups:
-    """Linear at θ.
+    """The rows of groups, linear near θ.
 
     Args:
-        likelihoods: what else is measured, as it likelihoods near another θ; default anew.
+        likelihoods: of ranges and windows, as they were near another θ; default anew.
     """
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T

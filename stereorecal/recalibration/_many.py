@@ -77,7 +77,7 @@ def recalibrate_many(
     finished: Callable[[int, Repair], None] | None = None,
     **options: Unpack[RepairOptions],
 ) -> tuple[Repair, ...]:
-    """Repair the extrinsics of many recordings, each on its own; the answers come in the order of the recordings.
+    """Repair the calibration of many recordings, each on its own; the answers come in the order of the recordings.
 
     Recordings of one rig share what is found of its intrinsics: once each is repaired, all are estimated together
     (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of different rigs are

@@ -19,7 +19,7 @@ from stereorecal.recordings import Pairs
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
-    """Repair the extrinsics of a rig from image pairs that it took.
+    """Repair the calibration of a rig from image pairs that it took.
 
     Args:
         rig: the calibration to start from.

@@ -43,10 +43,10 @@ class Findings:
             were kept.
         row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
         uncertainty, misfit: of the candidate; None in the same cases.
-        intrinsics: what became of intrinsics that were freed; None if none were.
+        intrinsics: what became of intrinsics that could move; None if none could, or nothing was repaired.
         ranges: what became of ranges; None if there were none.
         matched_ranges: ranges that had a sure match.
-        estimate: of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found.
+        estimate: of all parameters of the rig; None where too little was found, or the count is all there is.
         decision: on the initial calibration, by the estimate; None in the same cases.
         seen: what the images show besides, that checks look at; None in the same cases.
         mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
@@ -198,7 +198,7 @@ class AbstractResult:
 
     @property
     def intrinsics(self) -> Intrinsics | None:
-        """What became of intrinsics that were freed; None if none were."""
+        """What became of intrinsics that could move; None if none could, or nothing was repaired."""
         return self.findings.intrinsics
 
     @property
@@ -208,7 +208,7 @@ class AbstractResult:
 
     @property
     def estimate(self) -> Estimate | None:
-        """Of all parameters of the rig; None where the intrinsics are taken as exact, or nothing was found."""
+        """Of all parameters of the rig; None where too little was found, or the count is all there is."""
         return self.findings.estimate
 
     @property
