@@ -24,8 +24,6 @@ from stereorecal.objectives import Parameters
 from stereorecal.recalibration import Settings, Solution, what_may_change
 from stereorecal.recordings import Scene
 
-_USUAL_COEFFICIENTS = 5  # k1 k2 p1 p2 k3: what calibrations of pinhole cameras have, and all programs read
-
 
 @dataclass(frozen=True)
 class Output:
@@ -105,8 +103,7 @@ def output_of(
 
 
 def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOptions, settings: Settings) -> Parameters:
-    """What may change, of what is free: where that is everything, by name as far as the output format can hold it, with
-    as many coefficients of a lens as it has, or the usual five.
+    """What may change, of what is free: where that is everything, by name as far as the output format can hold it.
 
     Args:
         rig: None: there is no calibration, which others say.
@@ -119,11 +116,8 @@ def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOpt
         return free
     held = list(free.names)
     for name in intrinsics:
-        moved, side = _probe_rig(rig, [name]), name.partition(".")[0]
-        before, after = (len(getattr(one, side).distortion) for one in (rig, moved))
-        if after > max(before, _USUAL_COEFFICIENTS):
-            continue  # other programs may read no more than they wrote
         try:
+            moved = _probe_rig(rig, [name])
             check_savable(moved, output.place, format=options.output_format, unit=output.unit)
         except InputError:
             continue

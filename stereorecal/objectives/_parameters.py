@@ -18,6 +18,7 @@ from stereorecal.objectives._reach import Reach
 _SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
 _SIGMAS |= {"k4": 0.02, "xi": 0.01, "alpha": 0.01, "beta": 0.02}
 _SIGMAS |= {"s1": 5e-4, "s2": 5e-4, "s3": 5e-4, "s4": 5e-4}
+_USUAL_COEFFICIENTS = 5  # k1 k2 p1 p2 k3: what calibrations of pinhole cameras have, and all programs read
 _OF_BASELINE = 1.0  # percent
 _UNITS = {"f": "%", "aspect": "%", "cx": "px", "cy": "px"}
 _WIDTH = 640  # pixels of the image for which the centres' standard deviation is given
@@ -120,7 +121,8 @@ class Parameters:
         return replace(self, free=(*self.names, *names))
 
     def of_all(self, rig: StereoRig, *, intrinsics: bool = True) -> "Parameters":
-        """These by name, of a rig; where `everything` is free, with every parameter of its cameras.
+        """These by name, of a rig; where `everything` is free, with every parameter of its cameras
+        for which these have a coefficient, or the usual five.
 
         Args:
             intrinsics: False: where everything is free, the intrinsics are not.
@@ -128,7 +130,10 @@ class Parameters:
         if not self.everything:
             return self
         sides = (("left", rig.left), ("right", rig.right)) if intrinsics else ()
-        terms = (f"{side}.{kind}" for side, camera in sides for kind in (*OF_MATRIX, *camera.lens.CALIBRATED))
+        terms = []
+        for side, camera in sides:
+            held = camera.lens.TERMS[: max(len(camera.distortion), _USUAL_COEFFICIENTS)]
+            terms += [f"{side}.{kind}" for kind in (*OF_MATRIX, *camera.lens.CALIBRATED) if kind in (*OF_MATRIX, *held)]
         return replace(self.also(*terms), everything=False)
 
     def of(self, rig: StereoRig, reach: Reach) -> tuple[Parameter, ...]:
