@@ -171,9 +171,10 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
     pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
 
     Exit code, by the verdict: 0 good (no significant improvement, and a row error within 0.3 px with 95 % probability);
-    1 repair it (another calibration is a significant improvement, or hardly anything matches, despite texture); 4
-    cannot tell (too dark, too little texture, or no improvement is significant). Others: 2 bad input, also images that
-    are swapped, upside down or of different scenes; 3 internal failure; 130 interrupted."""
+    1 repair it (another calibration is a significant improvement, or hardly anything matches, and the rig turned); 4
+    cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot be images
+    of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly swapped,
+    upside down or of different scenes; 3 internal failure; 130 interrupted."""
 
     @property
     def places(self) -> list[Place]:

@@ -11,7 +11,7 @@ from simulated_tracks import tracks_of
 import stereorecal as sr
 from stereorecal.comparison import errors_by_truth
 from stereorecal.estimation import Estimate, Posterior, Windows, rig_parameters
-from stereorecal.recalibration import RangesSeen
+from stereorecal.recalibration import Mismatch, RangesSeen
 
 RIG = sr.synthetic.default_rig()
 CHART = rig_parameters(RIG)
@@ -41,6 +41,9 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
     command(*words, "--json", target, "--quiet")
     content = json.loads(target.read_text())
     assert content["schema"] == f"stereorecal.{schema}/{2 if schema in ('health', 'solution') else 1}"
+    for answers in content.keys() & {"repairs", "scenes"} if schema != "compare" else ():
+        assert content[answers][0]["mismatch"] is None
+        content[answers][0]["mismatch"] = Mismatch(0.1).as_dict()
     if schema == "solution":
         prior = json.loads(calibration.read_text())["prior"]
         assert differences([prior]) == (set(), {"versions.*"})
