@@ -224,3 +224,20 @@ def test_times_with_a_fraction_are_seconds(tmp_path: Path):
     recorded = open_pairs(*folders(tmp_path, left, right), tolerance=0.005)
     assert [pair.time for pair in recorded.pairs] == pytest.approx([float(left[0]), float(left[2])], abs=1e-6)
     assert recorded.unpaired == (f"{left[1]}.png", f"{right[1]}.png")
+
+
+@pytest.mark.parametrize("name", ["{}", "cam_{}"])
+@pytest.mark.parametrize("start", ["1403715273262142976", "1403715273.5"])
+def test_times_that_differ_a_little_pair_without_tolerance(tmp_path: Path, name: str, start: str):
+    """Each camera lost another frame: by order, others would be paired."""
+
+    def names(steps: list[float], late: float) -> list[str]:
+        fraction = start.rpartition(".")[2] if "." in start else ""
+        moments = [(float(start) + s + late) if fraction else int(start) + round(1e9 * (s + late)) for s in steps]
+        return [name.format(f"{moment:.6f}" if fraction else moment) for moment in moments]
+
+    left, right = names([0.0, 0.05, 0.1, 0.2], 0.0), names([0.0, 0.1, 0.15, 0.2], 0.001)
+    recorded = open_pairs(*folders(tmp_path, left, right))
+    assert [pair.name for pair in recorded.pairs] == [f"{left[number]}.png" for number in (0, 2, 3)]
+    assert recorded.unpaired == (f"{left[1]}.png", f"{right[2]}.png")
+    np.testing.assert_allclose(np.diff([pair.time for pair in recorded.pairs]), 0.1, atol=1e-5)

@@ -321,7 +321,7 @@ def test_images_without_partner(make: Make):
 def test_folders_with_other_names_are_not_matched_by_order(make: Make):
     folder = make(frames=2)
     for index in range(2):
-        (folder / "right" / f"{index}.png").rename(folder / "right" / f"r{index}x.png")
+        (folder / "right" / f"{index}.png").rename(folder / "right" / f"{'xy'[index]}.png")
     refused_scene(folder, "no partner on the right", about="0.png")
 
 

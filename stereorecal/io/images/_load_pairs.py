@@ -11,7 +11,7 @@ from stereorecal._errors import InputError
 from stereorecal._existing_paths import check_exists
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._image_files import images_in, natural_order, read_image
-from stereorecal.io.images._match_by_name import Matched, match_files
+from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 NANOSECONDS = 16  # digits and more of a name that is a time
@@ -47,19 +47,20 @@ def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None
 def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple[Pair, ...]:
     """Pairs from two sets of image files, each a glob pattern, a folder or one file.
 
-    Files whose names are equal, or equal but for left/right, L/R or 0/1, belong together. If no name has a
-    partner, files are matched in natural order (9 before 10). `open_pairs` does without frames that one camera lost.
+    Files whose names are equal, or equal but for what all names of a side have in common (cam1_0007 and cam2_0007, A7
+    and B7) or for left/right, L/R or 0/1, belong together. Those that one camera lost are left out, as long as at
+    least half have a partner. If no name has one, files are matched in natural order (9 before 10).
 
     Args:
         limit: read only the first `limit` pairs.
 
     Raises:
-        InputError: if nothing matches, an image has no partner, or a file is bad (see `load_pair`).
+        InputError: if nothing matches, most images have no partner, or a file is bad (see `load_pair`).
 
     Warns:
-        PairingWarning: if files were matched by their order.
+        PairingWarning: if images were left out, or files matched by their order.
     """
-    return tuple(load_matched(match_files(find_images(left), find_images(right)), limit))
+    return tuple(load_matched(without_lost_frames(find_partners(find_images(left), find_images(right))), limit))
 
 
 def load_matched(matched: Matched, limit: int | None = None, times: Sequence[float] | None = None) -> LazyPairs:

@@ -5,14 +5,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io.images._image_files import images_in
+from stereorecal.io.images._part_of_name import Keys, Sides, by_one_number, by_parts, correspond
 
 Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
 
-# What may distinguish the name of a left image from that of its partner.
-_MARKERS = (("", ""), ("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
+# What may distinguish the name of a left image from that of its partner, where the words of names vary.
+_MARKERS = (("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
+_FEW = 3  # names that a message mentions
+_HOW = "give both images of a pair the same number, or a tolerance if the names are times"
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,7 @@ def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     partner, files are matched in the order given.
 
     Raises:
-        InputError: naming a file without a partner, if most have none.
+        InputError: if most have no partner, or names can be read in two ways.
 
     Warns:
         PairingWarning: if files were matched by their order.
@@ -44,32 +48,45 @@ def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
     if not matched:
         return MatchedFiles(_in_order(left, right), by_order=len(left) > 1)
-    if 2 * len(matched) < min(len(left), len(right)):  # equal by chance, it seems
-        match_keys(lefts, rights)
     unmatched = [
         path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
     ]
+    if not correspond(lefts, rights):  # equal by chance, it seems
+        side = "right" if unmatched[0] in lefts.values() else "left"
+        raise InputError(
+            f"{unmatched[0]}: this image has no partner on the {side} side, and only {len(matched)} have one of "
+            f"{_found(left, right)}; {_HOW}."
+        )
     return MatchedFiles(matched, tuple(unmatched))
 
 
-def match_files(left: Sequence[Path], right: Sequence[Path], *, by_order: bool = True) -> Matched:
-    """The files of both sides as pairs, in the order of the left ones, matched as `load_pairs` says.
+def without_lost_frames(found: MatchedFiles) -> Matched:
+    """The files of pairs.
 
-    Args:
-        by_order: whether files are matched in the order given if no name has a partner.
+    Warns:
+        PairingWarning: if there are others; a few are named.
+    """
+    if found.unmatched:
+        number, few = len(found.unmatched), ", ".join(map(str, found.unmatched[:_FEW]))
+        warnings.warn(
+            f"{number} of {number + 2 * len(found.matched)} images have no partner in the other camera and are left "
+            f"out: {few}{', …' if number > _FEW else ''}.",
+            PairingWarning,
+            stacklevel=3,
+        )
+    return found.matched
+
+
+def match_all(left: Sequence[Path], right: Sequence[Path]) -> Matched:
+    """The files of both sides as pairs, in the order of the left ones, matched by their names.
 
     Raises:
         InputError: naming a file without a partner.
-
-    Warns:
-        PairingWarning: as `find_partners`.
     """
     lefts, rights = _by_name(left, right)
-    if lefts:
-        return match_keys(lefts, rights)
-    if not by_order:
+    if not lefts:
         raise _no_partner(left[0], "right")
-    return _in_order(left, right)
+    return match_keys(lefts, rights)
 
 
 def match_equal(left: Path, right: Path) -> Matched:
@@ -96,7 +113,7 @@ def match_marked(folder: Path) -> Matched:
     return match_keys(left, right)
 
 
-def match_keys(left: Mapping[str, Path], right: Mapping[str, Path]) -> Matched:
+def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     """The files with equal keys, in the order of the left ones.
 
     Raises:
@@ -121,8 +138,24 @@ def by_stem(folder: Path) -> dict[str, Path]:
     return files
 
 
-def _by_name(left: Sequence[Path], right: Sequence[Path]) -> tuple[dict[str, Path], dict[str, Path]]:
-    """Both sides by what a name has in common with its partner's; empty if no name has one."""
+def _by_name(left: Sequence[Path], right: Sequence[Path]) -> Sides:
+    """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
+    the first under which any has; empty if none has."""
+    by_chance: Sides = {}, {}
+    for read in (_by_stems, by_parts, _by_markers, by_one_number):
+        sides = read(left, right)
+        if correspond(*sides):
+            return sides
+        if sides[0].keys() & sides[1].keys():
+            by_chance = by_chance if by_chance[0] else sides
+    return by_chance
+
+
+def _by_stems(left: Sequence[Path], right: Sequence[Path]) -> Sides:
+    return _by_key(left, "", False), _by_key(right, "", False)
+
+
+def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> Sides:
     for last, markers in product((False, True), _MARKERS):
         lefts, rights = (_by_key(files, m, last) for files, m in zip((left, right), markers, strict=True))
         if lefts.keys() & rights.keys():
@@ -130,11 +163,22 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> tuple[dict[str, Pat
     return {}, {}
 
 
+def _by_key(files: Sequence[Path], marker: str, last: bool) -> Keys:
+    """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
+    by_key: Keys = {}
+    for path in files:
+        at = path.stem.rfind(marker) if last else path.stem.find(marker)
+        if at >= 0:
+            by_key[path.stem[:at] + path.stem[at + len(marker) :]] = path
+    return by_key if len(by_key) == len(files) else {}
+
+
 def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
     """The files in order; a single file on each side is unambiguous, and needs no warning."""
     if len(left) != len(right):
         shorter = min(len(left), len(right))
-        raise _no_partner(*((left[shorter], "right") if len(left) > shorter else (right[shorter], "left")))
+        path = left[shorter] if len(left) > shorter else right[shorter]
+        raise InputError(f"{path}: names of {_found(left, right)} have nothing in common that pairs them; {_HOW}.")
     if len(left) > 1:
         warnings.warn(
             f"{left[0]}: no name on the left has a partner on the right, so {len(left)} pairs are made in the order of "
@@ -146,14 +190,11 @@ def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
     return list(zip(left, right, strict=True))
 
 
-def _by_key(files: Sequence[Path], marker: str, last: bool) -> dict[str, Path]:
-    """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
-    by_key = {}
-    for path in files:
-        at = path.stem.rfind(marker) if last else path.stem.find(marker)
-        if at >= 0:
-            by_key[path.stem[:at] + path.stem[at + len(marker) :]] = path
-    return by_key if len(by_key) == len(files) else {}
+def _found(left: Sequence[Path], right: Sequence[Path]) -> str:
+    return " and ".join(
+        f"{len(files)} {side} images ({files[0].name}{f' to {files[-1].name}' if len(files) > 1 else ''})"
+        for files, side in ((left, "left"), (right, "right"))
+    )
 
 
 def _no_partner(path: Path, side: str) -> InputError:

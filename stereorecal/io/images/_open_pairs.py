@@ -1,5 +1,6 @@
 """Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -17,6 +18,9 @@ from stereorecal.io.images._match_by_name import find_partners
 from stereorecal.io.images._match_by_time import pairs_by_time
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
+
+# A time since 1970 within a name, that nothing else is: seconds with a fraction, or nanoseconds.
+_TIME = re.compile(r"(?<![0-9.])(?:[0-9]{10}\.[0-9]+|[0-9]{19})(?![0-9.])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +67,9 @@ def open_pairs(
         right: the right images or the right video.
         left_topic, right_topic: of the bag: images, raw or compressed.
         tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
-            Files are matched by their names (as `load_pairs` does, but without those that one camera lost); with a
-            tolerance by the times that are their names, in seconds, or in nanoseconds if they have 16 digits and more.
+            Files are matched by their names, as `load_pairs` does; with a tolerance by the times that are their
+            names, in seconds, or in nanoseconds if they have 16 digits and more; without one, too, if names have times
+            since 1970 (seconds with a fraction, or nanoseconds) and hardly any name is on both sides.
 
     Raises:
         InputError: if nothing is found, a file or video cannot be read, no frame or, by names, hardly one has a
@@ -99,7 +104,7 @@ def _opened(places: _Places) -> Recorded:
         return _with_counts(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
     elif is_video(left) != is_video(Path(right)):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
-    elif is_video(left) or tolerance is not None:
+    elif is_video(left) or tolerance is not None or _times_alone_tell(left, Path(right)):
         sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
     else:
         found = find_partners(find_images(left), find_images(right))
@@ -177,10 +182,23 @@ def _source(path: Path, timed: bool = False) -> FrameSource:
     )
 
 
+def _times_alone_tell(left: Path, right: Path) -> bool:
+    """Whether all names are times, as in `_TIME`, and hardly one is on both sides: clocks differ a little."""
+    sides = find_images(left), find_images(right)
+    if not all(len(_TIME.findall(file.stem)) == 1 for files in sides for file in files):
+        return False
+    stems = [{file.stem for file in files} for files in sides]
+    return min(map(len, sides)) > 1 and 2 * len(stems[0] & stems[1]) < min(map(len, stems))
+
+
 def _time(file: Path) -> float:
-    """Seconds, from a name such as 12.345.png or 1403715273262142976.png."""
+    """Seconds, from a name such as 12.345.png or left_1403715273262142976.png."""
     try:
-        value = float(file.stem)
+        text = file.stem
+        value = float(text)
     except ValueError:
-        raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
-    return value / 1e9 if len(file.stem.partition(".")[0]) >= NANOSECONDS else value
+        found = _TIME.findall(file.stem)
+        if len(found) != 1:
+            raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
+        value = float(text := found[0])
+    return value / 1e9 if len(text.partition(".")[0]) >= NANOSECONDS else value

@@ -20,7 +20,7 @@ from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibratio
 from stereorecal.io.formats._stored_prior import own_prior, with_prior
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
 from stereorecal.io.images._load_pairs import load_matched
-from stereorecal.io.images._match_by_name import match_files
+from stereorecal.io.images._match_by_name import match_all
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
@@ -67,7 +67,7 @@ def load_sides(folder: Path, limit: int | None, times: Any = None) -> LazyPairs:
     Raises:
         InputError: naming the file, if one is missing or has no partner.
     """
-    matched = match_files(*(_side_files(folder, side) for side in ("left", "right")), by_order=False)
+    matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
     return load_matched(matched, limit, times if _are_times(times, len(matched)) else None)
 
 
