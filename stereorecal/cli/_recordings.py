@@ -131,8 +131,8 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
 
-    def pairs() -> tuple[Pair, ...]:
-        recorded = open_pairs(place, options.right, tolerance=options.tolerance, **topics)
+    def pairs(sizes: tuple[tuple[int, int], tuple[int, int]] | None) -> tuple[Pair, ...]:
+        recorded = open_pairs(place, options.right, tolerance=options.tolerance, sizes=sizes, **topics)
         absent.extend(_unpaired_frames(recorded.unpaired))
         pairing.extend([_BY_ORDER] * recorded.by_order)
         chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)

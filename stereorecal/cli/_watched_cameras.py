@@ -32,7 +32,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []
 
-    def first() -> tuple[Pair, ...]:
+    def first(_: object) -> tuple[Pair, ...]:
         for pair in islice(coming, _DARK):
             before.append(pair)
             if isinstance(pair, Pair):

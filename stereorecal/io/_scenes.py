@@ -1,14 +1,16 @@
 """A scene from its parts: image pairs and a calibration that fits them."""
 
+import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from stereorecal._errors import InputError
+from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
+from stereorecal.io.images._fit_to_cameras import Sizes, common_size
 from stereorecal.io.images._load_pairs import load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
@@ -23,7 +25,8 @@ def gather_scene(
     unit: str | None = None,
 ) -> Scene:
     """The scene of files in any places: images as `load_pairs` finds them, and a calibration in any format that
-    `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size.
+    `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size;
+    where it says two, the larger images are resampled to the smaller size, and `save_rig` writes the file's own.
 
     Args:
         calibration: a file, a folder that holds one, or the left and the right camera's file.
@@ -36,30 +39,63 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    return calibrated_scene(str(left), lambda: load_pairs(left, right, limit), calibration, format=format, unit=unit)
+
+    def pairs(sizes: Sizes | None) -> Sequence[Pair]:
+        return load_pairs(left, right, limit, sizes=sizes)
+
+    return calibrated_scene(str(left), pairs, calibration, format=format, unit=unit)
 
 
 def calibrated_scene(
     name: str,
-    pairs: Callable[[], Sequence[Pair]],
+    pairs: Callable[[Sizes | None], Sequence[Pair]],
     calibration: AnyPath | tuple[AnyPath, AnyPath],
     *,
     format: str | None = None,
     unit: str | None = None,
 ) -> Scene:
-    """The scene of pairs, which are read once it is sure that there is a file of a calibration; else as
-    `gather_scene`."""
+    """The scene of pairs, which are read once it is sure that there is a file of a calibration, for cameras of the
+    sizes that it says; else as `gather_scene`."""
     paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
     for path in paths:
         if not path.exists():
             raise InputError(f"{path}: there is no such file; check the path.")
-    read = pairs()
-    found = load_calibration(paths, format, unit, Hints(size=read[0].size if read else None))
+    sizes = _stated_sizes(paths, format, unit)
+    read = pairs(sizes)
+    found = load_calibration(paths, format, unit, Hints(size=read[0].size if read else None, common_size=True))
     where = " and ".join(map(str, paths))
     with about(where):
         scene = scene_of(name, found, read)
+    remark_sizes(where, sizes)
     warn_of_units(where, scene.rig)
     return scene
+
+
+def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None) -> Sizes | None:
+    """Of the left and the right camera's images; None where the file says none, or is wrong."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found = load_calibration(paths, format, unit)
+    except InputError:
+        return None
+    return (found.size, found.size) if found.rig is None else (found.rig.left.size, found.rig.right.size)
+
+
+def remark_sizes(where: str, sizes: Sizes | None) -> None:
+    """Say that the cameras of a calibration have images of two sizes.
+
+    Warns:
+        CalibrationWarning: if they have.
+    """
+    if sizes is not None and sizes[0] != sizes[1]:
+        (left, right), (width, height) = (f"{wide}x{high}" for wide, high in sizes), common_size(sizes)
+        warnings.warn(
+            f"{where}: the images are {left} (left) and {right} (right); the larger are read at {width}x{height}, and "
+            "the file keeps its sizes.",
+            CalibrationWarning,
+            stacklevel=3,
+        )
 
 
 def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
@@ -88,6 +124,11 @@ def _check_about(where: Path, calibration: Calibration, pair: Pair) -> None:
 
 def _check(calibration: Calibration, pair: Pair) -> None:
     width, height = calibration.size
+    if pair.size == (height, width) != (width, height):
+        raise InputError(
+            f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the images "
+            "are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
+        )
     if calibration.rig is not None:
         check_pairs(calibration.rig, pair)
     elif pair.size != (width, height):

@@ -43,8 +43,8 @@ class Meter:
         self.read = self.most = 0
         self.alive: weakref.WeakSet[Pair] = weakref.WeakSet()
 
-    def __call__(self, left: str, right: str, time: float | None = None, load=_load_pairs.load_pair) -> Pair:
-        pair = load(left, right, time)
+    def __call__(self, *file, load=_load_pairs.read_pair) -> Pair:
+        pair = load(*file)
         self.alive.add(pair)
         self.read += 1
         self.most = max(self.most, len(self.alive))
@@ -54,7 +54,7 @@ class Meter:
 @pytest.fixture
 def meter(monkeypatch: pytest.MonkeyPatch) -> Meter:
     found = Meter()
-    monkeypatch.setattr(_load_pairs, "load_pair", found)
+    monkeypatch.setattr(_load_pairs, "read_pair", found)
     return found
 
 

@@ -17,11 +17,13 @@ class Hints:
         size: (width, height) of the images in pixels.
         cameras: of a file of many cameras, the names of the left and the right one.
         rectified: of a file of cameras and of their rectified images, which of these the images are.
+        common_size: whether cameras of two sizes are read at the smaller one.
     """
 
     size: tuple[int, int] | None = None
     cameras: tuple[str, str] | None = None
     rectified: bool | None = None
+    common_size: bool = False
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
+from stereorecal.io.formats._common_size import at_common_size
 from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
@@ -71,6 +72,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
             raise InputError(
                 f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
             ) from None
+    rig = at_common_size(rig) if hints.common_size else rig
     stated = format.UNIT or unit
     used = stated or inferred_unit(float(rig.baseline))
     left, right = (

@@ -1,6 +1,7 @@
 """From a rig to the texts of files."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal._units import METRES, checked_unit
 from stereorecal.geometry import StereoRig, same_camera, same_rig
 from stereorecal.io._read_files import about
+from stereorecal.io.formats._common_size import at_own_sizes
 from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._format_list import named, usual
@@ -33,6 +35,9 @@ def texts_of(
             hold the rig, or is in another unit.
     """
     chosen = chosen_format(paths, source, format)
+    if source is not None and source.hints.common_size:
+        source = replace(source, hints=replace(source.hints, common_size=False))
+        rig = at_own_sizes(rig, rig_in(source.documents, named(source.format), source.unit, source.hints))
     syntax = syntax_for(paths, chosen, source)
     own = source if source is not None and source.format == chosen.NAME else None
     into = own if own is not None and own.documents[0].syntax is syntax else None

@@ -52,6 +52,15 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
     Raises:
         InputError: if the file is missing, empty, truncated or not an image that OpenCV can read.
     """
+    return decode_image(image_bytes(path), path)
+
+
+def image_bytes(path: str) -> bytes:
+    """The content of an image file.
+
+    Raises:
+        InputError: if it is missing or cannot be read.
+    """
     note_input(path)
     try:
         with open(path, "rb") as file:
@@ -60,7 +69,7 @@ def read_image(path: str) -> Num[np.ndarray, "..."]:
         raise InputError(f"{path}: there is no such file; check the path.") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
-    return decode_image(data, path)
+    return data
 
 
 def decode_image(data: bytes, where: str) -> Num[np.ndarray, "..."]:

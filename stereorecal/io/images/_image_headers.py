@@ -4,12 +4,14 @@ import re
 import struct
 import zlib
 from collections.abc import Iterator
+from typing import Literal
 
 _PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
 # JPEG: the markers of a frame's header (not C4, C8 and CC), and those that stand alone within data.
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _SCAN, _END = 0xDA, 0xD9
-_WIDTH, _HEIGHT, _DEPTH, _SAMPLES = 256, 257, 258, 277  # tags of a TIFF
+_WIDTH, _HEIGHT, _DEPTH, _SAMPLES, _ORIENTATION = 256, 257, 258, 277, 274  # tags of a TIFF, and of EXIF
+_EXIF = b"Exif\0\0"
 _IN_DATA = re.compile(rb"\xff+[^\x00\xd0-\xd7\xff]", re.DOTALL)
 
 
@@ -53,6 +55,39 @@ def bytes_per_pixel(data: bytes) -> int:
     except (struct.error, IndexError):
         pass
     return 3
+
+
+def orientation(data: bytes) -> int:
+    """EXIF's, 1 to 8, of a PNG, JPEG or WebP; 1 where none is stated, and for a TIFF, which OpenCV always turns."""
+    try:
+        found = _tags(exif).get(_ORIENTATION, 1) if (exif := _exif(data)) else 1
+    except (struct.error, IndexError):
+        found = 1
+    return found if found in range(1, 9) else 1
+
+
+def _exif(data: bytes) -> bytes:
+    if data.startswith(_JPEG):
+        places = (at for marker, at in _segments(data) if marker == 0xE1 and data[at + 2 : at + 8] == _EXIF)
+        at = next(places, None)
+        return b"" if at is None else data[at + 8 : at + int.from_bytes(data[at : at + 2], "big")]
+    if data.startswith(_PNG):
+        return _chunk(data, 8, b"eXIf", "big")
+    if data[:4] == b"RIFF" and data[8:12] == b"WEBP":
+        return _chunk(data, 12, b"EXIF", "little").removeprefix(_EXIF)
+    return b""
+
+
+def _chunk(data: bytes, start: int, wanted: bytes, order: Literal["big", "little"]) -> bytes:
+    """The content of a named part of a PNG (length, name, content, sum) or a RIFF (name, length, content, padding)."""
+    while start + 8 <= len(data):
+        parts = data[start : start + 4], data[start + 4 : start + 8]
+        length, name = parts if order == "big" else parts[::-1]
+        size = int.from_bytes(length, order)
+        if name == wanted:
+            return data[start + 8 : start + 8 + size]
+        start += 8 + size + (4 if order == "big" else size % 2)
+    return b""
 
 
 def ends_properly(data: bytes) -> bool:
@@ -107,7 +142,7 @@ def _tags(data: bytes) -> dict[int, int]:
     found = {}
     for start in range(first + 2, first + 2 + 12 * count, 12):
         tag, kind = struct.unpack_from(f"{order}HH", data, start)
-        if tag in (_WIDTH, _HEIGHT, _DEPTH, _SAMPLES):
+        if tag in (_WIDTH, _HEIGHT, _DEPTH, _SAMPLES, _ORIENTATION):
             count_at = struct.unpack_from(f"{order}I", data, start + 4)[0]
             short = kind == 3 and count_at <= 2
             (found[tag],) = struct.unpack_from(f"{order}{'H' if short else 'I'}", data, start + 8)

@@ -6,11 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._existing_paths import check_exists
 from stereorecal.io._read_files import AnyPath, note_input
-from stereorecal.io.images._image_files import images_in, natural_order, read_image
+from stereorecal.io.images._fit_to_cameras import Sizes, fitted, remark_orientation
+from stereorecal.io.images._image_files import decode_image, image_bytes, images_in, natural_order
+from stereorecal.io.images._image_headers import announced_size, orientation
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
@@ -20,7 +23,8 @@ NANOSECONDS = 16  # digits and more of a name that is a time
 def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
     """One pair from two image files: grey or colour, 8 or 16 bit, any format OpenCV reads.
 
-    The pair is named after the left file, and is pickled as its two absolute paths.
+    The pair is named after the left file, and is pickled as its two absolute paths. Pixels are used as stored; only
+    where EXIF orientations turn the images to one size, turned.
 
     Args:
         time: when it was taken, in seconds, if that is known.
@@ -28,23 +32,53 @@ def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None
     Raises:
         InputError: if a file is missing, empty, truncated or not an image, if the two images differ in size or
             bit depth or do not differ at all, or if one is constant.
+
+    Warns:
+        CalibrationWarning: if an image has an EXIF orientation; it says how it is used.
     """
     left, right = os.path.abspath(left_path), os.path.abspath(right_path)
     if left == right:
         raise InputError(f"{left}: this file is both the left and the right image; give two files.")
+    _remark(left, right, None)
+    return read_pair(left, right, time, None)
+
+
+def read_pair(left: str, right: str, time: float | None, sizes: Sizes | None) -> Pair:
+    """The pair of two files, fitted to cameras of these sizes; without remarks, since it is read again and again."""
+    name = f"{left} and {right}"  # what errors are about
+    (first, turn), (second, other_turn) = _read_image(left), _read_image(right)
     pair = make_pair(
-        read_image(left),
-        read_image(right),
+        *fitted((first, second), (turn, other_turn), sizes, name),
         channels="bgr",
-        name=f"{left} and {right}",  # what errors are about
-        origin=(load_pair, (left, right, time)),
+        name=name,
+        origin=(read_pair, (left, right, time, sizes)),
         time=time,
     )
     check_two_images(pair)
     return replace(pair, name=Path(left).name)
 
 
-def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple[Pair, ...]:
+def _read_image(path: str) -> tuple[Any, int]:
+    """The pixels as stored, and the EXIF orientation."""
+    data = image_bytes(path)
+    return decode_image(data, path), orientation(data)
+
+
+def _remark(left: str, right: str, sizes: Sizes | None) -> None:
+    """Say how images with an EXIF orientation are read; what is wrong with a file is said when it is read."""
+    try:
+        heads = image_bytes(left), image_bytes(right)
+    except InputError:
+        return
+    stored = announced_size(heads[0]), announced_size(heads[1])
+    if stored[0] is not None and stored[1] is not None:
+        tags = orientation(heads[0]), orientation(heads[1])
+        remark_orientation(left if tags[0] > 1 else right, (stored[0], stored[1]), tags, sizes)
+
+
+def load_pairs(
+    left: AnyPath, right: AnyPath, limit: int | None = None, *, sizes: Sizes | None = None
+) -> tuple[Pair, ...]:
     """Pairs from two sets of image files, each a glob pattern, a folder or one file.
 
     Files whose names are equal, or equal but for what all names of a side have in common (cam1_0007 and cam2_0007, A7
@@ -53,35 +87,47 @@ def load_pairs(left: AnyPath, right: AnyPath, limit: int | None = None) -> tuple
 
     Args:
         limit: read only the first `limit` pairs.
+        sizes: (width, height) of the left and of the right camera, if they differ: images of these are resampled to
+            the smaller size.
 
     Raises:
         InputError: if nothing matches, most images have no partner, or a file is bad (see `load_pair`).
 
     Warns:
         PairingWarning: if images were left out, or files matched by their order.
+        CalibrationWarning: as `load_pair`.
     """
-    return tuple(load_matched(without_lost_frames(find_partners(find_images(left), find_images(right))), limit))
+    found = find_partners(find_images(left), find_images(right))
+    return tuple(load_matched(without_lost_frames(found), limit, sizes=sizes))
 
 
-def load_matched(matched: Matched, limit: int | None = None, times: Sequence[float] | None = None) -> LazyPairs:
+def load_matched(
+    matched: Matched, limit: int | None = None, times: Sequence[float] | None = None, sizes: Sizes | None = None
+) -> LazyPairs:
     """The pairs of matched files, the first `limit` or all; each is read by `load_pair` when it is used. All of the
     files count as inputs at once.
 
     Args:
         times: of the pairs, in seconds; default their names, if all are nanoseconds of 16 digits or more.
+        sizes: of the cameras, to which images are fitted.
 
     Raises:
         InputError: if the limit leaves none.
+
+    Warns:
+        CalibrationWarning: if the first images have an EXIF orientation.
     """
     if limit is not None and limit < 1:
         raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
     for path in (path for paths in matched for path in paths):
         note_input(path)
     # Absolute: they are read where the working directory may be another.
-    files = [tuple(map(os.path.abspath, paths)) for paths in matched[:limit]]
+    files = [(os.path.abspath(left), os.path.abspath(right)) for left, right in matched[:limit]]
     names = [Path(left).name for left, _ in files]
     known = _times_of(names) if times is None else [float(time) for time in times]
-    reads = [partial(load_pair, *paths, time) for paths, time in zip(files, known, strict=False)]
+    if files:
+        _remark(*files[0], sizes)
+    reads = [partial(read_pair, *paths, time, sizes) for paths, time in zip(files, known, strict=False)]
     return LazyPairs(reads, names, known[: len(reads)])
 
 

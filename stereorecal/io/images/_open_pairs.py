@@ -11,6 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
+from stereorecal.io.images._fit_to_cameras import UPRIGHT, Sizes, fitted
 from stereorecal.io.images._frame_source import FrameSource, halves
 from stereorecal.io.images._image_files import read_image
 from stereorecal.io.images._load_pairs import NANOSECONDS, find_images, load_matched
@@ -49,6 +50,7 @@ class _Places:
     right: str | None
     topics: tuple[str, str] | None
     tolerance: float | None
+    sizes: Sizes | None = None
 
 
 def open_pairs(
@@ -58,6 +60,7 @@ def open_pairs(
     left_topic: str | None = None,
     right_topic: str | None = None,
     tolerance: float | None = None,
+    sizes: Sizes | None = None,
 ) -> Recorded:
     """The pairs of a recording, without reading them yet.
 
@@ -70,6 +73,8 @@ def open_pairs(
             Files are matched by their names, as `load_pairs` does; with a tolerance by the times that are their
             names, in seconds, or in nanoseconds if they have 16 digits and more; without one, too, if names have times
             since 1970 (seconds with a fraction, or nanoseconds) and hardly any name is on both sides.
+        sizes: (width, height) of the left and of the right camera, if they differ: images of these are resampled to
+            the smaller size.
 
     Raises:
         InputError: if nothing is found, a file or video cannot be read, no frame or, by names, hardly one has a
@@ -77,6 +82,7 @@ def open_pairs(
 
     Warns:
         PairingWarning: if files were matched by their order.
+        CalibrationWarning: as `load_pair`.
     """
     topics = None
     if left_topic is not None or right_topic is not None:
@@ -90,7 +96,7 @@ def open_pairs(
     left = bag_folder(Path(left))
     absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
     assert absolute[0] is not None
-    return _opened(_Places(absolute[0], absolute[1], topics, tolerance))
+    return _opened(_Places(absolute[0], absolute[1], topics, tolerance, sizes))
 
 
 def _opened(places: _Places) -> Recorded:
@@ -104,26 +110,20 @@ def _opened(places: _Places) -> Recorded:
         return _with_counts(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
     elif is_video(left) != is_video(Path(right)):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
-    elif is_video(left) or tolerance is not None or _times_alone_tell(left, Path(right)):
-        sources, stream = (_source(left, timed=True), _source(Path(right), timed=True)), is_video(left)
+    elif is_video(left):
+        sources, stream = (_source(left), _source(Path(right))), True
+    elif tolerance is not None or _times_alone_tell(left, Path(right)):
+        return _files_by_time(left, Path(right), tolerance, places.sizes)
     else:
         found = find_partners(find_images(left), find_images(right))
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
-        return Recorded(load_matched(found.matched), alone, False, found.by_order)
+        return Recorded(load_matched(found.matched, sizes=places.sizes), alone, False, found.by_order)
     return _with_counts(places, *sources, pairs_by_time(*sources, tolerance), stream)
 
 
 def _with_counts(
     places: _Places, left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
 ) -> Recorded:
-    with_partner = [{pair[side] for pair in found} for side in (0, 1)]
-    alone = [
-        name
-        for source, paired in zip((left, right), with_partner, strict=True)
-        for index, name in enumerate(source.names)
-        if index not in paired
-    ]
-
     times = [None if left.times is None else float(left.times[first]) for first, _ in found]
 
     def read(number: int) -> Pair:
@@ -131,8 +131,7 @@ def _with_counts(
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
         pair = make_pair(
-            left.read(first),
-            right.read(second),
+            *fitted((left.read(first), right.read(second)), UPRIGHT, places.sizes, about),
             channels="bgr",
             name=about,
             origin=(_read_in_worker, (places, number)),
@@ -142,7 +141,32 @@ def _with_counts(
         return replace(pair, name=name)
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
-    return Recorded(LazyPairs(frames, [left.names[first] for first, _ in found], times), tuple(alone), stream)
+    pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)
+    return Recorded(pairs, _alone(left, right, found), stream)
+
+
+def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Sizes | None) -> Recorded:
+    files = [sorted(find_images(side), key=_time) for side in (left, right)]
+    times = [np.array([_time(file) for file in side]) for side in files]
+    first, second = (
+        FrameSource(str(where), tuple(file.name for file in side), known, lambda index, side=side: side[index])
+        for where, side, known in zip((left, right), files, times, strict=True)
+    )
+    found = pairs_by_time(first, second, tolerance)
+    matched = [(files[0][one], files[1][other]) for one, other in found]
+    pairs = load_matched(matched, times=[float(times[0][one]) for one, _ in found], sizes=sizes)
+    return Recorded(pairs, _alone(first, second, found), False)
+
+
+def _alone(left: FrameSource, right: FrameSource, found: list[tuple[int, int]]) -> tuple[str, ...]:
+    """The names of frames without partner."""
+    with_partner = [{pair[side] for pair in found} for side in (0, 1)]
+    return tuple(
+        name
+        for source, paired in zip((left, right), with_partner, strict=True)
+        for index, name in enumerate(source.names)
+        if index not in paired
+    )
 
 
 def _read_in_worker(places: _Places, number: int) -> Pair:
@@ -168,18 +192,11 @@ class _Frame:
         return partial, (_read_in_worker, self._places, self._number)
 
 
-def _source(path: Path, timed: bool = False) -> FrameSource:
+def _source(path: Path) -> FrameSource:
     if is_video(path):
         return video_source(path)
     files = find_images(path)
-    times = None
-    if timed:
-        times = np.array([_time(file) for file in files])
-        order = np.argsort(times, kind="stable")
-        files, times = [files[index] for index in order], times[order]
-    return FrameSource(
-        str(path), tuple(file.name for file in files), times, lambda index: read_image(str(files[index]))
-    )
+    return FrameSource(str(path), tuple(file.name for file in files), None, lambda index: read_image(str(files[index])))
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from stereorecal._errors import InputError
+from stereorecal.io._scenes import remark_sizes
+from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem
@@ -26,8 +28,14 @@ def read(folder: Path, limit: int | None) -> Log:
         UnsupportedModelError: if a lens is neither radial-tangential nor equidistant.
     """
     body = _body(folder) or folder
-    pairs = load_matched(_same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES), limit)
-    rig = read_files([body / side / _CALIBRATION for side in (_LEFT, _RIGHT)], "euroc")
+    matched = _same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES)
+    files = [body / side / _CALIBRATION for side in (_LEFT, _RIGHT)]
+    rig = read_files(files, "euroc")
+    sizes = rig.left.size, rig.right.size
+    pairs = load_matched(matched, limit, sizes=sizes)
+    if sizes[0] != sizes[1]:
+        rig = read_files(files, "euroc", hints=Hints(common_size=True))
+        remark_sizes(str(folder), sizes)
     return log_of(folder, [(folder, rig, pairs)])
 
 

@@ -18,6 +18,7 @@ from stereorecal.io.formats._read_rig import looks_calibrated
 from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.formats._stored_prior import own_prior, with_prior
+from stereorecal.io.images._fit_to_cameras import Size
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import match_all
@@ -37,7 +38,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    pairs = load_sides(folder, limit, calibration.info.get(_TIMES))
+    pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.size)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
         pairs = pairs.read_out(readout)
     return calibration, fitting(folder, calibration, pairs)
@@ -58,17 +59,19 @@ def _check_calibrated(folder: Path) -> None:
     )
 
 
-def load_sides(folder: Path, limit: int | None, times: Any = None) -> LazyPairs:
+def load_sides(folder: Path, limit: int | None, times: Any = None, size: Size | None = None) -> LazyPairs:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
 
     Args:
         times: when they were taken, in seconds, as a calib.json has them; what is no such list is passed over.
+        size: of the images that the calibration is for.
 
     Raises:
         InputError: naming the file, if one is missing or has no partner.
     """
     matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
-    return load_matched(matched, limit, times if _are_times(times, len(matched)) else None)
+    sizes = None if size is None else (size, size)
+    return load_matched(matched, limit, times if _are_times(times, len(matched)) else None, sizes)
 
 
 def _are_times(times: Any, pairs: int) -> bool:

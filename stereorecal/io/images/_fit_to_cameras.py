@@ -1,0 +1,86 @@
+"""Images as the calibration has them: turned as their EXIF orientation says, or resampled to the other one's size."""
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import cv2
+
+from stereorecal._errors import CalibrationWarning, InputError
+
+Size = tuple[int, int]
+Sizes = tuple[Size, Size]  # (width, height) of the left and of the right camera's images
+Tags = tuple[int, int]  # EXIF orientations, 1 to 8; 1: upright
+UPRIGHT = (1, 1)
+
+
+def fitted(images: Sequence[Any], tags: Tags, sizes: Sizes | None, name: str) -> tuple[Any, Any]:
+    """A left and a right image of one size. Pixels are used as stored, unless only turned images have the sizes of
+    their cameras (or, if these are not known, one size); the larger of two sizes is resampled to the smaller.
+
+    Raises:
+        InputError: about `name`, if the sizes differ and are not those of the cameras.
+    """
+    stored = _size(images[0]), _size(images[1])
+    if only_turned_fit(stored, tags, sizes):
+        images = [_turned(image, tag) for image, tag in zip(images, tags, strict=True)]
+        stored = _size(images[0]), _size(images[1])
+    if stored[0] == stored[1]:
+        return images[0], images[1]
+    if sizes is None or stored != sizes:
+        cameras = "" if sizes is None or sizes[0] == sizes[1] else f", here {_text(sizes[0])} and {_text(sizes[1])}"
+        raise InputError(
+            f"{name}: the left image is {_text(stored[0])} and the right one {_text(stored[1])}; both must have the "
+            f"same size, or each that of its camera in a calibration that says it{cameras}."
+        )
+    left, right = (cv2.resize(image, common_size(sizes), interpolation=cv2.INTER_AREA) for image in images)
+    return left, right
+
+
+def common_size(sizes: Sizes) -> Size:
+    """The smaller one."""
+    return min(sizes, key=lambda size: size[0] * size[1])
+
+
+def only_turned_fit(stored: Sizes, tags: Tags, sizes: Sizes | None) -> bool:
+    """Whether images have the sizes of their cameras only once they are turned."""
+    left, right = ((size[1], size[0]) if tag > 4 else size for size, tag in zip(stored, tags, strict=True))
+    return not _fit(stored, sizes) and _fit((left, right), sizes)
+
+
+def remark_orientation(name: str, stored: Sizes, tags: Tags, sizes: Sizes | None) -> None:
+    """Say how images with an EXIF orientation are read.
+
+    Warns:
+        CalibrationWarning: if one has.
+    """
+    if tags == UPRIGHT:
+        return
+    said = f"EXIF orientation {tags[0]}" + ("" if tags[0] == tags[1] else f" (left) and {tags[1]} (right)")
+    if only_turned_fit(stored, tags, sizes):
+        message = f"{name}: images are turned by their {said}, since their sizes fit only then."
+    else:
+        message = (
+            f"{name}: {said} is not applied, and the calibration may be for turned images, as cv2.imread and viewers "
+            "give them; if it is, turn the files: cv2.imwrite(name, cv2.imread(name))."
+        )
+    warnings.warn(message, CalibrationWarning, stacklevel=3)
+
+
+def _fit(found: Sizes, sizes: Sizes | None) -> bool:
+    return found[0] == found[1] if sizes is None else found == sizes
+
+
+def _turned(image: Any, tag: int) -> Any:
+    """The image as a viewer shows it."""
+    image = image.swapaxes(0, 1) if tag in (5, 6, 7, 8) else image
+    image = image[:, ::-1] if tag in (2, 3, 6, 7) else image
+    return image[::-1] if tag in (3, 4, 7, 8) else image
+
+
+def _size(image: Any) -> Size:
+    return image.shape[1], image.shape[0]
+
+
+def _text(size: Size) -> str:
+    return f"{size[0]}x{size[1]}"
