@@ -241,6 +241,9 @@ def test_names_that_repeat_in_many_folders_pair_by_folder(tmp_path: Path):
         ("DSC{:05d}", "IMG_{:04d}"),
         ("3_{:d}", "4_{:d}"),
         ("run2_a_{:d}", "{:d}"),
+        ("shot_Infrared 1_{:d}", "shot_Infrared 2_{:d}"),
+        ("town_000000_{:06d}_leftImg8bit", "town_000000_{:06d}_rightImg8bit"),
+        ("{:08d}L", "{:08d}R"),
     ],
 )
 @settings(max_examples=20)
@@ -460,6 +463,20 @@ def test_the_log_level_of_opencv_is_restored(tmp_path: Path, right: Path):
     with pytest.raises(InputError):
         load_pair(path, right)
     assert cv2.utils.logging.getLogLevel() == level
+
+
+@pytest.mark.parametrize(
+    ("names", "gap"),
+    [
+        (["1403715273262142", "1403715273362142", "1403715273462142"], 0.1),  # microseconds: no camera is so fast
+        (["1403715273262142", "1403715363262142"], 0.09),  # nanoseconds since 16 days
+        (["20240501123015100", "20240501123015200", "20240501123015300"], None),  # a date with milliseconds
+    ],
+)
+def test_what_numbers_of_16_digits_and_more_count(linked, names: list[str], gap: float | None):
+    files = [f"{name}.png" for name in names]
+    times = [pair.time for pair in open_pairs(*linked(files, files)).pairs]
+    assert times == [None] * 3 if gap is None else np.diff(times) == pytest.approx([gap] * (len(names) - 1), abs=1e-5)
 
 
 def test_names_that_are_nanoseconds_are_times(tmp_path: Path):

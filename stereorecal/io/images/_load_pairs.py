@@ -15,9 +15,8 @@ from stereorecal.io.images._fit_to_cameras import Sizes, fitted, remark_orientat
 from stereorecal.io.images._image_files import decode_image, image_bytes, images_in, natural_order
 from stereorecal.io.images._image_headers import announced_size, orientation
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
+from stereorecal.io.images._time_in_name import counted_times
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
-
-NANOSECONDS = 16  # digits and more of a name that is a time
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
@@ -108,7 +107,7 @@ def load_matched(
     files count as inputs at once.
 
     Args:
-        times: of the pairs, in seconds; default their names, if all are nanoseconds of 16 digits or more.
+        times: of the pairs, in seconds; default their names, if all are such numbers as `open_pairs` says.
         sizes: of the cameras, to which images are fitted.
 
     Raises:
@@ -124,18 +123,13 @@ def load_matched(
     # Absolute: they are read where the working directory may be another.
     files = [(os.path.abspath(left), os.path.abspath(right)) for left, right in matched[:limit]]
     names = [Path(left).name for left, _ in files]
-    known = _times_of(names) if times is None else [float(time) for time in times]
+    if times is None:
+        times = counted_times([Path(name).stem for name in names])
+    known = [None] * len(names) if times is None else [float(time) for time in times]
     if files:
         _remark(*files[0], sizes)
     reads = [partial(read_pair, *paths, time, sizes) for paths, time in zip(files, known, strict=False)]
     return LazyPairs(reads, names, known[: len(reads)])
-
-
-def _times_of(names: Sequence[str]) -> Sequence[float | None]:
-    stems = [Path(name).stem for name in names]
-    if not all(stem.isascii() and stem.isdigit() and len(stem) >= NANOSECONDS for stem in stems):
-        return [None] * len(names)
-    return [int(stem) / 1e9 for stem in stems]
 
 
 def find_images(where: AnyPath) -> list[Path]:

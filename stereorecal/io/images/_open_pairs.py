@@ -1,6 +1,5 @@
 """Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -9,19 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import AnyPath
+from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._fit_to_cameras import UPRIGHT, Sizes, fitted
 from stereorecal.io.images._frame_source import FrameSource, halves
 from stereorecal.io.images._image_files import read_image
-from stereorecal.io.images._load_pairs import NANOSECONDS, find_images, load_matched
+from stereorecal.io.images._load_pairs import find_images, load_matched
 from stereorecal.io.images._match_by_name import find_partners
 from stereorecal.io.images._match_by_time import pairs_by_time
+from stereorecal.io.images._time_in_name import counts_per_second, has_time, time_of
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
-
-# A time since 1970 within a name, that nothing else is: seconds with a fraction, or nanoseconds.
-_TIME = re.compile(r"(?<![0-9.])(?:[0-9]{10}\.[0-9]+|[0-9]{19})(?![0-9.])")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +68,9 @@ def open_pairs(
         left_topic, right_topic: of the bag: images, raw or compressed.
         tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
             Files are matched by their names, as `load_pairs` does; with a tolerance by the times that are their
-            names, in seconds, or in nanoseconds if they have 16 digits and more; without one, too, if names have times
-            since 1970 (seconds with a fraction, or nanoseconds) and hardly any name is on both sides.
+            names, in seconds, or in nanoseconds if they have 16 digits and more (in microseconds, if frames would
+            else lie closer than a millisecond); without one, too, if names have times since 1970 (seconds with a
+            fraction, or nanoseconds) and hardly any name is on both sides.
         sizes: (width, height) of the left and of the right camera, if they differ: images of these are resampled to
             the smaller size.
 
@@ -146,8 +144,15 @@ def _with_counts(
 
 
 def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Sizes | None) -> Recorded:
-    files = [sorted(find_images(side), key=_time) for side in (left, right)]
-    times = [np.array([_time(file) for file in side]) for side in files]
+    files = [find_images(side) for side in (left, right)]
+    per_second = counts_per_second([file.stem for file in files[0]]) or 1e9
+
+    def time(file: Path) -> float:
+        with about(file.parent):
+            return time_of(file.stem, per_second)
+
+    files = [sorted(side, key=time) for side in files]
+    times = [np.array([time(file) for file in side]) for side in files]
     first, second = (
         FrameSource(str(where), tuple(file.name for file in side), known, lambda index, side=side: side[index])
         for where, side, known in zip((left, right), files, times, strict=True)
@@ -200,22 +205,7 @@ def _source(path: Path) -> FrameSource:
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:
-    """Whether all names are times, as in `_TIME`, and hardly one is on both sides: clocks differ a little."""
-    sides = find_images(left), find_images(right)
-    if not all(len(_TIME.findall(file.stem)) == 1 for files in sides for file in files):
-        return False
-    stems = [{file.stem for file in files} for files in sides]
-    return min(map(len, sides)) > 1 and 2 * len(stems[0] & stems[1]) < min(map(len, stems))
-
-
-def _time(file: Path) -> float:
-    """Seconds, from a name such as 12.345.png or left_1403715273262142976.png."""
-    try:
-        text = file.stem
-        value = float(text)
-    except ValueError:
-        found = _TIME.findall(file.stem)
-        if len(found) != 1:
-            raise InputError(f"{file}: the name is not a time; leave out the tolerance to pair by names.") from None
-        value = float(text := found[0])
-    return value / 1e9 if len(text.partition(".")[0]) >= NANOSECONDS else value
+    """Whether all names are times since 1970, and hardly one is on both sides: clocks differ a little."""
+    sides = [[file.stem for file in find_images(side)] for side in (left, right)]
+    fewest = min(map(len, sides))
+    return fewest > 1 and all(map(has_time, sides[0] + sides[1])) and 2 * len({*sides[0]} & {*sides[1]}) < fewest
