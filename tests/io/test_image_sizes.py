@@ -1,9 +1,7 @@
 """Images that are not as the calibration has them: turned by an EXIF orientation, or of two sizes."""
 
 import pickle
-import struct
 import warnings
-import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from oriented import stored, tagged
 
 import stereorecal as sr
 from stereorecal import CalibrationWarning, InputError
@@ -30,33 +29,7 @@ def picture(seed: int, size: tuple[int, int] = SMALL) -> np.ndarray:
     return cv2.resize(rng.integers(0, 255, (6, 8), np.uint8), size, interpolation=cv2.INTER_CUBIC)
 
 
-def exif(tag: int, order: str = "<") -> bytes:
-    head = b"II" if order == "<" else b"MM"
-    return head + struct.pack(f"{order}HIHHHIHHI", 42, 8, 1, 0x0112, 3, 1, tag, 0, 0)
-
-
-def tagged(image: np.ndarray, tag: int, ending: str = ".jpg", order: str = "<") -> bytes:
-    """An image file with an EXIF orientation."""
-    data, facts = cv2.imencode(ending, image)[1].tobytes(), exif(tag, order)
-    match ending:
-        case ".jpg":
-            body = b"Exif\0\0" + facts
-            return data[:2] + b"\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body + data[2:]
-        case ".png":
-            chunk = b"eXIf" + facts
-            return data[:33] + struct.pack(">I", len(facts)) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[33:]
-        case _:
-            return data + b"EXIF" + struct.pack("<I", len(facts)) + facts
-
-
-def stored(image: np.ndarray, tag: int) -> np.ndarray:
-    """The pixels that an orientation turns to an image."""
-    shown = [lambda i: i, np.fliplr, lambda i: np.rot90(i, 2), np.flipud]
-    shown += [np.transpose, lambda i: np.rot90(i, 1), lambda i: np.rot90(i.T, 2), lambda i: np.rot90(i, -1)]
-    return np.ascontiguousarray(shown[tag - 1](image))
-
-
-def write_sides(folder: Path, tags: Sequence[int], ending: str = ".png", **calibration) -> tuple[Path, Path]:
+def write_sides(folder: Path, tags: Sequence[int], ending: str = ".png") -> tuple[Path, Path]:
     folder.mkdir(exist_ok=True)
     paths = folder / f"left{ending}", folder / f"right{ending}"
     for seed, (path, tag) in enumerate(zip(paths, tags, strict=True)):

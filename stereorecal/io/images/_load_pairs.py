@@ -36,14 +36,14 @@ def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None
         CalibrationWarning: if an image has an EXIF orientation; it says how it is used.
     """
     left, right = os.path.abspath(left_path), os.path.abspath(right_path)
-    if left == right:
-        raise InputError(f"{left}: this file is both the left and the right image; give two files.")
     _remark(left, right, None)
     return read_pair(left, right, time, None)
 
 
 def read_pair(left: str, right: str, time: float | None, sizes: Sizes | None) -> Pair:
     """The pair of two files, fitted to cameras of these sizes; without remarks, since it is read again and again."""
+    if left == right:
+        raise InputError(f"{left}: this file is both the left and the right image; give two files.")
     name = f"{left} and {right}"  # what errors are about
     (first, turn), (second, other_turn) = _read_image(left), _read_image(right)
     pair = make_pair(
