@@ -72,14 +72,22 @@ def calibrated_scene(
 
 
 def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None) -> Sizes | None:
-    """Of the left and the right camera's images; None where the file says none, or is wrong."""
+    """Of the left and the right camera's images; None where the file says none, is wrong, or is scaled to any."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            found = load_calibration(paths, format, unit)
+            sizes = _sizes(load_calibration(paths, format, unit))
+            if sizes[0] == sizes[1]:
+                return sizes
+            again = _sizes(load_calibration(paths, format, unit, Hints(size=common_size(sizes))))
     except InputError:
         return None
-    return (found.size, found.size) if found.rig is None else (found.rig.left.size, found.rig.right.size)
+    return sizes if again == sizes else None
+
+
+def _sizes(calibration: Calibration) -> Sizes:
+    rig = calibration.rig
+    return (calibration.size, calibration.size) if rig is None else (rig.left.size, rig.right.size)
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:

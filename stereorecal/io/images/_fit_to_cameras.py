@@ -19,22 +19,25 @@ def fitted(images: Sequence[Any], tags: Tags, sizes: Sizes | None, name: str) ->
     their cameras (or, if these are not known, one size); the larger of two sizes is resampled to the smaller.
 
     Raises:
-        InputError: about `name`, if the sizes differ and are not those of the cameras.
+        InputError: about `name`, if the sizes differ, or are not those of cameras that differ.
     """
     stored = _size(images[0]), _size(images[1])
     if only_turned_fit(stored, tags, sizes):
         images = [_turned(image, tag) for image, tag in zip(images, tags, strict=True)]
         stored = _size(images[0]), _size(images[1])
-    if stored[0] == stored[1]:
-        return images[0], images[1]
-    if sizes is None or stored != sizes:
-        cameras = "" if sizes is None or sizes[0] == sizes[1] else f", here {_text(sizes[0])} and {_text(sizes[1])}"
+    if sizes is not None and sizes[0] != sizes[1]:
+        if stored != sizes:
+            raise InputError(
+                f"{name}: the images are {_text(stored)}, but the calibration is for {_text(sizes)}; use images and "
+                "calibration of the same sizes."
+            )
+        images = [cv2.resize(image, common_size(sizes), interpolation=cv2.INTER_AREA) for image in images]
+    elif stored[0] != stored[1]:
         raise InputError(
-            f"{name}: the left image is {_text(stored[0])} and the right one {_text(stored[1])}; both must have the "
-            f"same size, or each that of its camera in a calibration that says it{cameras}."
+            f"{name}: the left image is {_wide(stored[0])} and the right one {_wide(stored[1])}; both must have the "
+            "same size, or each that of its camera in a calibration that says one for each."
         )
-    left, right = (cv2.resize(image, common_size(sizes), interpolation=cv2.INTER_AREA) for image in images)
-    return left, right
+    return images[0], images[1]
 
 
 def common_size(sizes: Sizes) -> Size:
@@ -56,13 +59,13 @@ def remark_orientation(name: str, stored: Sizes, tags: Tags, sizes: Sizes | None
     """
     if tags == UPRIGHT:
         return
-    said = f"EXIF orientation {tags[0]}" + ("" if tags[0] == tags[1] else f" (left) and {tags[1]} (right)")
+    said = f"EXIF orientation {tags[0]}" if tags[0] == tags[1] else f"EXIF orientations {tags[0]} and {tags[1]}"
     if only_turned_fit(stored, tags, sizes):
-        message = f"{name}: images are turned by their {said}, since their sizes fit only then."
+        message = f"{name}: {said} applied, since the sizes of images and calibration fit only then."
     else:
         message = (
-            f"{name}: {said} is not applied, and the calibration may be for turned images, as cv2.imread and viewers "
-            "give them; if it is, turn the files: cv2.imwrite(name, cv2.imread(name))."
+            f"{name}: {said} not applied; the calibration may be for turned images, as cv2.imread and viewers give "
+            "them: if it is, turn the files, with cv2.imwrite(name, cv2.imread(name))."
         )
     warnings.warn(message, CalibrationWarning, stacklevel=3)
 
@@ -82,5 +85,9 @@ def _size(image: Any) -> Size:
     return image.shape[1], image.shape[0]
 
 
-def _text(size: Size) -> str:
+def _text(sizes: Sizes) -> str:
+    return f"{_wide(sizes[0])} (left) and {_wide(sizes[1])} (right)"
+
+
+def _wide(size: Size) -> str:
     return f"{size[0]}x{size[1]}"
