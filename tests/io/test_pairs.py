@@ -241,7 +241,7 @@ def test_names_that_repeat_in_many_folders_pair_by_folder(tmp_path: Path):
         ("DSC{:05d}", "IMG_{:04d}"),
         ("3_{:d}", "4_{:d}"),
         ("run2_a_{:d}", "{:d}"),
-        ("shot_Infrared 1_{:d}", "shot_Infrared 2_{:d}"),
+        ("shot_Infrared 1_15561801{:05d}.7890", "shot_Infrared 2_15561801{:05d}.7890"),
         ("town_000000_{:06d}_leftImg8bit", "town_000000_{:06d}_rightImg8bit"),
         ("{:08d}L", "{:08d}R"),
     ],
