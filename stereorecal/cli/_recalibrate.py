@@ -27,7 +27,6 @@ from stereorecal.io import calibration_json, files_read, load_odometer, load_ran
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
-    Reason,
     Repair,
     Schedule,
     Settings,
@@ -261,5 +260,4 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
         return WRONG_INPUT
     reasons = {one.reason for one in solutions}
     wrong = {reason for reason in reasons if not reason.healthy}
-    untold = {Reason.TOO_LITTLE_TEXTURE, Reason.CANNOT_TELL, Reason.FEWER_MATCHES}
-    return 1 if wrong - untold else CANNOT_TELL if wrong else 0
+    return CANNOT_TELL if wrong and all(reason.untold for reason in wrong) else int(bool(wrong))
