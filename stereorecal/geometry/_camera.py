@@ -10,6 +10,7 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
+from stereorecal.geometry._camera_matrix import exact_matrix
 from stereorecal.geometry.lenses import LensModel, lens_model
 
 _LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
@@ -48,8 +49,8 @@ class Camera:
             alpha), "eucm" (extended unified: alpha beta) or "omni" (unified with distortion: xi k1 k2 p1 p2).
 
     Raises:
-        InputError: if the matrix is singular, negative, skewed or not finite, the size is not positive, or the
-            coefficients are none of a lens.
+        InputError: if the matrix is transposed, singular, negative, skewed or not finite, the size is not positive, or
+            the coefficients are none of a lens. Rounding of the matrix's zeros and one is taken out.
         UnsupportedModelError: if the model is not known, or has not so many coefficients.
     """
 
@@ -68,13 +69,7 @@ class Camera:
             raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
         if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
             raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")
-        if min(matrix[0, 0], matrix[1, 1]) <= 0 or not np.array_equal(matrix[2], [0.0, 0.0, 1.0]):
-            raise InputError(
-                "the camera matrix is singular or negative; it must be [[fx 0 cx] [0 fy cy] [0 0 1]] with positive "
-                "focal lengths: correct the calibration."
-            )
-        if matrix[0, 1] != 0 or matrix[1, 0] != 0:
-            raise InputError("the camera matrix has skew, which is not supported; recalibrate without skew.")
+        matrix = exact_matrix(matrix)
         _check_plausible(self.size, matrix, distortion)
         lens = lens_model(self.model)
         if distortion.size not in lens.COUNTS:

@@ -1,22 +1,78 @@
-"""Matrices, in the shape in which a file has them."""
+"""Matrices, in the shape in which a file has them: camera matrices of 3x4, rotation vectors, few coefficients."""
 
 from collections.abc import Mapping
 from typing import Any
 
+import cv2
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._arrays import Mat3
+from stereorecal._errors import InputError
+from stereorecal.io.formats._numbers import numbers
 from stereorecal.io.formats.text._keys import Keys, at
 
 Array = Float[np.ndarray, "..."]
 
 
+def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
+    """The camera matrix under a key: 3x3, or 3x4 with a fourth column of zeros.
+
+    Raises:
+        InputError: if it is something else.
+    """
+    if size_of(content, (key,)) != 12:
+        return numbers(content, key, (3, 3))
+    matrix = numbers(content, key, (3, 4))
+    if np.any(matrix[:, 3]):
+        raise InputError(
+            f"{key} is the projection matrix of rectified images (its fourth column is not zero), no camera matrix; "
+            "give the camera matrix, 3x3."
+        )
+    return matrix[:, :3]
+
+
+def rotation_matrix(content: Mapping[str, Any], key: str) -> Mat3:
+    """The rotation under a key: a matrix, or a rotation vector of `cv2.Rodrigues` [rad].
+
+    Raises:
+        InputError: if it is something else.
+    """
+    if size_of(content, (key,)) != 3:
+        return numbers(content, key, (3, 3))
+    vector = numbers(content, key, (3,))
+    if np.linalg.norm(vector) > np.pi:
+        raise InputError(
+            f"{key} has three numbers, but is no rotation vector in radians (its length is "
+            f"{np.linalg.norm(vector):.3g}, more than pi); give the rotation matrix, such as cv2.Rodrigues(rvec)[0]."
+        )
+    return cv2.Rodrigues(vector)[0]
+
+
+def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:
+    """The coefficients of a pinhole under a key; k1, or k1 k2, may stand alone.
+
+    Raises:
+        InputError: if there are three, whose order nobody can know.
+    """
+    found = numbers(content, key, (-1,))
+    if found.size == 3:
+        raise InputError(
+            f"{key} has three coefficients, which are k1 k2 k3 or k1 k2 p1; write them in OpenCV's order, k1 k2 0 0 k3 "
+            "or k1 k2 p1 0."
+        )
+    return np.pad(found, (0, 4 - found.size)) if found.size in (1, 2) else found
+
+
 def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[Keys, Any]:
     """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape.
 
-    A vector may be longer than the one in the file.
+    A vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector.
     """
-    stated, flat = at(content, keys), np.asarray(array, float).ravel().tolist()
+    stated, array = at(content, keys), np.asarray(array, float)
+    if array.shape == (3, 3) and size_of(content, keys) in (3, 12):
+        array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
+    flat = array.ravel().tolist()
     if not isinstance(stated, Mapping):
         shape = np.shape(stated)
         return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}

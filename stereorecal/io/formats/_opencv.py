@@ -1,4 +1,5 @@
-"""OpenCV's FileStorage: YAML, XML or JSON with K1 (or M1) D1 K2 D2 R T; the stereo_calib sample writes two files."""
+"""OpenCV's FileStorage: YAML, XML or JSON with K1 (or M1) D1 K2 D2 R T, or the same matrices under other names, nested,
+in one file or in several; the stereo_calib sample writes two."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -8,11 +9,21 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, coefficients
-from stereorecal.io.formats._matrix_values import Array, derived_values, matrix_values, size_of
+from stereorecal.io.formats._matrix_values import (
+    Array,
+    camera_matrix,
+    derived_values,
+    lens_coefficients,
+    matrix_values,
+    rotation_matrix,
+    size_of,
+)
 from stereorecal.io.formats._model_names import model_named
-from stereorecal.io.formats._numbers import image_size, numbers, pixels
+from stereorecal.io.formats._numbers import numbers
+from stereorecal.io.formats._opencv_names import MATRICES, Matrices
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
     essential,
@@ -21,6 +32,7 @@ from stereorecal.io.formats._rectification_matrices import (
     rectification_of,
 )
 from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._keys import Keys
 
 NAME = "opencv"
 ABOUT = "OpenCV's FileStorage (K1 or M1, D1, K2, D2, R, T), one file, or intrinsics and extrinsics"
@@ -28,9 +40,6 @@ SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML, ".xml": Syntax.XML, ".json"
 FILES = 1
 UNIT = None
 
-_MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
-_DISTORTIONS = ("D", "distCoeffs", "dist_coeffs_", "distortion_coefficients_")
-_SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
 _REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
             "validPixROI2")}  # fmt: skip
 _COUNTS = (4, 5, 8, 12, 14)
@@ -40,30 +49,41 @@ _FISHEYE, _MODEL = "fisheye_model", "distortion_model"
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there are intrinsics of cameras 1 and 2, or R and T, under names that are usual."""
-    content = _content(documents)
-    intrinsics = any(f"{name}{side}" in content for name in _MATRICES for side in (1, 2))
-    whole = {"R", "T"} <= content.keys() and "K_left" not in content
-    return intrinsics and whole if len(documents) == 2 else intrinsics or whole
+    """Whether there are the camera matrices of two cameras, or a rotation and a translation between them."""
+    try:
+        matrices = Matrices.of(documents)
+    except InputError:  # two readings, which `read` names
+        return True
+    cameras, between = matrices.has("K1", "K2"), matrices.has("R", "T")
+    both = cameras and (between or matrices.has("R1", "R2", "P1", "P2"))
+    if {"K_left", "K_right"} & matrices.content.keys():
+        return both
+    exact = any(f"{name}{side}" in matrices.content for name in MATRICES for side in (1, 2))
+    if len(documents) == 2:
+        return both or (exact and {"R", "T"} <= matrices.content.keys())
+    return cameras or between or exact
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of OpenCV's files; image size as in the file, else that of the hints, since OpenCV's own programs
     write none."""
-    content = _content(documents)
-    _check_both_parts(content)
-    matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
-    size, model = _size(content, hints), _model(content)
-    left, right = (
-        Camera(
-            size,
-            numbers(content, f"{matrix}{side}", (3, 3)),
-            numbers(content, f"{distortion}{side}", (-1,)),
-            model=model,
-        )
-        for side in (1, 2)
-    )
-    return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
+    matrices = Matrices.of(documents)
+    content, names = matrices.content, matrices.names
+    implied = not matrices.has("R") and not matrices.has("T") and matrices.has("R1", "R2", "P1", "P2")
+    if not implied:
+        _check_both_parts(matrices)
+    size, model = matrices.size(hints), _model(content)
+    lens = lens_coefficients if model == Camera.model else lambda *of: numbers(*of, (-1,))
+    cameras = []
+    for side in (1, 2):
+        matrix, distortion = camera_matrix(content, names[f"K{side}"]), lens(content, names[f"D{side}"])
+        with about(names[f"K{side}"]):
+            cameras.append(Camera(size, matrix, distortion, model=model))
+    left, right = cameras
+    if implied:
+        return StereoRig.from_rotation(left, right, *_implied(content, names))
+    rotation, translation = rotation_matrix(content, names["R"]), numbers(content, names["T"], (3,))
+    return StereoRig.from_rotation(left, right, rotation, translation)
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
@@ -97,35 +117,49 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
-    content = _content(target.documents)
-    matrix, distortion = _name(content, _MATRICES), _name(content, _DISTORTIONS)
-    values = dict(_cameras(rig, target, content, matrix, distortion))
-    made = rectification_of(rig, _rectify_options(target, content)) | {"E": essential(rig), "F": fundamental(rig)}
+    matrices = Matrices.of(target.documents)
+    values = dict(_cameras(rig, target, matrices))
+    made = rectification_of(rig, _rectify_options(target, matrices)) | {"E": essential(rig), "F": fundamental(rig)}
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
-    values.update(derived_values(content, arrays))
+    named = {matrices.own_name(key) or key: array for key, array in arrays.items()}
+    values.update(derived_values(matrices.content, named))
+    placed = {(*matrices.places[str(name)], *rest): value for (name, *rest), value in values.items()}
     return tuple(
-        document.with_values({keys: value for keys, value in values.items() if keys[0] in document.content})
-        for document in target.documents
+        document.with_values({place[1:]: value for place, value in placed.items() if place[0] == index})
+        for index, document in enumerate(target.documents)
     )
 
 
-def _rectify_options(target: Target, content: Mapping[str, Any]) -> RectifyOptions:
+def _rectify_options(target: Target, matrices: Matrices) -> RectifyOptions:
     try:
-        P1, P2 = (numbers(content, key, (3, 4)) for key in ("P1", "P2"))
+        P1, P2 = (numbers(matrices.content, matrices.own_name(key) or key, (3, 4)) for key in ("P1", "P2"))
     except InputError:  # missing, or no matrix: it is written anew in any case
         return _RECTIFY
     return options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
 
 
-def _cameras(rig: StereoRig, target: Target, content: Mapping[str, Any], matrix: str, distortion: str) -> Iterator:
+def _cameras(rig: StereoRig, target: Target, matrices: Matrices) -> Iterator[tuple[Keys, Any]]:
+    content, names = matrices.content, matrices.names
     for side, camera, wanted in ((1, rig.left, target.left), (2, rig.right, target.right)):
         if wanted:
-            key = f"{distortion}{side}"
+            key = names[f"D{side}"]
             counts = [count for count in _COUNTS if count >= size_of(content, (key,))]
             lens = _lens(camera, counts)
-            yield from matrix_values(content, (f"{matrix}{side}",), np.asarray(camera.matrix)).items()
+            yield from matrix_values(content, (names[f"K{side}"],), np.asarray(camera.matrix)).items()
             yield from matrix_values(content, (key,), lens).items()
+
+
+def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Array, Array]:
+    """R and T of the rotations that rectify, and the projections: R = R2^T R1, T = R2^T (P2[0, 3] / P2[0, 0], 0, 0)."""
+    R1, R2 = (numbers(content, names[key], (3, 3)) for key in ("R1", "R2"))
+    P1, P2 = (numbers(content, names[key], (3, 4)) for key in ("P1", "P2"))
+    if np.any(P1[:, 3]) or np.any(P2[1:, 3]) or P2[0, 0] <= 0:
+        raise InputError(
+            f"R and T cannot be told from {names['P1']} and {names['P2']}, whose fourth columns are not (0, 0, 0) and "
+            "(t, 0, 0); add R and T to the file."
+        )
+    return R2.T @ R1, R2.T @ np.array([P2[0, 3] / P2[0, 0], 0.0, 0.0])
 
 
 def _lens(camera: Camera, counts: Sequence[int] = _COUNTS) -> Array:
@@ -144,33 +178,13 @@ def _model(content: Mapping[str, Any]) -> str:
     return "equidistant" if content.get(_FISHEYE) else Camera.model if stated is None else model_named(stated)
 
 
-def _check_both_parts(content: Mapping[str, Any]) -> None:
+def _check_both_parts(matrices: Matrices) -> None:
     """Refuse one file of the two that stereo_calib writes."""
-    cameras = any(f"{name}1" in content or f"{name}2" in content for name in _MATRICES)
-    if not cameras or not {"R", "T"} & content.keys():
+    content, names = matrices.content, matrices.names
+    cameras = any(names[role] in content for role in ("K1", "K2"))
+    if not cameras or not {names["R"], names["T"]} & content.keys():
         there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
         raise InputError(
             f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
             "give both, intrinsics first."
         )
-
-
-def _content(documents: Documents) -> dict[str, Any]:
-    return {key: item for document in documents for key, item in document.content.items()}
-
-
-def _name(content: Mapping[str, Any], names: tuple[str, ...]) -> str:
-    return next((name for name in names for side in (1, 2) if f"{name}{side}" in content), names[0])
-
-
-def _size(content: Mapping[str, Any], hints: Hints) -> tuple[int, int]:
-    for key in _SIZES:
-        if key in content:
-            return image_size(content, key)
-    if "image_width" in content:
-        return pixels(content, "image_width"), pixels(content, "image_height")
-    if hints.size is None:
-        raise InputError(
-            "the file has no image size (imageSize); give size=(width, height), on the command line --size WxH."
-        )
-    return hints.size

@@ -150,6 +150,8 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
         if _whole(pair, fitting, hints)
     }
     whole = [*single, *reversed(pairs.values())]
+    if not whole and 2 < len(found) <= _MOST and _whole(found, fitting, hints):  # a file for each matrix
+        return found
     if len(whole) == 1:
         return whole[0]
     if whole:

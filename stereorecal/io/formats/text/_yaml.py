@@ -19,6 +19,7 @@ _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
 _END = re.compile(r"(\n(---|\.\.\.)[ \t\r]*)+\s*\Z")  # after a message, as `ros2 topic echo` writes it
+_NO_SPACE = re.compile(r"^([ \t]*[\w.]+:)\[", re.MULTILINE)  # data:[1], which OpenCV reads, and YAML does not
 _MERGED = "<<"  # keys of other mappings, which no calibration file needs
 _MARK = "\ufeff"  # of the order of bytes, which libyaml does not count among the characters
 _EXPANDED = 100_000  # nodes that aliases may add
@@ -47,7 +48,7 @@ def parsed(text: str) -> dict[str, Any]:
         InputError: if it is no YAML, or no mapping, or a key occurs twice with different numbers.
     """
     try:
-        content = _plain_node(_composed(text.lstrip(_MARK)))
+        content = _plain_node(_composed(_spaced(text.lstrip(_MARK))))
     except RecursionError:
         raise InputError(_DAMAGED) from None
     if not isinstance(content, dict):
@@ -56,13 +57,15 @@ def parsed(text: str) -> dict[str, Any]:
 
 
 def with_values(text: str, values: Values) -> str:
-    """The text with other numbers. Lists may grow; every character that is no number of theirs stays.
+    """The text with other numbers. Lists may grow; every character that is no number of theirs stays, but that a space
+    is put after a colon where YAML needs one.
 
     Raises:
         InputError: if a value is of another kind than the text has there.
     """
     body = text.lstrip(_MARK)
-    head, root = text[: len(text) - len(body)], _composed(body)
+    head, body = text[: len(text) - len(body)], _spaced(body)
+    root = _composed(body)
     edits: set[_Edit] = set()
     for keys, value in values.items():
         node = root
@@ -72,6 +75,10 @@ def with_values(text: str, values: Values) -> str:
     for start, end, new in sorted(edits, reverse=True):
         body = body[:start] + new + body[end:]
     return head + body
+
+
+def _spaced(text: str) -> str:
+    return _NO_SPACE.sub(r"\1 [", text)
 
 
 def _composed(text: str) -> Node:

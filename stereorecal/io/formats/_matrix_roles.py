@@ -1,0 +1,240 @@
+"""Which matrix is which in a file of matrices under any names: by shape, and by the sides and words in their names."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stereorecal._errors import InputError
+from stereorecal.io.formats._format import Documents
+from stereorecal.io.formats._matrix_values import Array
+from stereorecal.io.formats._numbers import unpacked
+from stereorecal.io.formats.text._keys import Keys
+
+_SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
+          ("master", "slave"), ("primary", "secondary"))  # fmt: skip
+_COUNTS = (1, 2, 3, 4, 5, 8, 12, 14)
+_ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
+_TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
+_LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "kc"}
+_NO_LENS = {"roi", "size", "resolution", "quat", "quaternion", "q", "intrinsics", "intrinsic", "shape"}
+_OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undistorted", "projection", "p", "error"}
+_ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground"}
+_BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window", "win", "chessboard", "corner", "roi"}
+_SMALLEST = 16  # pixels: fewer are squares of a chessboard
+_DEEPEST = 6  # levels of maps
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A value of a file.
+
+    Attributes:
+        place: the number of the document, and the keys in it.
+        name: what messages call it: the keys, joined by dots.
+        array: the numbers, or None if it holds something else.
+    """
+
+    place: Keys
+    name: str
+    value: Any
+    array: Array | None
+
+    @property
+    def words(self) -> list[str]:
+        """Of the name, in small letters: camera, matrix, l of cameraMatrixL."""
+        return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
+
+    def __str__(self) -> str:
+        shape = () if self.array is None else self.array.shape
+        return f"{self.name} ({'x'.join(map(str, shape)) or 'one value'})"
+
+
+def entries_of(documents: Documents) -> list[Entry]:
+    """All values of some documents. An array that has the name of another one in another file is named after its file,
+    too."""
+    found = [(document, entry) for i, document in enumerate(documents) for entry in _entries(document.content, (i,))]
+    arrays = [entry.name for _, entry in found if entry.array is not None and entry.array.size > 1]
+    twice = {name for name in arrays if arrays.count(name) > 1}
+    stem = re.compile(r"([^/\\]*?)(\.\w+)?\Z")
+    return [
+        Entry(entry.place, f"{stem.search(document.name)[1]}.{entry.name}", entry.value, entry.array)  # pyright: ignore
+        if entry.name in twice
+        else entry
+        for document, entry in found
+    ]
+
+
+def _entries(content: Any, place: Keys) -> Iterator[Entry]:
+    inside = unpacked(content)
+    items: Any = ()
+    if isinstance(inside, Mapping):
+        items = inside.items()
+    elif isinstance(inside, list) and any(isinstance(item, Mapping) for item in inside):
+        items = enumerate(inside)
+    elif len(place) > 1:
+        yield Entry(place, ".".join(map(str, place[1:])), content, _array(inside))
+    for key, value in items if len(place) < _DEEPEST else ():
+        yield from _entries(value, (*place, key))
+
+
+def _array(value: Any) -> Array | None:
+    try:
+        array = np.array(value)
+    except ValueError:
+        return None
+    if array.dtype.kind not in "if" or not np.isfinite(array).all():
+        return None
+    array = array.astype(float)
+    return np.atleast_1d(array.squeeze()) if array.ndim else array
+
+
+# --- roles --------------------------------------------------------------------------------------------------
+
+
+def pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
+    """The two entries whose names differ by their side alone, left first; None if there are none.
+
+    Raises:
+        InputError: if there are several pairs, with other numbers.
+    """
+    by_name = {entry.name.lower(): entry for entry in entries}
+    pairs = [
+        (entry, by_name[other]) for name, entry in by_name.items() for other in _partners(name) if other in by_name
+    ]
+    if len({_numbers_of(*pair) for pair in pairs}) > 1:
+        raise _several(what, [f"{one.name} and {other.name}" for one, other in pairs])
+    return pairs[0] if pairs else None
+
+
+def _partners(name: str) -> Iterator[str]:
+    """What the right camera's name may be if this is the left one's."""
+    for left, right in _SIDES:
+        if left in name:
+            places = [found.start() for found in re.finditer(left, name)]
+            yield from dict.fromkeys(
+                [name.replace(left, right), *(name[:at] + right + name[at + len(left) :] for at in places)]
+            )
+    yield from (f"{name}2", f"{name}_2")
+
+
+def cameras_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
+    """The camera matrices; those of rectified images only where there are no others."""
+    found = [entry for entry in entries if entry.array is not None and _is_camera(entry.array)]
+    raw = [entry for entry in found if not _OF_RECTIFIED & set(entry.words)]
+    return pair_of(raw or found, "the camera matrices")
+
+
+def lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
+    """The distortion coefficients: by their names, or the only two vectors that can be some."""
+    found = [entry for entry in entries if entry.array is not None and _is_lens(entry)]
+    named = [entry for entry in found if _LENS & set(entry.words)]
+    return pair_of(named or found, "the distortion coefficients")
+
+
+def rectifications_in(entries: Sequence[Entry]) -> tuple[tuple[Entry, Entry], tuple[Entry, Entry]] | None:
+    """The rotations that rectify the two cameras, and the projection matrices of the rectified ones."""
+    rotations = pair_of([entry for entry in entries if _is_rotation(entry)], "the rectifying rotations")
+    projections = pair_of(
+        [entry for entry in entries if entry.array is not None and entry.array.shape == (3, 4)],
+        "the projection matrices",
+    )
+    return None if rotations is None or projections is None else (rotations, projections)
+
+
+def rotation_in(entries: Sequence[Entry]) -> Entry | None:
+    """The rotation between the cameras: a matrix, else a vector of that name."""
+    for fits in (_is_rotation, _is_vector):
+        found = _between(entries, fits, _ROTATION, "the rotation", alone=fits is _is_rotation)
+        if found is not None:
+            return found
+    return None
+
+
+def translation_in(entries: Sequence[Entry]) -> Entry | None:
+    """The translation between the cameras."""
+    rotation = [entry for entry in entries if _is_vector(entry) and _ROTATION & set(entry.words)]
+    others = [entry for entry in entries if entry not in rotation]
+    return _between(others, _is_vector, _TRANSLATION, "the translation", alone=True)
+
+
+def _between(
+    entries: Sequence[Entry], fits: Callable[[Entry], bool], words: set[str], what: str, alone: bool
+) -> Entry | None:
+    """What stands once, not once for each camera, and is named so; or, if it may be `alone`, is the only one."""
+    found = [entry for entry in entries if fits(entry) and not (_OF_RECTIFIED | _ELSEWHERE) & set(entry.words)]
+    names = {entry.name.lower() for entry in found}
+    paired = {name for one in names for other in _partners(one) if other in names for name in (one, other)}
+    single = [entry for entry in found if entry.name.lower() not in paired]
+    named = [entry for entry in single if words & set(entry.words)]
+    chosen = named or (single if alone else [])
+    if len({_numbers_of(entry) for entry in chosen}) > 1:
+        raise _several(what, [entry.name for entry in chosen])
+    return chosen[0] if chosen else None
+
+
+def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
+    """The (width, height) of the images, under any name that says so.
+
+    Raises:
+        InputError: if there are several.
+    """
+    found: dict[str, tuple[int, int]] = {}
+    sides: dict[str, dict[tuple[str, ...], int]] = {"width": {}, "height": {}}
+    for entry in entries:
+        words = set(entry.words)
+        if entry.array is None or _BESIDE_SIZE & words or not 0 < entry.array.size <= 2:
+            continue
+        if entry.array.min() < _SMALLEST or np.any(entry.array % 1):
+            continue
+        if entry.array.shape == (2,) and words & {"size", "resolution", "imagesize", "imgsize"}:
+            found[entry.name] = (int(entry.array[0]), int(entry.array[1]))
+        for side, names in (("width", {"width", "w", "cols"}), ("height", {"height", "h", "rows"})):
+            if entry.array.size == 1 and words & names:
+                sides[side][tuple(word for word in entry.words if word not in names)] = int(entry.array.ravel()[0])
+    for of, width in sides["width"].items():
+        if of in sides["height"]:
+            found[" ".join((*of, "width and height"))] = (width, sides["height"][of])
+    if len(set(found.values())) > 1:
+        raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
+    return next(iter(found.values()), None)
+
+
+def _is_camera(array: Array) -> bool:
+    """A camera matrix of 3x3 or 3x4, transposed or a little off; nothing of it is smaller than a rotation's."""
+    if array.shape not in ((3, 3), (3, 4)) or (array.shape == (3, 4) and np.any(array[:, 3])):
+        return False
+    upper = np.abs(array[2, :2]).max() < 1e-3 or (np.abs(array[:2, 2]).max() < 1e-3 and array.shape == (3, 3))
+    return bool(min(array[0, 0], array[1, 1]) > 2.0 and abs(array[2, 2] - 1.0) < 1e-3 and upper)
+
+
+def _is_lens(entry: Entry) -> bool:
+    assert entry.array is not None
+    flat = entry.array.ndim == 1 and entry.array.size in (0, *_COUNTS)
+    words = set(entry.words)
+    named = bool(_LENS & words)
+    return flat and not (_NO_LENS | _OF_RECTIFIED) & words and (named or entry.array.size >= 4)
+
+
+def _is_rotation(entry: Entry) -> bool:
+    array = entry.array
+    if array is None or array.shape != (3, 3):
+        return False
+    return bool(np.abs(array @ array.T - np.eye(3)).max() < 1e-3 and np.linalg.det(array) > 0)
+
+
+def _is_vector(entry: Entry) -> bool:
+    return entry.array is not None and entry.array.shape == (3,)
+
+
+def _numbers_of(*entries: Entry) -> bytes:
+    return b"|".join(b"" if entry.array is None else entry.array.tobytes() for entry in entries)
+
+
+def _several(what: str, names: Sequence[str]) -> InputError:
+    return InputError(
+        f"{what} may be {' or '.join(names)}; remove those that are not meant, or say which are with "
+        "sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size)."
+    )
