@@ -12,10 +12,15 @@ from stereorecal.io.formats import (
     _kalibr,
     _kitti_odometry,
     _kitti_raw,
+    _matlab,
     _middlebury,
+    _mrcal,
     _opencv,
+    _orb_slam,
+    _pinhole_and_baseline,
     _ros,
     _stereorecal,
+    _vins,
 )
 from stereorecal.io.formats._format import Documents, Format
 
@@ -31,6 +36,11 @@ FORMATS: tuple[Format, ...] = (
     _middlebury,
     _kitti_raw,
     _kitti_odometry,
+    _matlab,
+    _mrcal,
+    _vins,
+    _orb_slam,
+    _pinhole_and_baseline,
     _opencv,
 )
 NAMES = tuple(format.NAME for format in FORMATS)

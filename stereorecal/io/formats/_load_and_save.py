@@ -20,6 +20,8 @@ from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
 from stereorecal.io.formats._stored_prior import KEY, PriorData, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._write_rig import chosen_format, texts_of
 
+_MOST_FILES = 12  # one for each matrix, and some beside
+
 
 def load_rig(
     path: AnyPath | Sequence[AnyPath],
@@ -33,7 +35,7 @@ def load_rig(
 
     Args:
         path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
-            with the right one's, as `save_rig` takes them.
+            with the right one's, as `save_rig` takes them; or all files, where each matrix has its own.
         right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
         format: name of the format, such as "kalibr"; by default it is recognised.
         unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default inferred from the baseline.
@@ -49,8 +51,10 @@ def load_rig(
             than 5 mm, as of a rig in other units.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
-    if not 1 <= len(paths) <= 2:
+    if not 1 <= len(paths) <= _MOST_FILES:
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
+    if len(paths) > 2 and len(set(paths)) < len(paths):
+        raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
     rig = read_files(paths, format, unit, Hints(size=size))
     if size is not None and rig.left.size != (size := whole_size(size)):
         wide, high = rig.left.size

@@ -73,10 +73,10 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     if not implied:
         _check_both_parts(matrices)
     size, model = matrices.size(hints), _model(content)
-    lens = lens_coefficients if model == Camera.model else lambda *of: numbers(*of, (-1,))
     cameras = []
     for side in (1, 2):
-        matrix, distortion = camera_matrix(content, names[f"K{side}"]), lens(content, names[f"D{side}"])
+        matrix, key = camera_matrix(content, names[f"K{side}"]), names[f"D{side}"]
+        distortion = lens_coefficients(content, key) if model == Camera.model else numbers(content, key, (-1,))
         with about(names[f"K{side}"]):
             cameras.append(Camera(size, matrix, distortion, model=model))
     left, right = cameras

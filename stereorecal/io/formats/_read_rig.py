@@ -22,8 +22,10 @@ from stereorecal.io.formats._stored_prior import ENDING, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
+_BINARY = (".npz", ".npy", ".mat")  # read where a folder has no texts: most are images and maps
 _OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
 _MOST = 12  # files of a folder that are tried in pairs
+_MOST_TOGETHER = 40
 _SCENE = "calib.json"
 
 
@@ -150,7 +152,7 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
         if _whole(pair, fitting, hints)
     }
     whole = [*single, *reversed(pairs.values())]
-    if not whole and 2 < len(found) <= _MOST and _whole(found, fitting, hints):  # a file for each matrix
+    if not whole and 2 < len(found) <= _MOST_TOGETHER and _whole(found, fitting, hints):  # a file for each matrix
         return found
     if len(whole) == 1:
         return whole[0]
@@ -175,13 +177,13 @@ def looks_calibrated(folder: Path) -> bool:
     return bool(_files_in(folder))
 
 
-def _files_in(folder: Path) -> list[Path]:
-    found = (path for path in folder.iterdir() if path.suffix.lower() in _ENDINGS and path.is_file())
+def _files_in(folder: Path, endings: tuple[str, ...] = _ENDINGS) -> list[Path]:
+    found = (path for path in folder.iterdir() if path.suffix.lower() in endings and path.is_file())
     return sorted(path for path in found if not path.name.endswith(ENDING))
 
 
 def _documents_in(folder: Path, format: Format | None) -> Documents:
-    paths = _files_in(folder)
+    paths = _files_in(folder) or _files_in(folder, _BINARY)
     cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):

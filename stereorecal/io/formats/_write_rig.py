@@ -14,6 +14,7 @@ from stereorecal.io.formats._common_size import at_own_sizes
 from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._format_list import named, usual
+from stereorecal.io.formats._read_only import refuse_writing
 from stereorecal.io.formats._read_rig import rig_in
 from stereorecal.io.formats._rig_file import RigFile
 from stereorecal.io.formats.text._document import Syntax, document
@@ -51,9 +52,16 @@ def texts_of(
 
 
 def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
-    """The given format, or that of the source, or the usual one for such a name."""
-    name = format or (source.format if source is not None else None)
-    return named(name) if name is not None else usual(paths[0])
+    """The given format, or that of the source if it is written, or the usual one for such a name.
+
+    Raises:
+        InputError: if the given format is read only.
+    """
+    if format is not None:
+        chosen = named(format)
+        return chosen if chosen.SYNTAX else refuse_writing(chosen)
+    own = named(source.format) if source is not None else None
+    return own if own is not None and own.SYNTAX else usual(paths[0])
 
 
 def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
@@ -65,7 +73,9 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
     own = source if source is not None and source.format == format.NAME else None
     files = len(own.documents) if own else format.FILES
     if len(paths) != files:
-        wanted = "one file; give one name" if files == 1 else "two files, left and right; give two names"
+        two = "two files, left and right; give two names"
+        many = f"{files} files, as it was read; give as many names, or another format, such as stereorecal"
+        wanted = "one file; give one name" if files == 1 else two if files == 2 else many
         raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}.")
     usual_one = own.documents[0].syntax if own else next(iter(format.SYNTAX.values()))
     endings = {path.suffix.lower() for path in paths} - {""}

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal.io._read_files import about, read_text
-from stereorecal.io.formats.text import _json, _lines, _xml, _yaml
+from stereorecal.io.formats.text import _json, _lines, _numbers_only, _xml, _yaml
+from stereorecal.io.formats.text._binary import binary_text
 from stereorecal.io.formats.text._guard import check_flat
 from stereorecal.io.formats.text._keys import Values
 
@@ -21,6 +22,8 @@ class Syntax(Enum):
     JSON = "JSON"
     COLONS = "lines 'key: values'"
     EQUALS = "lines 'key=values'"
+    NUMBERS = "lines of numbers"
+    SECTIONS = "ost.txt of ROS"
 
 
 _Parsed = Callable[[str], dict[str, Any]]
@@ -31,11 +34,15 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
     Syntax.JSON: (_json.parsed, _json.with_values),
     Syntax.COLONS: (_lines.parsed_colons, _lines.changed_colons),
     Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
+    Syntax.NUMBERS: (_numbers_only.parsed_numbers, _numbers_only.unchangeable),
+    Syntax.SECTIONS: (_numbers_only.parsed_sections, _numbers_only.unchangeable),
 }
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
 _SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
+_OST = re.compile(r"^\[[^\]\n]+\]\s*$.*^camera matrix\s*$", re.MULTILINE | re.DOTALL)
+_PYTHON = re.compile(r"\{\s*(?:#[^\n]*\n\s*)*'")  # a dict with comments, as mrcal writes it, which YAML has, too
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
@@ -83,16 +90,26 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
 def read_document(
     path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.", *, lines: bool = True
 ) -> Document:
-    """The text of a file, parsed; `syntax` and `lines` as of `document`.
+    """The text of a file, parsed; `syntax` and `lines` as of `document`. That of a binary file is what it would be as
+    JSON.
 
     Raises:
         InputError: naming the file, if it is missing, unreadable or cannot be parsed.
     """
+    binary = binary_text(path)
+    if binary is not None:
+        return document(path, binary, Syntax.JSON)
     return document(path, read_text(path, if_missing), syntax, lines=lines)
 
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
+    if lines and _numbers_only.numbers_in(text) is not None:
+        return Syntax.NUMBERS
+    if lines and _OST.search(text):
+        return Syntax.SECTIONS
+    if _PYTHON.match(text.lstrip()):
+        return Syntax.YAML
     if start == "{" or (start == "[" and not _SECTION.search(text)):
         return Syntax.JSON
     if start == "<":
