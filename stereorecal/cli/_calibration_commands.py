@@ -56,6 +56,7 @@ class _NewCalibration:
         "format of B, one of those of --from (default: stereorecal for .json, opencv for .yaml and .xml)",
         metavar="FORMAT",
     )
+    template: bool = option("A is of no known format: write a calib.json to fill in, with the arrays of A", False)
     force: bool = option("replace B if it exists", False)
 
 

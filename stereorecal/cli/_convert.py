@@ -9,7 +9,7 @@ from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import Place, check_places, refuse_replacing_inputs
 from stereorecal.cli._output_unit import output_unit
-from stereorecal.io import calibration_json, check_savable, files_read, save_rig
+from stereorecal.io import calibration_json, check_savable, files_read, save_rig, save_template
 
 
 def run(options: ConvertOptions) -> int:
@@ -18,6 +18,12 @@ def run(options: ConvertOptions) -> int:
         raise InputError("B is -: a calibration is written to a file; give the name of one.")
     target = calibration_path(options.target, "B")
     places = [Place("B", path) for path in paths(target)]
+    if options.template:
+        refuse_replacing_inputs(places, paths(calibration_path(options.source, "A")), "give another name")
+        save_template(paths(calibration_path(options.source, "A")), paths(target)[0], overwrite=options.force)
+        if not options.quiet:
+            print(f"{options.target}: written; fill in its nulls, from `found`, with T in metres, left to right")
+        return 0
     with files_read() as read:
         rig = rig_at(options.source, options)
     refuse_replacing_inputs(places, read, "this is what is converted: give another name")

@@ -34,6 +34,7 @@ from stereorecal.io.formats._load_and_save import (
     load_rig as load_rig,
     prior_beside as prior_beside,
     save_rig as save_rig,
+    save_template as save_template,
     says_its_unit as says_its_unit,
     unsaid_unit as unsaid_unit,
 )

@@ -22,6 +22,7 @@ from stereorecal.io.formats import (
     _stereorecal,
     _vins,
 )
+from stereorecal.io.formats._calibration_template import said_of
 from stereorecal.io.formats._format import Documents, Format
 
 # The first that can read a file reads it.
@@ -81,6 +82,7 @@ def usual(path: Path) -> Format:
     return _USUAL.get(ending, _stereorecal)
 
 
-def unknown() -> str:
+def unknown(documents: Documents) -> str:
     """What to say where nothing is recognised."""
-    return f"the format is unknown; expected one of {', '.join(NAMES)} (documentation, page Your data)."
+    known = f"the format is unknown; expected one of {', '.join(NAMES)} (documentation, page Your data)."
+    return known + said_of(documents)

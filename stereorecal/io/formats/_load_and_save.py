@@ -11,6 +11,7 @@ from stereorecal.geometry import StereoRig, checked_rig, whole_size
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
+from stereorecal.io.formats._calibration_template import calibration_template
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._format_list import named
@@ -166,6 +167,15 @@ def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     """A rig as a calib.json, with what is known of it."""
     text = calibration_text(calibration_of(rig, rig.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
+
+
+def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
+    """Write a calib.json to be filled in, with the arrays of calibration files of no known form beside.
+
+    Raises:
+        InputError: if a file is missing, or the place cannot be written to.
+    """
+    write_files({Path(path): calibration_template(paths).encode()}, replace=overwrite)
 
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:

@@ -82,10 +82,13 @@ def _camera(content: Mapping[str, Any], name: str, hints: Hints) -> Camera:
         matrix = numbers(content, "K", (3, 3)) if "K" in content else numbers(content, "IntrinsicMatrix", (3, 3))
         matrix = matrix if np.any(matrix[:2, 2]) else matrix.T
         matrix = matrix - np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
-        size = image_size(content, "ImageSize")[::-1] if content.get("ImageSize") else hints.size
-        if size is None:
+        if content.get("ImageSize"):
+            high, wide = image_size(content, "ImageSize")
+        elif hints.size is not None:
+            wide, high = hints.size
+        else:
             raise InputError("ImageSize is empty; give size=(width, height), on the command line --size WxH.")
         radial, tangential = (numbers(content, f"{kind}Distortion", (-1,)) for kind in ("Radial", "Tangential"))
         if radial.size not in (2, 3) or tangential.size != 2:
             raise InputError("RadialDistortion has two or three numbers, and TangentialDistortion two; correct them.")
-        return Camera(size, matrix, np.array([*radial[:2], *tangential, *radial[2:]]))
+        return Camera((wide, high), matrix, np.array([*radial[:2], *tangential, *radial[2:]]))

@@ -1,6 +1,7 @@
 """Which matrix is which in a file of matrices under any names: by shape, and by the sides and words in their names."""
 
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +15,7 @@ from stereorecal.io.formats._numbers import unpacked
 from stereorecal.io.formats.text._keys import Keys
 
 _SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
-          ("master", "slave"), ("primary", "secondary"))  # fmt: skip
+          ("master", "slave"), ("primary", "secondary"), ("izq", "der"), ("links", "rechts"))  # fmt: skip
 _COUNTS = (1, 2, 3, 4, 5, 8, 12, 14)
 _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
@@ -24,6 +25,10 @@ _OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undist
 _ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground"}
 _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window", "win", "chessboard", "corner", "roi"}
 _SMALLEST = 16  # pixels: fewer are squares of a chessboard
+WAY_OUT = (  # of a message
+    "give the numbers to sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), or fill in the calib.json that "
+    "`stereorecal convert FILE calib.json --template` writes."
+)
 _DEEPEST = 6  # levels of maps
 
 
@@ -57,7 +62,7 @@ def entries_of(documents: Documents) -> list[Entry]:
     too."""
     found = [(document, entry) for i, document in enumerate(documents) for entry in _entries(document.content, (i,))]
     arrays = [entry.name for _, entry in found if entry.array is not None and entry.array.size > 1]
-    twice = {name for name in arrays if arrays.count(name) > 1}
+    twice = {name for name, count in Counter(arrays).items() if count > 1}
     stem = re.compile(r"([^/\\]*?)(\.\w+)?\Z")
     return [
         Entry(entry.place, f"{stem.search(document.name)[1]}.{entry.name}", entry.value, entry.array)  # pyright: ignore
@@ -122,9 +127,14 @@ def _partners(name: str) -> Iterator[str]:
 
 def cameras_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
     """The camera matrices; those of rectified images only where there are no others."""
-    found = [entry for entry in entries if entry.array is not None and _is_camera(entry.array)]
+    found = [entry for entry in entries if is_camera(entry)]
     raw = [entry for entry in found if not _OF_RECTIFIED & set(entry.words)]
     return pair_of(raw or found, "the camera matrices")
+
+
+def has_cameras(documents: Documents) -> bool:
+    """Whether there are any camera matrices."""
+    return any(is_camera(entry) for entry in entries_of(documents))
 
 
 def lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
@@ -202,9 +212,16 @@ def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     return next(iter(found.values()), None)
 
 
-def _is_camera(array: Array) -> bool:
-    """A camera matrix of 3x3 or 3x4, transposed or a little off; nothing of it is smaller than a rotation's."""
-    if array.shape not in ((3, 3), (3, 4)) or (array.shape == (3, 4) and np.any(array[:, 3])):
+def is_between(entry: Entry) -> bool:
+    """Whether it may be a rotation or a translation."""
+    return _is_rotation(entry) or _is_vector(entry)
+
+
+def is_camera(entry: Entry) -> bool:
+    """Whether it may be a camera matrix, of 3x3 or 3x4, transposed or a little off: with focal lengths that no rotation
+    has."""
+    array = entry.array
+    if array is None or array.shape not in ((3, 3), (3, 4)) or (array.shape == (3, 4) and np.any(array[:, 3])):
         return False
     upper = np.abs(array[2, :2]).max() < 1e-3 or (np.abs(array[:2, 2]).max() < 1e-3 and array.shape == (3, 3))
     return bool(min(array[0, 0], array[1, 1]) > 2.0 and abs(array[2, 2] - 1.0) < 1e-3 and upper)
@@ -234,7 +251,4 @@ def _numbers_of(*entries: Entry) -> bytes:
 
 
 def _several(what: str, names: Sequence[str]) -> InputError:
-    return InputError(
-        f"{what} may be {' or '.join(names)}; remove those that are not meant, or say which are with "
-        "sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size)."
-    )
+    return InputError(f"{what} may be {' or '.join(dict.fromkeys(names))}; remove what is not meant, or {WAY_OUT}")

@@ -42,7 +42,7 @@ def _camera(document: Document) -> tuple[Camera, Pose]:
         model = str(content["lensmodel"])
         if model not in _MODELS:
             raise UnsupportedModelError(
-                f"the lens model {model} is not supported; convert it with mrcal-convert-lensmodel to LENSMODEL_OPENCV8."
+                f"the lens model {model} is not supported; write it as LENSMODEL_OPENCV8 with mrcal-convert-lensmodel."
             )
         intrinsics = numbers(content, "intrinsics", (_MODELS[model],))
         key = next((key for key in _EXTRINSICS if key in content), _EXTRINSICS[1])

@@ -12,6 +12,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, coefficients
+from stereorecal.io.formats._matrix_roles import WAY_OUT, is_between, is_camera
 from stereorecal.io.formats._matrix_values import (
     Array,
     camera_matrix,
@@ -45,6 +46,7 @@ _REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": 
 _COUNTS = (4, 5, 8, 12, 14)
 _RECTIFY = RectifyOptions(alpha=1.0)  # of stereo_calib
 # Nothing else tells the coefficients of cv2.fisheye from those of a pinhole: OpenCV's own sample writes the first.
+_LISTED = 8
 _FISHEYE, _MODEL = "fisheye_model", "distortion_model"
 
 
@@ -179,12 +181,20 @@ def _model(content: Mapping[str, Any]) -> str:
 
 
 def _check_both_parts(matrices: Matrices) -> None:
-    """Refuse one file of the two that stereo_calib writes."""
+    """Refuse one file of the two that stereo_calib writes, and matrices whose names do not say what they are."""
     content, names = matrices.content, matrices.names
     cameras = any(names[role] in content for role in ("K1", "K2"))
-    if not cameras or not {names["R"], names["T"]} & content.keys():
-        there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
+    between = bool({names["R"], names["T"]} & content.keys())
+    if cameras and between:
+        return
+    of_kind = [str(entry) for entry in matrices.entries if (is_between if cameras else is_camera)(entry)]
+    if of_kind and (cameras or between):
+        what = "the rotation and the translation between the cameras" if cameras else "the left and the right camera"
         raise InputError(
-            f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
-            "give both, intrinsics first."
+            f"{what} are not told from each other by the names ({', '.join(of_kind[:_LISTED])}); {WAY_OUT}"
         )
+    there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
+    raise InputError(
+        f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
+        "give both, intrinsics first."
+    )

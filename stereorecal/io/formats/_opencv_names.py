@@ -84,8 +84,10 @@ class Matrices:
 def _names(entries: list[Entry], content: Mapping[str, Any]) -> dict[str, str]:
     names: dict[str, str] = {}
     for role, usual, found_in in (("K", MATRICES, cameras_in), ("D", _DISTORTIONS, lenses_in)):
-        exact = next((name for name in usual for side in (1, 2) if f"{name}{side}" in content), None)
+        by_sides = [{side for side in (1, 2) if f"{name}{side}" in content} for name in usual]
+        exact = next((name for name, sides in zip(usual, by_sides, strict=True) if len(sides) == 2), None)
         found = None if exact else found_in(entries)
+        exact = exact or next((name for name, sides in zip(usual, by_sides, strict=True) if sides), None)
         for index, side in enumerate((1, 2)):
             names[f"{role}{side}"] = found[index].name if found else f"{exact or usual[0]}{side}"
     between: tuple[tuple[str, Callable[[list[Entry]], Entry | None]], ...] = (

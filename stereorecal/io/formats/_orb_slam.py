@@ -47,8 +47,8 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     if key is None:
         if np.any(left.distortion):
             raise InputError(
-                "the images are rectified, by the baseline alone (Camera.bf, Stereo.b), but there are coefficients of a "
-                "lens; give the settings with Camera2 and Stereo.T_c1_c2, or the calibration of the raw cameras."
+                "the images are rectified, by the baseline alone (Camera.bf, Stereo.b), but there are coefficients of "
+                "a lens; give the settings with Camera2 and Stereo.T_c1_c2, or the calibration of the raw cameras."
             )
         bf = "Stereo.b" not in content
         baseline = float(numbers(content, _BASELINES[bf], ())) / (float(left.matrix[0, 0]) if bf else 1.0)

@@ -1,4 +1,4 @@
-"""A text of a camera matrix and a baseline, as FoundationStereo has it: rectified images, one matrix for both cameras."""
+"""A text of a camera matrix and a baseline, as FoundationStereo has it: of rectified images, one matrix for both."""
 
 import numpy as np
 

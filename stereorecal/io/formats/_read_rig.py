@@ -109,7 +109,7 @@ def _recognised(documents: Documents) -> Format:
         )
     if len(documents) == 2:
         return _likely(documents, names)
-    raise InputError(f"{names}: {unknown()}")
+    raise InputError(f"{names}: {unknown(documents)}")
 
 
 def _likely(documents: Documents, names: str) -> Format:
@@ -122,7 +122,7 @@ def _likely(documents: Documents, names: str) -> Format:
     looks = [recognised((document,)) or half_of((document,)) for document in documents]
     found = [format for format in looks if format is not None]
     if not found:
-        raise InputError(f"{names}: {unknown()}")
+        raise InputError(f"{names}: {unknown(documents)}")
     if len(found) == 2 and found[0] is found[1]:
         raise InputError(f"{names}: each is a calibration by itself ({found[0].NAME}); give one.")
     if len(found) == 2 or found[0].FILES == 1:
@@ -169,7 +169,7 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
             return documents  # whose reader says what is wrong with it
     if format is None and len(found) <= 2:
         return found
-    raise InputError(f"{folder}: {unknown()}")
+    raise InputError(f"{folder}: {unknown(found)}")
 
 
 def looks_calibrated(folder: Path) -> bool:
@@ -191,7 +191,7 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
             documents.append(_parsed_file(path, format))
         except InputError:
             continue  # something else that lies there
-    return tuple(documents)
+    return tuple(document for document in documents if document.content)
 
 
 def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> bool:

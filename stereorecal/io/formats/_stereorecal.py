@@ -11,6 +11,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._matrix_roles import has_cameras
 from stereorecal.io.formats._model_names import model_named, model_word
 from stereorecal.io.formats._numbers import image_size, numbers, optional, value
 from stereorecal.io.formats.text._document import Syntax
@@ -26,13 +27,13 @@ _NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T
-    and no numbered camera."""
+    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T,
+    no numbered camera, and no camera matrix of another name."""
     content = documents[0].content
     named = bool({"K_left", "K_right"} & content.keys())
     foreign = {"R", "T"} & content.keys() or any(key.endswith(("1", "2")) for key in content)
     alone = documents[0].syntax is Syntax.JSON and "image_size" in content and not foreign
-    return len(documents) == 1 and (named or alone)
+    return len(documents) == 1 and (named or (alone and not has_cameras(documents)))
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:

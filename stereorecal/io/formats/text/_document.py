@@ -7,6 +7,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, read_text
 from stereorecal.io.formats.text import _json, _lines, _numbers_only, _xml, _yaml
 from stereorecal.io.formats.text._binary import binary_text
@@ -43,6 +44,7 @@ _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE
 _SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
 _OST = re.compile(r"^\[[^\]\n]+\]\s*$.*^camera matrix\s*$", re.MULTILINE | re.DOTALL)
 _PYTHON = re.compile(r"\{\s*(?:#[^\n]*\n\s*)*'")  # a dict with comments, as mrcal writes it, which YAML has, too
+_YAML = re.compile(r"\s*(?:#[^\n]*\n\s*)*(?:%YAML|---|[\w.\"' -]+:(?:[\s\[{]|\Z))")  # what its first line has
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
@@ -74,17 +76,23 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
     """A text, parsed.
 
     Args:
-        syntax: default: as the text looks.
+        syntax: default: as the text looks; a text that looks like none has no values.
         lines: whether it may look like lines of keys and values.
 
     Raises:
         InputError: naming the file, if it cannot be parsed.
     """
     with about(name):
+        guessed = syntax is None and lines and not _YAML.match(text)
         syntax = syntax or _syntax_of(text, lines)
         if syntax is not Syntax.JSON:  # whose parser looks after itself
             check_flat(text)
-        return Document(str(name), text, syntax, _PARSERS[syntax][0](text))
+        try:
+            return Document(str(name), text, syntax, _PARSERS[syntax][0](text))
+        except InputError as error:
+            if guessed and str(error) == _yaml.DAMAGED:  # not known, rather than damaged: nothing is found in it
+                return Document(str(name), text, syntax, {})
+            raise
 
 
 def read_document(

@@ -38,7 +38,7 @@ if yaml.__with_libyaml__:
 else:
     _Loader = yaml.SafeLoader  # pyright: ignore[reportAssignmentType]
 
-_DAMAGED = "not a YAML file, or truncated; correct or copy it again."
+DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 
 def parsed(text: str) -> dict[str, Any]:
@@ -50,9 +50,9 @@ def parsed(text: str) -> dict[str, Any]:
     try:
         content = _plain_node(_composed(_spaced(text.lstrip(_MARK))))
     except RecursionError:
-        raise InputError(_DAMAGED) from None
+        raise InputError(DAMAGED) from None
     if not isinstance(content, dict):
-        raise InputError(_DAMAGED)
+        raise InputError(DAMAGED)
     return content
 
 
@@ -97,12 +97,12 @@ def _composed(text: str) -> Node:
     except (yaml.YAMLError, UnicodeError, RecursionError):
         node = None
     if node is None:
-        raise InputError(_DAMAGED)
+        raise InputError(DAMAGED)
     try:
         if _count(node, {}) > len(text) + _EXPANDED:
             raise InputError("its aliases expand to more than a calibration has; check that this is the right file.")
     except RecursionError:
-        raise InputError(_DAMAGED) from None
+        raise InputError(DAMAGED) from None
     return node
 
 
