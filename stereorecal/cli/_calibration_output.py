@@ -88,7 +88,7 @@ def output_of(
                     raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
             if not os.access(path, os.W_OK):
                 raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
-        check_savable(rig, files, format=options.output_format or rig.source.format)
+        check_savable(rig, files, format=rig.source.format)  # which may be read only
         place: CalibrationPath = (files[0], files[1]) if len(files) == 2 else files[0]
     elif options.output:
         place = calibration_path(options.output, "--output")

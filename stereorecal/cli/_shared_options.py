@@ -17,7 +17,10 @@ DEPTH = "depth, from motion and ranges"
 SEARCH = "matching and search"
 
 FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
-FORMATS = "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal"
+FORMATS = (
+    "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
+    "mrcal, vins, orbslam, foundationstereo"
+)
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 
 

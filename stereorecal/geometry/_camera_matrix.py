@@ -22,7 +22,12 @@ def exact_matrix(matrix: Mat3) -> Mat3:
             "transpose (K.T). If it is MATLAB's, transpose the rotation as well, and subtract 1 from cx and cy, since "
             "MATLAB counts pixels from 1."
         )
-    if min(matrix[0, 0], matrix[1, 1]) > 0 and not np.any(matrix[2, :2]) and abs(rest[2]) > _ROUNDING and matrix[2, 2] > 0:
+    if (
+        min(matrix[0, 0], matrix[1, 1]) > 0
+        and not np.any(matrix[2, :2])
+        and abs(rest[2]) > _ROUNDING
+        and matrix[2, 2] > 0
+    ):
         raise InputError(
             f"the last number of the camera matrix is {matrix[2, 2]:g}, and must be 1: divide the matrix by it, or "
             "correct the calibration."

@@ -79,6 +79,30 @@ def test_convert_round_and_round(command, rig: sr.StereoRig, tmp_path: Path):
     np.testing.assert_allclose(load_rig(tmp_path / "e.json").extrinsics, rig.extrinsics, atol=1e-12)
 
 
+def test_a_template_for_what_is_unknown(command, tmp_path: Path):
+    (tmp_path / "a.yaml").write_text("fast: [1.0, 2.0, 3.0]\n")
+    words = ("convert", tmp_path / "a.yaml", tmp_path / "calib.json")
+    refused(command(*words), "the format is unknown", "It has fast (3)", "--template")
+    answer = command(*words, "--template")
+    assert (answer.code, answer.err) == (0, "")
+    assert "fill in its nulls" in answer.out
+    refused(command("convert", tmp_path / "calib.json", tmp_path / "b.json"), "image_size contains null")
+    refused(command(*words, "--template"), "exists already")
+
+
+def test_a_file_that_is_only_read_is_not_replaced(command, rig: sr.StereoRig, sides, unworked, tmp_path: Path):
+    path = tmp_path / "a.npz"
+    cameras = {"K1": rig.left.matrix, "D1": rig.left.distortion, "K2": rig.right.matrix, "D2": rig.right.distortion}
+    np.savez(path, **cameras, R=rig.R, T=rig.T)
+    words = ("recalibrate", *sides, "--calibration", path, "--unit", "m", *unworked)
+    refused(command(*words, "--in-place"), "a.npz: the ending contradicts what is to be written")
+    settings = tmp_path / "b.yaml"
+    camera = "Camera.fx: 50.0\nCamera.fy: 50.0\nCamera.cx: 60.0\nCamera.cy: 40.0\nCamera.bf: 5.0\n"
+    settings.write_text("%YAML:1.0\n---\n" + camera)
+    words = ("recalibrate", *sides, "--calibration", settings, *unworked)
+    refused(command(*words, "--in-place"), "is read, not written; write the rig as opencv")
+
+
 def test_convert_says_the_unit_that_it_inferred(command, rig: sr.StereoRig, tmp_path: Path):
     save_rig(rig, tmp_path / "a.yaml", format="opencv")
     answer = command("convert", tmp_path / "a.yaml", tmp_path / "b.json")

@@ -108,7 +108,7 @@ def test_what_opencv_writes(tmp_path_factory: pytest.TempPathFactory, turn, shif
     ("old", "new", "words"),
     [
         ("M2:", "M3:", "'M2' is missing"),
-        ("\nT:", "\nt:", "'T' is missing"),
+        ("\nT:", "\nT_lidar:", "'T' is missing"),
         ("[ 21., 0.", "[ .Nan, 0.", "M1 contains NaN"),
         ("[ -356.", "[ .Inf", "T contains NaN or infinite"),
         ("[ -356.", "[ -1.0e+999", "T contains NaN or infinite"),
@@ -183,7 +183,7 @@ def test_a_damaged_calibration_is_read_or_refused(sequence: Path, position: int,
 def test_unsupported_number_of_coefficients(tmp_path: Path):
     edit(modd2_sequence(tmp_path) / "calibration.yaml", ", 1.0e-03 ]", " ]")
     edit(tmp_path / "calibration.yaml", "cols: 4", "cols: 3")
-    refused(tmp_path, "distortion has 3 coefficients", kind=UnsupportedModelError)
+    refused(tmp_path, "the distortion has 3 coefficients (D2)", kind=UnsupportedModelError)
 
 
 def test_a_calibration_that_is_missing_or_no_file(tmp_path: Path):

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import Mat3
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.io.formats._numbers import numbers
 from stereorecal.io.formats.text._keys import Keys, at
 
@@ -53,13 +53,13 @@ def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray,
     """The coefficients of a pinhole under a key; k1, or k1 k2, may stand alone.
 
     Raises:
-        InputError: if there are three, whose order nobody can know.
+        UnsupportedModelError: if there are three, whose order nobody can know.
     """
     found = numbers(content, key, (-1,))
     if found.size == 3:
-        raise InputError(
-            f"{key} has three coefficients, which are k1 k2 k3 or k1 k2 p1; write them in OpenCV's order, k1 k2 0 0 k3 "
-            "or k1 k2 p1 0."
+        raise UnsupportedModelError(
+            f"the distortion has 3 coefficients ({key}), which are k1 k2 k3 or k1 k2 p1; write them in OpenCV's order, "
+            "k1 k2 0 0 k3 or k1 k2 p1 0."
         )
     return np.pad(found, (0, 4 - found.size)) if found.size in (1, 2) else found
 

@@ -15,7 +15,7 @@ from stereorecal.io.formats._numbers import numbers, pixels
 from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
 from stereorecal.io.formats._rigid_motions import inverse, pose, rig_of
 
-NAME = "orb-slam"
+NAME = "orbslam"
 ABOUT = "stereo settings of ORB-SLAM (Camera1.fx, Stereo.T_c1_c2, Camera.bf)"
 FILES = 1
 UNIT = "m"

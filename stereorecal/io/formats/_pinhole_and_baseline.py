@@ -9,7 +9,7 @@ from stereorecal.io.formats._numbers import numbers
 from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
 from stereorecal.io.formats.text._document import Syntax
 
-NAME = "k-and-baseline"
+NAME = "foundationstereo"
 ABOUT = "FoundationStereo's K.txt: the nine numbers of the camera matrix, and the baseline in metres"
 FILES = 1
 UNIT = "m"
@@ -19,7 +19,8 @@ def can_read(documents: Documents) -> bool:
     """Whether there are nine numbers on a line, or on three, and one more on the last."""
     if len(documents) != 1 or documents[0].syntax is not Syntax.NUMBERS:
         return False
-    return [len(row) for row in documents[0].content["numbers"]] in ([9, 1], [3, 3, 3, 1])
+    rows = documents[0].content["numbers"]
+    return [np.size(row) for row in rows] in ([9, 1], [3, 3, 3, 1])
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:

@@ -32,7 +32,7 @@ def refused(call, words: str, kind: type[InputError] = InputError) -> None:
     [
         ("a.yaml", "a: 1\nb: 2\n", "the format is unknown; expected one of stereorecal, kalibr, boofcv"),
         ("a.json", '{"a": 1}', "the format is unknown"),
-        ("a.txt", "hello world", "not a YAML file"),
+        ("a.txt", "hello world", "the format is unknown"),
         ("a.ini", "[left]\nfx = 3\n", "the format is unknown"),
         ("a.conf", "\r\n[LEFT_CAM_HD] ; the left one\r\nfx=3\r\n", "the format is unknown"),
         ("a.json", "[1, 2", "not valid JSON"),
@@ -128,7 +128,7 @@ def test_two_whole_calibrations(tmp_path: Path):
 def test_left_and_right_the_wrong_way_round(tmp_path: Path):
     left, right = SAMPLES["ros"].write(tmp_path)
     assert np.array_equal(load_rig([left, right]).extrinsics, load_rig(left, right).extrinsics)
-    refused(lambda: load_rig([left, right], left), "3 calibration files were given")
+    refused(lambda: load_rig([left, right], left), "3 calibration files were given, and one of them twice")
     refused(lambda: load_rig(right, left), "left and right are swapped; give the left camera's file first")
     refused(lambda: load_rig(left, left), "no baseline")
 
