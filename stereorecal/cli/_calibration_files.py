@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_paths import calibration_path, paths
-from stereorecal.cli._shared_options import CalibrationOptions
+from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
+from stereorecal.cli._shared_options import CalibrationFormatOptions, CalibrationOptions
 from stereorecal.geometry import StereoRig
-from stereorecal.io import is_data_set, load_rig, load_scene
+from stereorecal.io import has_own_unit, is_data_set, load_rig, load_scene
 
 
 def image_size(text: str | None) -> tuple[int, int] | None:
@@ -24,9 +24,31 @@ def image_size(text: str | None) -> tuple[int, int] | None:
     return int(found[1]), int(found[2])
 
 
-def rig_at(words: str, options: CalibrationOptions) -> StereoRig:
+def unit_of(where: CalibrationPath, options: CalibrationFormatOptions, *, other_says_none: bool) -> str | None:
+    """The unit in which a calibration is read: --unit, unless the format of this one has a unit, and that of the other
+    file of the command has none.
+
+    Raises:
+        InputError: if the format is not recognised.
+    """
+    asked = options.unit is not None and other_says_none
+    return None if asked and has_own_unit(paths(where), options.format) else options.unit
+
+
+def says_no_unit(words: str, options: CalibrationOptions) -> bool:
+    """Whether the format of a calibration has no unit; False for one that cannot be read, which its reader says."""
+    try:
+        return not has_own_unit(paths(calibration_path(words, words)), options.format)
+    except InputError:
+        return False
+
+
+def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = False) -> StereoRig:
     """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
     its own.
+
+    Args:
+        other_says_none: see `unit_of`.
 
     Raises:
         InputError: if there is none.
@@ -38,4 +60,5 @@ def rig_at(words: str, options: CalibrationOptions) -> StereoRig:
             raise InputError(f"{where}: there is no calibration in it; give one that has.")
         return rig
     size = image_size(options.size)
-    return load_rig(*paths(where), format=options.format, unit=options.unit, size=size)
+    unit = unit_of(where, options, other_says_none=other_says_none)
+    return load_rig(*paths(where), format=options.format, unit=unit, size=size)

@@ -9,7 +9,7 @@ from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import Place, check_places, refuse_replacing_inputs
 from stereorecal.cli._output_unit import output_unit
-from stereorecal.io import calibration_json, check_savable, files_read, save_rig, save_template
+from stereorecal.io import calibration_json, check_savable, files_read, save_rig, save_template, unsaid_unit
 
 
 def run(options: ConvertOptions) -> int:
@@ -24,8 +24,9 @@ def run(options: ConvertOptions) -> int:
         if not options.quiet:
             print(f"{options.target}: written; fill in its nulls, from `found`, with T in metres, left to right")
         return 0
+    new_says_none = unsaid_unit(None, target, format=options.to) is not None
     with files_read() as read:
-        rig = rig_at(options.source, options)
+        rig = rig_at(options.source, options, other_says_none=new_says_none)
     refuse_replacing_inputs(places, read, "this is what is converted: give another name")
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.

@@ -2,7 +2,7 @@
 
 from stereorecal._environment import versions
 from stereorecal.cli._calibration_commands import DiffOptions
-from stereorecal.cli._calibration_files import rig_at
+from stereorecal.cli._calibration_files import rig_at, says_no_unit
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import refuse_replacing_inputs
 from stereorecal.io import files_read
@@ -14,7 +14,11 @@ SCHEMA = "stereorecal.difference/1"
 def run(options: DiffOptions) -> int:
     """Compare, save, print; returns the exit code."""
     with files_read() as read:
-        found = difference(rig_at(options.before, options), rig_at(options.after, options))
+        before, after = (
+            rig_at(words, options, other_says_none=options.unit is not None and says_no_unit(other, options))
+            for words, other in ((options.before, options.after), (options.after, options.before))
+        )
+        found = difference(before, after)
     refuse_replacing_inputs(options.places, read)
     names = {"before": options.before, "after": options.after}
     content = {"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}

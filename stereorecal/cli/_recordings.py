@@ -7,11 +7,12 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
+from stereorecal.cli._calibration_files import unit_of
 from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.io import about, calibrated_scene, load_scene, open_pairs
+from stereorecal.io import about, calibrated_scene, load_scene, open_pairs, unsaid_unit
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
@@ -140,7 +141,10 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         return chosen
 
     calibration = calibration_path(options.calibration, "--calibration")
-    scene = calibrated_scene(str(place), pairs, calibration, format=options.format, unit=options.unit)
+    new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
+    new_says_none = new is not None and unsaid_unit(None, Path(str(new.output)), format=new.output_format) is not None
+    unit = unit_of(calibration, options, other_says_none=new_says_none)
+    scene = calibrated_scene(str(place), pairs, calibration, format=options.format, unit=unit)
     return Recordings([scene], tuple(absent), *pairing)
 
 

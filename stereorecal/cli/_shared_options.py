@@ -45,7 +45,8 @@ class CalibrationFormatOptions:
 
     format: str | None = option(f"of the calibration file (default: recognised): {FORMATS}", metavar="FORMAT")
     unit: str | None = option(
-        "of its lengths, if the file states none: m, cm, mm, in (default: inferred from the baseline)", metavar="UNIT"
+        "of its lengths: m, cm, mm, in (default: that of the format, or, if it has none, inferred from the baseline)",
+        metavar="UNIT",
     )
 
 

@@ -35,9 +35,10 @@ from stereorecal.io.formats._load_and_save import (
     prior_beside as prior_beside,
     save_rig as save_rig,
     save_template as save_template,
-    says_its_unit as says_its_unit,
+    unit_read as unit_read,
     unsaid_unit as unsaid_unit,
 )
+from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.formats._stored_prior import stored_prior as stored_prior
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs

@@ -4,10 +4,29 @@ import warnings
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning
+from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal._units import doubt_of_length
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import AnyPath
+from stereorecal.io.formats._format import Format
+
+_STATED = {"matlab": "WorldUnits", "stereorecal": "baseline_m"}  # keys of files that state their unit
+
+
+def unit_in(format: Format, given: str | None) -> str | None:
+    """The unit of lengths in files: the given one, else that of the format; None if neither tells.
+
+    A format's unit is what its programs expect, and ROS, Kalibr and others write whatever the board was measured in.
+
+    Raises:
+        InputError: if the files have a place for their unit, and another one is given.
+    """
+    if format.NAME in _STATED and given not in (None, format.UNIT):
+        raise InputError(
+            f"lengths of a {format.NAME} file are in the unit that it states ({_STATED[format.NAME]}), not in {given}; "
+            "leave the unit out, or correct the file."
+        )
+    return given or format.UNIT
 
 
 def scaled(rig: StereoRig, factor: float) -> StereoRig:

@@ -14,7 +14,6 @@ from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._format_list import named
 from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.formats._rig_file import file_of
 from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
@@ -39,7 +38,8 @@ def load_rig(
             with the right one's, as `save_rig` takes them; or all files, where each matrix has its own.
         right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
         format: name of the format, such as "kalibr"; by default it is recognised.
-        unit: "m", "cm", "mm" or "in", for files that say none (OpenCV, BoofCV); by default inferred from the baseline.
+        unit: "m", "cm", "mm" or "in", of the lengths in the file; by default that of the format, or, if it has none
+            (OpenCV, BoofCV), inferred from the baseline.
         size: (width, height) of the images, for files that say none.
 
     Raises:
@@ -90,9 +90,9 @@ def save_rig(
         format: name of the format; by default that of the template, or for a rig from nowhere a calib.json, or OpenCV's
             where the name ends in .yaml, .yml or .xml.
         template: a calibration file (or two) to write into, in place of the one that the rig came from.
-        unit: "m", "cm", "mm" or "in", where the format says none: of a template, by default that of the file that the
-            rig came from, if its format is the same, else inferred from the template's baseline; or of a new file, by
-            default metres.
+        unit: "m", "cm", "mm" or "in": of a template, by default that of its format, or, if it has none, that of the
+            file that the rig came from, if its format is the same, else inferred from the template's baseline; or of a
+            new file whose format has none, by default metres.
         prior: the prior of the next repair, such as `solution.prior`; default the one in the file that the rig came
             from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
             NAME.prior.json beside the (left camera's) file: both are written, or none.
@@ -143,15 +143,15 @@ def check_savable(
     texts_of(rig, _paths(path), file_of(rig), format, unit)
 
 
-def says_its_unit(rig: StereoRig) -> bool:
-    """Whether the format of the file that a rig came from has a unit of lengths; False for a rig from nowhere."""
+def unit_read(rig: StereoRig) -> str | None:
+    """The unit of lengths in the file that a rig came from; None if it was inferred, or for a rig from nowhere."""
     source = file_of(rig)
-    return source is not None and named(source.format).UNIT is not None
+    return None if source is None or source.inferred else source.unit
 
 
-def unsaid_unit(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> str | None:
+def unsaid_unit(rig: StereoRig | None, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> str | None:
     """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
-    source = file_of(rig)
+    source = None if rig is None else file_of(rig)
     chosen = chosen_format(_paths(path), source, format)
     own = source.unit if source is not None and source.format == chosen.NAME else "m"
     return own if chosen.UNIT is None else None

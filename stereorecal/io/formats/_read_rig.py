@@ -13,7 +13,7 @@ from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._common_size import at_common_size
-from stereorecal.io.formats._file_units import scaled
+from stereorecal.io.formats._file_units import scaled, unit_in
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
 from stereorecal.io.formats._lens_numbers import trimmed
@@ -40,7 +40,7 @@ def read_files(
 
     Args:
         format: name of the format; default: recognised.
-        unit: of lengths in a file whose format says none; default: inferred from the length of the baseline.
+        unit: of lengths in the files; default: that of the format, or inferred from the length of the baseline.
         if_missing: the end of the message if a file does not exist.
 
     Raises:
@@ -48,14 +48,28 @@ def read_files(
         UnsupportedModelError: if the model of a lens is not known.
     """
     checked_unit(unit)
-    chosen = None if format is None else named(format)
     hints = hints or Hints()
+    documents, found = _documents_of(paths, format, hints, if_missing)
+    rig = rig_in(documents, found, unit, hints)
+    return replace(rig, source=replace(rig.source, stored_prior=read_stored_prior(Path(documents[0].name))))
+
+
+def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
+    """Whether the format of files has a unit of lengths.
+
+    Raises:
+        InputError: as `read_files`, if the format is not recognised.
+    """
+    return _documents_of(paths, format, Hints(), "check the path.")[1].UNIT is not None
+
+
+def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_missing: str) -> tuple[Documents, Format]:
+    chosen = None if format is None else named(format)
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
         documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
-    rig = rig_in(documents, chosen or _recognised(documents), unit, hints)
-    return replace(rig, source=replace(rig.source, stored_prior=read_stored_prior(Path(documents[0].name))))
+    return documents, chosen or _recognised(documents)
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
@@ -75,7 +89,8 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
                 f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
             ) from None
     rig = at_common_size(rig) if hints.common_size else rig
-    stated = format.UNIT or unit
+    with about(names):
+        stated = unit_in(format, unit)
     used = stated or inferred_unit(float(rig.baseline))
     left, right = (
         replace(camera, distortion=trimmed(np.asarray(camera.distortion))) for camera in (rig.left, rig.right)

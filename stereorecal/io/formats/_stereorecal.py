@@ -27,10 +27,10 @@ _NO_RIG = "the camera matrices are null; give a file with a calibration."
 
 
 def can_read(documents: Documents) -> bool:
-    """Whether there is the matrix of a left or right camera, or a size of images and nothing of OpenCV's: no R, no T,
-    no numbered camera, and no camera matrix of another name."""
+    """Whether there is JSON with the matrix of a left or right camera, or with a size of images and nothing of
+    OpenCV's: no R, no T, no numbered camera, and no camera matrix of another name."""
     content = documents[0].content
-    named = bool({"K_left", "K_right"} & content.keys())
+    named = documents[0].syntax is Syntax.JSON and bool({"K_left", "K_right"} & content.keys())
     foreign = {"R", "T"} & content.keys() or any(key.endswith(("1", "2")) for key in content)
     alone = documents[0].syntax is Syntax.JSON and "image_size" in content and not foreign
     return len(documents) == 1 and (named or (alone and not has_cameras(documents)))

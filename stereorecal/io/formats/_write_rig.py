@@ -36,15 +36,16 @@ def texts_of(
             hold the rig, or is in another unit.
     """
     chosen = chosen_format(paths, source, format)
+    checked_unit(unit)
     if source is not None and source.hints.common_size:
         source = replace(source, hints=replace(source.hints, common_size=False))
         rig = at_own_sizes(rig, rig_in(source.documents, named(source.format), source.unit, source.hints))
     syntax = syntax_for(paths, chosen, source)
     own = source if source is not None and source.format == chosen.NAME else None
     into = own if own is not None and own.documents[0].syntax is syntax else None
-    stated = chosen.UNIT or (into.unit if into is not None else None)
+    stated = chosen.UNIT if into is None else into.unit
     with about(" and ".join(map(str, paths))):
-        if stated is not None and checked_unit(unit) not in (None, stated):
+        if stated is not None and unit not in (None, stated):
             raise InputError(f"lengths of this {chosen.NAME} file are in {stated}, not in {unit}; leave the unit out.")
         if into is not None:
             return _into(rig, chosen, into)

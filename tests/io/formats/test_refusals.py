@@ -165,9 +165,37 @@ def test_the_unit_of_a_template(tmp_path: Path):
     refused(lambda: save_rig(rig, tmp_path / "a.yaml", format="kalibr", unit="cm"), "this kalibr file are in m, not in")
 
 
-def test_a_format_with_a_unit_keeps_it(tmp_path: Path):
-    (path,) = SAMPLES["kalibr"].write(tmp_path)
-    assert load_rig(path, unit="mm").baseline == load_rig(path).baseline
+@pytest.mark.parametrize("name", ["kalibr", "ros", "euroc", "basalt", "kitti-raw"])
+def test_a_unit_that_is_stated_is_used(tmp_path: Path, name: str):
+    """Also where the format has another one: a board measured in mm gives a file in mm, and it is written back so."""
+    long = samples.RIG.with_extrinsics(samples.RIG.extrinsics * [1, 1, 1, 1000, 1000, 1000])
+    paths = SAMPLES[name].paths(tmp_path)
+    save_rig(long, paths, format=name)
+    before = [path.read_bytes() for path in paths]
+    rig = load_rig(paths, unit="mm")
+    np.testing.assert_allclose(rig.extrinsics, samples.RIG.extrinsics, atol=1e-9)
+    save_rig(rig, paths, overwrite=True)
+    assert [path.read_bytes() for path in paths] == before
+    moved = rig.with_extrinsics(rig.extrinsics + 0.001)
+    save_rig(moved, paths, overwrite=True)
+    np.testing.assert_allclose(load_rig(paths, unit="mm").extrinsics, moved.extrinsics, atol=1e-12)
+    refused(lambda: save_rig(moved, paths, overwrite=True, unit="m"), "are in mm, not in m; leave the unit out")
+
+
+def test_a_file_that_states_its_unit_keeps_it(tmp_path: Path):
+    save_rig(samples.RIG, tmp_path / "rig.json")
+    assert load_rig(tmp_path / "rig.json", unit="m").baseline == pytest.approx(float(samples.RIG.baseline))
+    refused(lambda: load_rig(tmp_path / "rig.json", unit="mm"), "rig.json: lengths of a stereorecal file are in the")
+
+
+def test_left_and_right_as_names_in_opencvs_file(tmp_path: Path):
+    """Its unit is not that of a calib.json, which has these names."""
+    text = samples.OPENCV
+    for one, other in (("K1", "K_left"), ("D1", "D_left"), ("K2", "K_right"), ("D2", "D_right")):
+        text = text.replace(f"{one}:", f"{other}:")
+    (tmp_path / "rig.yaml").write_text(text)
+    rig = load_rig(tmp_path / "rig.yaml", unit="mm")
+    assert (rig.source.format, float(rig.baseline)) == ("opencv", pytest.approx(0.12, rel=1e-3))
 
 
 # --- writing ------------------------------------------------------------------------------------------------
