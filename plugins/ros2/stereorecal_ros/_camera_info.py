@@ -61,29 +61,35 @@ class CameraInfo:
 
 
 def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
-    """The rig whose rectification two CameraInfo describe: R = R_right' R_left, T = R_right' (t, 0, 0), t = p[3] / p[0]
-    of the right camera less that of the left one, in metres.
+    """The rig whose rectification two CameraInfo describe: R = R_right' R_left, T = R_right' (t_right - t_left), in
+    metres, where P = K [I | t].
 
     Raises:
-        InputError: if they are not calibrated, have no baseline, or are swapped.
+        InputError: if they are not calibrated, have no baseline, are swapped, or one is above the other.
         UnsupportedModelError: if the model of a lens is not known.
     """
-    cameras, rotations, shifts = [], [], []
+    cameras, rotations, places = [], [], []
     for side, info in zip(SIDES, (left, right), strict=True):
         if not any(info.k):
             raise InputError(f"{side}/camera_info: the camera is not calibrated (K is 0); calibrate it first.")
-        if not info.p[0] > 0.0:
+        projection = np.reshape(info.p, (3, 4))
+        if not min(np.diag(projection)) > 0.0 or np.any(np.tril(projection, -1)):
             raise InputError(f"{side}/camera_info: there is no projection matrix P; calibrate the two as stereo.")
         cameras.append(_camera(info, side))
         rotations.append(np.reshape(info.r, (3, 3)))
-        shifts.append(info.p[3] / info.p[0])
-    shift = shifts[1] - shifts[0]
-    if shift == 0.0:
-        raise InputError("camera_info: P has no baseline (P[3] is the same in both); calibrate the two as stereo.")
+        places.append(np.linalg.solve(projection[:, :3], projection[:, 3]))
+    shift = places[1] - places[0]
+    if not np.any(shift):
+        raise InputError(
+            "camera_info: P has no baseline (its fourth column is the same in both); calibrate the two as stereo."
+        )
+    if abs(shift[1]) > abs(shift[0]):
+        raise InputError(
+            "camera_info: one camera is above the other (the baseline is in P[7]); disparities in columns are not "
+            "supported, use cameras side by side."
+        )
     to_left, to_right = rotations
-    return StereoRig.from_rotation(
-        cameras[0], cameras[1], to_right.T @ to_left, to_right.T @ np.array([shift, 0.0, 0.0])
-    )
+    return StereoRig.from_rotation(cameras[0], cameras[1], to_right.T @ to_left, to_right.T @ shift)
 
 
 def view_of(left: CameraInfo, right: CameraInfo) -> View | None:

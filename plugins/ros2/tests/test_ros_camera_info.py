@@ -133,6 +133,23 @@ def test_swapped_or_without_baseline():
         rig_of(left, left)
 
 
+def test_the_whole_fourth_column():
+    """Of cameras that are placed against a third, as KITTI's; one above the other is said."""
+    rig, infos = rig_with("plumb_bob"), corrected(rig_with("plumb_bob"))
+    common, place = np.array([0.06, 4e-4, 2.7e-3]), np.array([-0.12, 4e-3, 2e-3])
+
+    def placed(info: CameraInfo, t: np.ndarray) -> CameraInfo:
+        projection = np.reshape(info.p, (3, 4)).copy()
+        projection[:, 3] = projection[:, :3] @ t
+        return CameraInfo(**{**vars(info), "p": tuple(projection.ravel().tolist())})
+
+    found = rig_of(placed(infos[0], common), placed(infos[1], common + place))
+    np.testing.assert_allclose(found.translation, np.reshape(infos[1].r, (3, 3)).T @ place, atol=1e-9)
+    np.testing.assert_allclose(found.rotation, rig.rotation, atol=1e-9)
+    with pytest.raises(InputError, match="one camera is above the other"):
+        rig_of(infos[0], placed(infos[1], np.array([1e-3, -0.12, 0.0])))
+
+
 def test_binned_or_cut_images_are_refused():
     info = corrected(rig_with("plumb_bob"))[0]
     cut = SimpleNamespace(x_offset=10, y_offset=0, width=320, height=240)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal._arrays import Vec3
 from stereorecal.geometry import Camera, StereoRig
@@ -31,5 +32,14 @@ def camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int]
     """The camera of P, and the position t of camera 00 in its frame."""
     projection = numbers(content, key, (12,)).reshape(3, 4)
     with about(key):
-        camera = Camera(size, projection[:, :3])
+        return in_projection(projection, size)
+
+
+def in_projection(projection: Float[np.ndarray, "3 4"], size: tuple[int, int]) -> tuple[Camera, Vec3]:
+    """The rectified camera K of P = K [I | t], and t.
+
+    Raises:
+        InputError: if K is no camera matrix.
+    """
+    camera = Camera(size, projection[:, :3])
     return camera, np.linalg.solve(camera.matrix, projection[:, 3])

@@ -2,10 +2,12 @@
 
 import numpy as np
 
+from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._kitti_rectified import in_projection
 from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrix_values import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
@@ -54,22 +56,22 @@ def can_read(documents: Documents) -> bool:
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of ROS camera_info files: R = R_right^T R_left, and T = R_right^T (t, 0, 0), t = P[0, 3] / P[0, 0], right
-    less left."""
-    (left, to_left, left_shift), (right, to_right, shift) = (_camera(document) for document in documents)
+    """The rig of ROS camera_info files: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
+
+    KITTI's cameras have x, y and z; cameras one above the other, y.
+    """
+    (left, to_left, left_place), (right, to_right, place) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
-        if shift[0] == 0.0 and left_shift[0] < 0.0:
-            raise InputError("left and right are swapped; give the left camera's file first.")
-        if shift[0] == left_shift[0]:
+        if np.array_equal(place, left_place):
             raise InputError(
-                "projection_matrix has no baseline (its fourth number is the same in both files); calibrate the two as "
+                "projection_matrix has no baseline (its fourth column is the same in both files); calibrate the two as "
                 "stereo."
             )
-        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (shift - left_shift)))
+        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (place - left_place)))
 
 
-def _camera(document: Document) -> tuple[Camera, Array, Array]:
-    """A camera, the rotation that rectifies it, and where the left one is in the rectified frame."""
+def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
+    """A camera, the rotation that rectifies it, and t of its projection matrix K [I | t]."""
     content = document.content
     with about(document.name):
         size = pixels(content, "image_width"), pixels(content, "image_height")
@@ -82,8 +84,11 @@ def _camera(document: Document) -> tuple[Camera, Array, Array]:
             numbers(content, "rectification_matrix", (3, 3)),
             numbers(content, "projection_matrix", (3, 4)),
         )
-        focal = projection[0, 0] if projection[0, 0] > 0 else np.nan
-    return camera, rotation, np.array([projection[0, 3] / focal, 0.0, 0.0])
+        if not np.any(projection):
+            raise InputError("projection_matrix is 0; calibrate the two as stereo.")
+        with about("projection_matrix"):
+            _, place = in_projection(projection, size)
+    return camera, rotation, place
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:

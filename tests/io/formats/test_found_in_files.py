@@ -1,5 +1,6 @@
 """What real files hold that the samples do not: lenses without a model, OpenCV 5's arrays, aliases, dates, shifts."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -82,6 +83,45 @@ def test_ros_with_both_cameras_shifted(tmp_path: Path):
     new = tmp_path / "l2.yaml", tmp_path / "r2.yaml"
     save_rig(moved, new)
     np.testing.assert_allclose(load_rig(*new).extrinsics, moved.extrinsics, atol=1e-12)
+
+
+PROJECTION = np.array([[60.0, 0.0, 32.0], [0.0, 60.0, 24.0], [0.0, 0.0, 1.0]])
+
+
+def with_projections(folder: Path, *projections: np.ndarray) -> tuple[Path, Path]:
+    paths = folder / "l.yaml", folder / "r.yaml"
+    for path, text, projection in zip(paths, samples.ROS_PAIR, projections, strict=True):
+        path.write_text(re.sub(r"\[60\.0, 0\.0, 32\.0.*\]", str(projection.ravel().tolist()), text))
+    return paths
+
+
+def test_the_whole_fourth_column_of_ros(tmp_path: Path):
+    """Its y and z, as of KITTI's cameras, which are placed against a third."""
+    places = [0.03, 0.0004, 0.003], [-0.09, 0.005, 0.002]
+    plain = load_rig(with_projections(tmp_path, *(np.column_stack([PROJECTION, [x, 0, 0]]) for x in (0.0, -7.2))))
+    to_rectified = plain.translation / -0.12  # R_right^T (1, 0, 0)
+    paths = with_projections(tmp_path, *(PROJECTION @ np.column_stack([np.eye(3), place]) for place in places))
+    before, rig = [path.read_text() for path in paths], load_rig(paths)
+    apart = np.subtract(places[1], places[0])
+    assert rig.baseline == pytest.approx(np.linalg.norm(apart), rel=1e-12)
+    assert np.dot(rig.translation, to_rectified) == pytest.approx(apart[0], abs=1e-12)
+    np.testing.assert_array_equal(rig.rotation, plain.rotation)
+    save_rig(rig, paths, overwrite=True)
+    assert [path.read_text() for path in paths] == before
+
+
+@pytest.mark.parametrize(
+    ("projection", "words"),
+    [
+        (np.zeros((3, 4)), "r.yaml: projection_matrix is 0; calibrate the two as stereo"),
+        (np.column_stack([-PROJECTION, [7.2, 0, 0]]), "r.yaml: projection_matrix: "),
+        (np.column_stack([PROJECTION, [0, 0, 0]]), "projection_matrix has no baseline"),
+        (np.column_stack([PROJECTION, [0.1, -7.2, 0]]), "the cameras stand above or behind each other"),
+    ],
+)
+def test_ros_without_a_baseline(tmp_path: Path, projection: np.ndarray, words: str):
+    left = np.column_stack([PROJECTION, [0, 0, 0]])
+    refused(lambda: load_rig(with_projections(tmp_path, left, projection)), words)
 
 
 # --- OpenCV -------------------------------------------------------------------------------------------------
