@@ -1,4 +1,5 @@
-"""ROS camera_info YAML, one file for each camera; the extrinsics are implied by the rectification."""
+"""ROS camera_info, one file for each camera: YAML, or the message as echo prints it; the extrinsics are implied by the
+rectification."""
 
 import numpy as np
 
@@ -17,11 +18,17 @@ from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._keys import Keys
 
 NAME = "ros"
-ABOUT = "ROS camera_info (left and right YAML file)"
+ABOUT = "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)"
 SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
 FILES = 2
 UNIT = "m"
 
+_ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
+_SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
+    "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
+    "width height K D R P",
+    "width height k d r p",
+)
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
 _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
@@ -51,8 +58,27 @@ projection_matrix:
 
 def can_read(documents: Documents) -> bool:
     """Whether both files have what only ROS has."""
-    keys = {"camera_matrix", "rectification_matrix", "projection_matrix"}
-    return len(documents) == 2 and all(keys <= document.content.keys() for document in documents)
+    return len(documents) == 2 and all(_spelling(document) is not None for document in documents)
+
+
+def _spelling(document: Document) -> str | None:
+    """The keys that a file has; None if it has those of none."""
+    for keys in _SPELLINGS:
+        _, _, matrix, _, *rectified = keys.split()
+        more = set() if keys is _SPELLINGS[0] else {"distortion_model"}  # K, R and P alone may be anybody's
+        if {matrix, *rectified, *more} <= document.content.keys():
+            return keys
+    return None
+
+
+def _names(document: Document) -> dict[str, str]:
+    """The keys of a file by what they hold; those of camera_info YAML if it has the keys of none."""
+    return dict(zip(_ROLES, (_spelling(document) or _SPELLINGS[0]).split(), strict=True))
+
+
+def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
+    flat = isinstance(document.content.get(key), list) and np.ndim(document.content[key]) == 1
+    return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
@@ -64,29 +90,27 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     with about(f"{documents[0].name} and {documents[1].name}"):
         if np.array_equal(place, left_place):
             raise InputError(
-                "projection_matrix has no baseline (its fourth column is the same in both files); calibrate the two as "
-                "stereo."
+                f"{_names(documents[1])['projection']} has no baseline (its fourth column is the same in both files); "
+                "calibrate the two as stereo."
             )
         return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (place - left_place)))
 
 
 def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
     """A camera, the rotation that rectifies it, and t of its projection matrix K [I | t]."""
-    content = document.content
+    content, names = document.content, _names(document)
     with about(document.name):
-        size = pixels(content, "image_width"), pixels(content, "image_height")
+        size = pixels(content, names["width"]), pixels(content, names["height"])
         check_model(value(content, "distortion_model") or "", _MODELS)
-        lens = numbers(content, "distortion_coefficients", (-1,))
+        lens = numbers(content, names["lens"], (-1,))
         check_no_lens(content["distortion_model"] or "", lens)
         model = "equidistant" if content["distortion_model"] in _EQUIDISTANT else Camera.model
-        camera = Camera(size, numbers(content, "camera_matrix", (3, 3)), lens, model=model)
-        rotation, projection = (
-            numbers(content, "rectification_matrix", (3, 3)),
-            numbers(content, "projection_matrix", (3, 4)),
-        )
+        camera = Camera(size, _matrix(document, names["matrix"], (3, 3)), lens, model=model)
+        rotation = _matrix(document, names["rotation"], (3, 3))
+        projection = _matrix(document, names["projection"], (3, 4))
         if not np.any(projection):
-            raise InputError("projection_matrix is 0; calibrate the two as stereo.")
-        with about("projection_matrix"):
+            raise InputError(f"{names['projection']} is 0; calibrate the two as stereo.")
+        with about(names["projection"]):
             _, place = in_projection(projection, size)
     return camera, rotation, place
 
@@ -104,21 +128,21 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """ROS camera_info files: rectification and projection matrices, with the files' own options; intrinsics of the
     cameras of the target."""
-    P1, P2 = (numbers(document.content, "projection_matrix", (3, 4)) for document in target.documents)
+    P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in target.documents)
     options = options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
     made = rectification_of(rig, options)
     sides = ((rig.left, target.left), (rig.right, target.right))
     texts = []
     for side, (document, (camera, wanted)) in enumerate(zip(target.documents, sides, strict=True), start=1):
-        values: dict[Keys, object] = {}
-        arrays = {"rectification_matrix": made[f"R{side}"], "projection_matrix": made[f"P{side}"]}
+        values, names = dict[Keys, object](), _names(document)
+        arrays = {names["rotation"]: made[f"R{side}"], names["projection"]: made[f"P{side}"]}
         if wanted:
-            model, lens = _lens(camera, size_of(document.content, ("distortion_coefficients",)))
-            arrays["camera_matrix"] = np.asarray(camera.matrix)
+            model, lens = _lens(camera, size_of(document.content, (names["lens"],)))
+            arrays[names["matrix"]] = np.asarray(camera.matrix)
             if camera.model == "equidistant":
-                arrays["distortion_coefficients"] = lens
+                arrays[names["lens"]] = lens
             elif np.any(lens) or document.content["distortion_model"] not in (None, "", "none"):
-                arrays["distortion_coefficients"] = lens
+                arrays[names["lens"]] = lens
                 values[("distortion_model",)] = model
         for key, array in arrays.items():
             values.update(matrix_values(document.content, (key,), array))

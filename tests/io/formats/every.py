@@ -74,6 +74,8 @@ SAMPLES: dict[str, Sample] = {
     "opencv json": Sample((as_json(samples.OPENCV),), ".json", _OPENCV, "mm"),
     "opencv pair": Sample((_INTRINSICS, _HEAD + _SEP + _EXTRINSICS), ".yml", _OPENCV, "mm"),
     "ros": Sample(samples.ROS_PAIR, ".yaml", frozenset({"rectification_matrix", "projection_matrix"})),
+    "ros 1 messages": Sample(samples.ROS_1_MESSAGES, ".yaml", frozenset({"R", "P"})),
+    "ros 2 messages": Sample(tuple(map(samples.as_ros_2, samples.ROS_1_MESSAGES)), ".yaml", frozenset({"r", "p"})),
     "kalibr": Sample((samples.KALIBR,), ".yaml", frozenset({"cam1.T_cn_cnm1", "cam1.T_cam_imu"})),
     "euroc": Sample(samples.EUROC_PAIR, ".yaml", frozenset({"T_BS"})),
     "boofcv": Sample((samples.BOOFCV,), ".yaml", frozenset({"rightToLeft"}), "mm"),

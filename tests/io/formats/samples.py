@@ -92,6 +92,40 @@ roi:
 """
 ROS_PAIR = (ROS.format(side="left", focal=61.25, shift=0.0), ROS.format(side="right", focal=61.5, shift=-7.2))
 
+ROS_1_MESSAGE = """header: 
+  seq: 41
+  stamp: 
+    secs: 1403636579
+    nsecs: 763555526
+  frame_id: "{side}_camera"
+height: 48
+width: 64
+distortion_model: "plumb_bob"
+D: [-0.3, 0.1, 0.001, -0.002, 0.0]
+K: [{focal}, 0.0, 31.5, 0.0, 60.75, 23.25, 0.0, 0.0, 1.0]
+R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+P: [60.0, 0.0, 32.0, {shift}, 0.0, 60.0, 24.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+binning_x: 0
+roi: 
+  x_offset: 0
+  do_rectify: False
+---
+"""  # noqa: W291
+ROS_1_MESSAGES = (
+    ROS_1_MESSAGE.format(side="left", focal=61.25, shift=0.0),
+    ROS_1_MESSAGE.format(side="right", focal=61.5, shift=-7.2),
+)
+
+
+def as_ros_2(text: str) -> str:
+    """With small letters, and a line for each number."""
+    rows = []
+    for line in text.splitlines():
+        key, opened, numbers = line.partition(": [")
+        rows += [f"{key.lower()}:", *(f"- {one}" for one in numbers[:-1].split(", "))] if opened else [line]
+    return "\n".join(rows) + "\n"
+
+
 KALIBR = """cam0:
   T_cam_imu:
   - [0.0, -1.0, 0.0, 0.1]

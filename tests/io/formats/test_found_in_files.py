@@ -1,5 +1,6 @@
 """What real files hold that the samples do not: lenses without a model, OpenCV 5's arrays, aliases, dates, shifts."""
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +14,7 @@ from test_refusals import refused
 from stereorecal import UnsupportedModelError
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_calibrations, save_rig
+from stereorecal.io.formats.text._document import document
 
 # --- lenses -------------------------------------------------------------------------------------------------
 
@@ -83,6 +85,19 @@ def test_ros_with_both_cameras_shifted(tmp_path: Path):
     new = tmp_path / "l2.yaml", tmp_path / "r2.yaml"
     save_rig(moved, new)
     np.testing.assert_allclose(load_rig(*new).extrinsics, moved.extrinsics, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ros 1 messages", "ros 2 messages"])
+def test_ros_messages(tmp_path: Path, name: str):
+    """As camera_info YAML of the same numbers, with keys in any order, and as JSON; one alone is half."""
+    expected, paths = load_rig(*SAMPLES["ros"].write(tmp_path)), SAMPLES[name].write(tmp_path)
+    np.testing.assert_array_equal(load_rig(paths).extrinsics, expected.extrinsics)
+    refused(lambda: load_rig(paths[0]), "this is one of two files (ros: ")
+    for path in paths:
+        content = document(path, path.read_text()).content
+        path.write_text(json.dumps(dict(sorted(content.items(), reverse=True))))
+    np.testing.assert_array_equal(load_rig(paths).extrinsics, expected.extrinsics)
+    np.testing.assert_array_equal(load_rig(paths).right.matrix, expected.right.matrix)
 
 
 PROJECTION = np.array([[60.0, 0.0, 32.0], [0.0, 60.0, 24.0], [0.0, 0.0, 1.0]])
