@@ -1,6 +1,8 @@
-"""Kalibr's camchain.yaml: cam0 is the left camera, cam1 the right one."""
+"""Kalibr's camchain.yaml: cam0 is the left camera, cam1 the right one, unless others are chosen."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -17,18 +19,20 @@ from stereorecal.io.formats._lens_numbers import (
     pinhole_numbers,
 )
 from stereorecal.io.formats._matrix_values import matrix_values
-from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._rigid_motions import left_to_right, rig_of
+from stereorecal.io.formats._numbers import image_size, numbers, optional, unpacked, value
+from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 
 NAME = "kalibr"
-ABOUT = "Kalibr's camchain (YAML with cam0, cam1, T_cn_cnm1)"
+ABOUT = "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)"
 SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
 FILES = 1
 UNIT = "m"
 
-_FROM_LAST, _FROM_IMU = "T_cn_cnm1", "T_cam_imu"
+_FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
+_USUAL = ("cam0", "cam1")
+_ROUNDING = 1e-3  # of the entries of a pose (metres, in its last column), as people round them
 # Distortion models of its pinhole, and cameras of its own whose intrinsics begin with two numbers of the lens.
 _DISTORTIONS = {"radtan": "radtan", "none": "radtan", "equidistant": "equidistant"}
 _SPHERES, _OMNI = {"ds": "ds", "eucm": "eucm"}, "omni"  # the last one's with one, and radtan besides
@@ -50,15 +54,85 @@ def can_read(documents: Documents) -> bool:
     return len(documents) == 1 and any(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a Kalibr camchain: T_cn_cnm1 of cam1 takes points of cam0 to cam1."""
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """The names of the cameras, along the chain."""
     content = documents[0].content
-    for key in ("cam0", "cam1"):
-        if key not in content:
+    named = (key for key in content if re.fullmatch(r"cam\d+", str(key)) and isinstance(content[key], Mapping))
+    return tuple(sorted(named, key=lambda name: int(name[3:])))
+
+
+def read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig of a Kalibr camchain: T_cn_cnm1 takes points of the camera before to this one; where the file has none,
+    the poses of both cameras on the IMU tell."""
+    content, chain, names = documents[0].content, cameras(documents), hints.cameras or _USUAL
+    for key in names:
+        if key not in chain:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
-    left, right = (_camera(content, key) for key in ("cam0", "cam1"))
-    with about("cam1"):
-        return rig_of(left, right, numbers(content["cam1"], _FROM_LAST, (4, 4)))
+    left, right = (_camera(content, key) for key in names)
+    first, last = sorted(names, key=chain.index)
+    motion = _motion(content, first, last, _links(chain, first, last))
+    return rig_of(left, right, motion if first == names[0] else inverse(motion))
+
+
+def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
+    """The cameras of the chain after `first`, up to `last`."""
+    return chain[chain.index(first) + 1 : chain.index(last) + 1]
+
+
+def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Pose:
+    """What takes points of one camera to a later one of the chain.
+
+    Raises:
+        InputError: if the file does not say, or says two things.
+    """
+    if all(_FROM_LAST in content[name] for name in links):
+        return _along(content, links)
+    stated = [
+        _from_imu(content, last, key) @ inverse(_from_imu(content, first, key))
+        for key in (_FROM_IMU, _TO_IMU)
+        if key in content[first] and key in content[last]
+    ]
+    if not stated:
+        with about(last):
+            optional(content[last], _FROM_LAST)  # refuses one that is misspelt
+        raise InputError(
+            f"nothing says how {first} and {last} stand to each other, neither {_FROM_LAST} of {last} nor {_FROM_IMU} "
+            f"or {_TO_IMU} of both; give the result of a calibration of both."
+        )
+    if not np.allclose(stated[0], stated[-1], rtol=0.0, atol=_ROUNDING):
+        raise InputError(f"{_FROM_IMU} and {_TO_IMU} contradict each other; remove the one that is wrong.")
+    return stated[0]
+
+
+def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
+    motion = np.eye(4)
+    for name in links:
+        motion = _pose(content, name, _FROM_LAST) @ motion
+    return motion
+
+
+def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Pose:
+    """What takes points of the IMU to a camera."""
+    stated = _pose(content, name, key)
+    return stated if key == _FROM_IMU else inverse(stated)
+
+
+def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
+    """A rigid motion, stated as four rows or as sixteen numbers.
+
+    Raises:
+        InputError: if it is none.
+    """
+    with about(name):
+        stated = unpacked(value(content[name], key))
+        flat = isinstance(stated, list) and len(stated) == 16
+        motion = numbers(content[name], key, (16,) if flat else (4, 4)).reshape(4, 4)
+        turn = motion[:3, :3]
+        if not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=_ROUNDING) or np.linalg.det(turn) < 0.0:
+            raise InputError(f"{key} is not a rotation (orthonormal, determinant +1) beside a translation; correct it.")
+        if not np.allclose(motion[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=_ROUNDING):
+            raise InputError(f"the last row of {key} is not 0 0 0 1; correct it, or copy the file again.")
+    return motion
 
 
 def _camera(content: Mapping[str, Any], key: str) -> Camera:
@@ -103,16 +177,14 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 
 
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """A Kalibr camchain: T_cn_cnm1 of cam1; T_cam_imu of cam1 and of what follows it in the chain, from that of
-    cam0."""
+    """A Kalibr camchain: of the two cameras the later one moves, and with it what follows it in the chain: its
+    T_cn_cnm1, and the poses of all these on the IMU."""
     (document,) = target.documents
-    content, motion = document.content, left_to_right(rig)
-    values: dict[Keys, Any] = matrix_values(content, ("cam1", _FROM_LAST), motion)
-    if _FROM_IMU in content["cam0"]:
-        values.update(_from_imu(content, motion))
-    elif any(_FROM_IMU in camera for camera in content.values() if isinstance(camera, Mapping)):
-        raise InputError(f"cam1 has {_FROM_IMU} and cam0 has none; remove it, since it would not fit the new rig.")
-    for key, camera, wanted in (("cam0", rig.left, target.left), ("cam1", rig.right, target.right)):
+    content, chain, names = document.content, cameras(target.documents), target.hints.cameras or _USUAL
+    motion = left_to_right(rig)
+    first, last = sorted(names, key=chain.index)
+    values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
+    for key, camera, wanted in ((names[0], rig.left, target.left), (names[1], rig.right, target.right)):
         if wanted:
             if camera.model in _SPHERES:
                 values[(key, "intrinsics")] = [*np.asarray(camera.distortion).tolist(), *pinhole_numbers(camera)]
@@ -140,14 +212,25 @@ def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys
     return {(key, "distortion_model"): "radtan", **matrix_values(content, (key, "distortion_coeffs"), lens)}
 
 
-def _from_imu(content: Mapping[str, Any], motion: np.ndarray) -> dict[Keys, Any]:
+def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Pose) -> dict[Keys, Any]:
+    """What to write where `motion` takes points of one camera to a later one."""
     values: dict[Keys, Any] = {}
-    to_camera = numbers(content["cam0"], _FROM_IMU, (4, 4))
-    for index in range(1, len(content)):
-        camera = content.get(f"cam{index}")
-        if not isinstance(camera, Mapping):
-            break
-        to_camera = (motion if index == 1 else numbers(camera, _FROM_LAST, (4, 4))) @ to_camera
-        if _FROM_IMU in camera:
-            values.update(matrix_values(content, (f"cam{index}", _FROM_IMU), to_camera))
+    links = _links(chain, first, last)
+    if all(_FROM_LAST in content[name] for name in links):
+        link = motion @ inverse(_along(content, links[:-1]))
+        values |= matrix_values(content, (last, _FROM_LAST), link)
+    followers = takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])
+    moved = [last, *followers]
+    for key in (_FROM_IMU, _TO_IMU):
+        stated = [name for name in moved if key in content[name]]
+        if stated and key not in content[first]:
+            raise InputError(
+                f"{stated[0]} has {key} and {first} has none; remove it, since it would not fit the new rig."
+            )
+        to_camera = _from_imu(content, first, key) if stated else np.eye(4)
+        for name in moved:
+            to_camera = (motion if name == last else _pose(content, name, _FROM_LAST)) @ to_camera
+            if name in stated:
+                pose = to_camera if key == _FROM_IMU else inverse(to_camera)
+                values |= matrix_values(content, (name, key), pose)
     return values

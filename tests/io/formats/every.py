@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
 import samples
+import yaml
 
 from stereorecal.io.formats.text._document import document
 
@@ -40,6 +42,16 @@ def as_json(text: str) -> str:
     """OpenCV's YAML as OpenCV's own JSON."""
     storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
     return rewritten(storage, ".json")
+
+
+def on_imu(text: str, key: str) -> str:
+    """A Kalibr chain without T_cn_cnm1, whose cameras have only a pose on the IMU, of sixteen numbers."""
+    content = yaml.safe_load(text)
+    for camera in content.values():
+        camera.pop("T_cn_cnm1", None)
+        to_camera = np.array(camera.pop("T_cam_imu"))
+        camera[key] = (to_camera if key == "T_cam_imu" else np.linalg.inv(to_camera)).ravel().tolist()
+    return yaml.safe_dump(content)
 
 
 def as_xml(text: str) -> str:
@@ -77,6 +89,8 @@ SAMPLES: dict[str, Sample] = {
     "ros 1 messages": Sample(samples.ROS_1_MESSAGES, ".yaml", frozenset({"R", "P"})),
     "ros 2 messages": Sample(tuple(map(samples.as_ros_2, samples.ROS_1_MESSAGES)), ".yaml", frozenset({"r", "p"})),
     "kalibr": Sample((samples.KALIBR,), ".yaml", frozenset({"cam1.T_cn_cnm1", "cam1.T_cam_imu"})),
+    "kalibr on imu": Sample((on_imu(samples.KALIBR, "T_cam_imu"),), ".yaml", frozenset({"cam1.T_cam_imu"})),
+    "kalibr to imu": Sample((on_imu(samples.KALIBR, "T_imu_cam"),), ".yaml", frozenset({"cam1.T_imu_cam"})),
     "euroc": Sample(samples.EUROC_PAIR, ".yaml", frozenset({"T_BS"})),
     "boofcv": Sample((samples.BOOFCV,), ".yaml", frozenset({"rightToLeft"}), "mm"),
     "kitti-raw": Sample((samples.KITTI_RAW,), ".txt", frozenset({"R_01", "T_01"})),

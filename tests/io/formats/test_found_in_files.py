@@ -247,6 +247,49 @@ def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
     assert "boat" not in written.read_text()
 
 
+# --- poses on an IMU ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["kalibr on imu", "kalibr to imu"])
+def test_kalibr_without_a_chain(tmp_path: Path, name: str):
+    (path,) = SAMPLES[name].write(tmp_path)
+    usual = tmp_path / "usual.yaml"
+    usual.write_text(samples.KALIBR.replace("0.001]\n  - [0.0, 0.0, 1.0, -0.002]", "0.0]\n  - [0.0, 0.0, 1.0, 0.0]"))
+    np.testing.assert_allclose(load_rig(path).extrinsics, load_rig(usual).extrinsics, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "T_cam_imu",
+            "T_cam_body",
+            "nothing says how cam0 and cam1 stand to each other, neither T_cn_cnm1 of cam1",
+        ),
+        (
+            "  T_cn_cnm1: ",
+            "  T_cn_cnm_1: ",
+            "cam1: the key 'T_cn_cnm_1' is not known; rename it if 'T_cn_cnm1' is meant",
+        ),
+        ("  - 1.0\n  cam_", "  - 2.0\n  cam_", "cam1: the last row of T_cam_imu is not 0 0 0 1"),
+        ("  - -1.0\n", "  - 1.0\n", "cam1: T_cam_imu is not a rotation (orthonormal, determinant +1)"),
+    ],
+)
+def test_kalibr_without_poses(tmp_path: Path, old: str, new: str, said: str):
+    (text,) = SAMPLES["kalibr on imu"].texts
+    text = text if "T_cn" not in old else text.replace("cam1:\n", "cam1:\n  T_cn_cnm1: [0]\n").replace("_cam_imu", "_x")
+    assert old in text
+    (tmp_path / "a.yaml").write_text(text.replace(old, new))
+    refused(lambda: load_rig(tmp_path / "a.yaml"), said)
+
+
+def test_kalibr_with_poses_that_differ(tmp_path: Path):
+    (path,) = SAMPLES["kalibr on imu"].write(tmp_path)
+    eye = np.eye(4).ravel().tolist()
+    path.write_text(path.read_text().replace("  cam_overlaps", f"  T_imu_cam: {eye}\n  cam_overlaps"))
+    refused(lambda: load_rig(path), "T_cam_imu and T_imu_cam contradict each other; remove the one that is wrong")
+
+
 # --- sentences ----------------------------------------------------------------------------------------------
 
 
