@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
+from stereorecal.cli._option_values import camera_pair
 from stereorecal.cli._shared_options import CalibrationFormatOptions, CalibrationOptions
 from stereorecal.geometry import StereoRig
 from stereorecal.io import has_own_unit, is_data_set, load_rig, load_scene
@@ -59,6 +60,6 @@ def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = F
         if rig is None:
             raise InputError(f"{where}: there is no calibration in it; give one that has.")
         return rig
-    size = image_size(options.size)
+    size, cameras = image_size(options.size), camera_pair(options.cameras)
     unit = unit_of(where, options, other_says_none=other_says_none)
-    return load_rig(*paths(where), format=options.format, unit=unit, size=size)
+    return load_rig(*paths(where), format=options.format, unit=unit, size=size, cameras=cameras)

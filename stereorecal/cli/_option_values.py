@@ -56,6 +56,23 @@ def shortened(text: str) -> str:
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
+def camera_pair(text: str | None) -> tuple[str, str] | None:
+    """The left and the right camera of --cameras.
+
+    Raises:
+        InputError: if it is not two names.
+    """
+    if text is None:
+        return None
+    names = [name.strip() for name in text.split(",")]
+    if len(names) != 2 or not all(names):
+        raise InputError(
+            f"--cameras is {shortened(text)}; give the left and the right camera of the file, such as cam1,cam0, or "
+            "right,left to exchange them."
+        )
+    return names[0], names[1]
+
+
 def board_corners(text: str | None) -> tuple[int, int]:
     """The corners inside of a chessboard, columns and rows, of --board-corners; by default 9x6.
 

@@ -108,8 +108,8 @@ def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str]
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
     of_output = isinstance(options, RecalibrateOptions) and options.output_format is not None
-    if options.format or (options.unit and not of_output):
-        raise InputError("--format and --unit belong to --calibration; leave them out.")
+    if options.format or options.cameras or (options.unit and not of_output):
+        raise InputError("--format, --unit and --cameras belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(
             "--tolerance belongs to --left and --right, or --bag; a scene folder pairs by names: leave it out."
@@ -144,7 +144,8 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
     new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
     new_says_none = new is not None and unsaid_unit(None, Path(str(new.output)), format=new.output_format) is not None
     unit = unit_of(calibration, options, other_says_none=new_says_none)
-    scene = calibrated_scene(str(place), pairs, calibration, format=options.format, unit=unit)
+    how = {"format": options.format, "unit": unit, "cameras": _option_values.camera_pair(options.cameras)}
+    scene = calibrated_scene(str(place), pairs, calibration, **how)
     return Recordings([scene], tuple(absent), *pairing)
 
 

@@ -48,6 +48,11 @@ class CalibrationFormatOptions:
         "of its lengths: m, cm, mm, in (default: that of the format, or, if it has none, inferred from the baseline)",
         metavar="UNIT",
     )
+    cameras: str | None = option(
+        "the left and the right one of a file that has more, or the right one first: cam2,cam3, cam1,cam0, or in any "
+        "format right,left",
+        metavar="L,R",
+    )
 
 
 @option_group

@@ -40,9 +40,9 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
         raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
 
     calibration = calibration_path(options.calibration, "--calibration")
-    scene = calibrated_scene(
-        f"camera {' and '.join(names)}", first, calibration, format=options.format, unit=options.unit
-    )
+    how = {"format": options.format, "unit": options.unit}
+    chosen = _option_values.camera_pair(options.cameras)
+    scene = calibrated_scene(f"camera {' and '.join(names)}", first, calibration, **how, cameras=chosen)
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
     return scene, islice(islice(chain(before, coming), wanted.start, wanted.stop, wanted.step), limit)

@@ -22,8 +22,10 @@ from stereorecal.geometry._rectification import (
 )
 from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
 from stereorecal.geometry._rig import (
+    AS_IN_FILE as AS_IN_FILE,
     AXES as AXES,
     StereoRig as StereoRig,
+    extrinsics_of as extrinsics_of,
     with_unit_baseline as with_unit_baseline,
 )
 from stereorecal.geometry._rig_as_data import rig_as_data as rig_as_data, rig_from_data as rig_from_data

@@ -18,6 +18,9 @@ _FROM_ROTATION = (
     "write sr.StereoRig.from_rotation(left, right, R, T), or sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), "
     "with T in metres."
 )
+AS_IN_FILE = "as in its file"
+"""The source of a rig whose cameras stand as a file has them, where the right one may come first; nothing but the
+readers and writers of files sees such a rig."""
 AXES = ("pitch", "yaw", "roll", "x", "y", "z")
 
 
@@ -57,9 +60,12 @@ class StereoRig:
                 "the extrinsics must be six finite numbers (pitch, yaw, roll [rad], x, y, z [m]); correct them, or, if "
                 f"you have a rotation and a translation: {_FROM_ROTATION}"
             )
+        object.__setattr__(self, "extrinsics", extrinsics)
         x, y, z = extrinsics[3:]
         if not np.any(extrinsics[3:]):
             raise InputError("the baseline is zero: the translation T from left to right must not vanish; correct it.")
+        if self.source is AS_IN_FILE:
+            return
         if x >= 0 and abs(x) >= max(abs(y), abs(z)):
             raise InputError(
                 "left and right are swapped: T[0] must be negative (x_right = R x_left + T); exchange the cameras."
@@ -68,7 +74,6 @@ class StereoRig:
             raise InputError(
                 "the cameras stand above or behind each other; only side-by-side rigs (|T[0]| largest) are supported."
             )
-        object.__setattr__(self, "extrinsics", extrinsics)
 
     @staticmethod
     def from_rotation(left: Camera, right: Camera, rotation: Mat3, translation: Vec3) -> "StereoRig":
@@ -77,20 +82,7 @@ class StereoRig:
         Raises:
             InputError: if R is not a rotation (orthonormal to 1e-3, determinant +1), or a shape is another.
         """
-        if np.shape(rotation) != (3, 3) or np.size(translation) != 3:
-            raise InputError(
-                f"R and T have shapes {np.shape(rotation)} and {np.shape(translation)}; give (3, 3), such as "
-                "cv2.Rodrigues(rvec)[0], and three numbers."
-            )
-        rotation = np.array(rotation, float)
-        if not np.isfinite(rotation).all():
-            raise InputError("the rotation R contains NaN or infinite numbers; correct the calibration.")
-        if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
-            raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.")
-        # Files carry R with few digits: take the nearest rotation.
-        u, _, vt = np.linalg.svd(rotation)
-        angles = euler_from_rotation(u @ vt)
-        return StereoRig(left, right, np.concatenate([angles, np.array(translation, float).reshape(3)]))
+        return StereoRig(left, right, extrinsics_of(rotation, translation))
 
     @staticmethod
     def from_matrices(
@@ -181,6 +173,28 @@ class StereoRig:
     def resized(self, size: tuple[int, int]) -> "StereoRig":
         """The rig whose images are resampled to `size` (width, height)."""
         return replace(self, left=self.left.resized(size), right=self.right.resized(size))
+
+
+def extrinsics_of(rotation: Mat3, translation: Vec3) -> Extrinsics:
+    """The extrinsics (6,) of R (3, 3) and T (3,).
+
+    Raises:
+        InputError: as `StereoRig.from_rotation`.
+    """
+    if np.shape(rotation) != (3, 3) or np.size(translation) != 3:
+        raise InputError(
+            f"R and T have shapes {np.shape(rotation)} and {np.shape(translation)}; give (3, 3), such as "
+            "cv2.Rodrigues(rvec)[0], and three numbers."
+        )
+    rotation = np.array(rotation, float)
+    if not np.isfinite(rotation).all():
+        raise InputError("the rotation R contains NaN or infinite numbers; correct the calibration.")
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
+        raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.")
+    # Files carry R with few digits: take the nearest rotation.
+    u, _, vt = np.linalg.svd(rotation)
+    angles = euler_from_rotation(u @ vt)
+    return np.concatenate([angles, np.array(translation, float).reshape(3)])
 
 
 def with_unit_baseline(extrinsics: Extrinsics) -> Float[np.ndarray, "6"]:

@@ -2,11 +2,13 @@
 
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io.formats._camera_choice import checked_cameras
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
@@ -23,6 +25,7 @@ def gather_scene(
     *,
     format: str | None = None,
     unit: str | None = None,
+    cameras: tuple[str, str] | None = None,
 ) -> Scene:
     """The scene of files in any places: images as `load_pairs` finds them, and a calibration in any format that
     `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size;
@@ -31,7 +34,7 @@ def gather_scene(
     Args:
         calibration: a file, a folder that holds one, or the left and the right camera's file.
         limit: read only the first `limit` pairs.
-        format, unit: as of `load_rig`.
+        format, unit, cameras: as of `load_rig`.
 
     Raises:
         InputError, UnsupportedModelError: as `load_pairs` and `load_rig`.
@@ -43,7 +46,7 @@ def gather_scene(
     def pairs(sizes: Sizes | None) -> Sequence[Pair]:
         return load_pairs(left, right, limit, sizes=sizes)
 
-    return calibrated_scene(str(left), pairs, calibration, format=format, unit=unit)
+    return calibrated_scene(str(left), pairs, calibration, format=format, unit=unit, cameras=cameras)
 
 
 def calibrated_scene(
@@ -53,6 +56,7 @@ def calibrated_scene(
     *,
     format: str | None = None,
     unit: str | None = None,
+    cameras: tuple[str, str] | None = None,
 ) -> Scene:
     """The scene of pairs, which are read once it is sure that there is a file of a calibration, for cameras of the
     sizes that it says; else as `gather_scene`."""
@@ -60,9 +64,11 @@ def calibrated_scene(
     for path in paths:
         if not path.exists():
             raise InputError(f"{path}: there is no such file; check the path.")
-    sizes = _stated_sizes(paths, format, unit)
+    hints = Hints(cameras=checked_cameras(cameras))
+    sizes = _stated_sizes(paths, format, unit, hints)
     read = pairs(sizes)
-    found = load_calibration(paths, format, unit, Hints(size=read[0].size if read else None, common_size=True))
+    hints = replace(hints, size=read[0].size if read else None, common_size=True)
+    found = load_calibration(paths, format, unit, hints)
     where = " and ".join(map(str, paths))
     with about(where):
         scene = scene_of(name, found, read)
@@ -71,15 +77,15 @@ def calibrated_scene(
     return scene
 
 
-def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None) -> Sizes | None:
+def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Sizes | None:
     """Of the left and the right camera's images; None where the file says none, is wrong, or is scaled to any."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            sizes = _sizes(load_calibration(paths, format, unit))
+            sizes = _sizes(load_calibration(paths, format, unit, hints))
             if sizes[0] == sizes[1]:
                 return sizes
-            again = _sizes(load_calibration(paths, format, unit, Hints(size=common_size(sizes))))
+            again = _sizes(load_calibration(paths, format, unit, replace(hints, size=common_size(sizes))))
     except InputError:
         return None
     return sizes if again == sizes else None

@@ -103,6 +103,28 @@ def test_a_file_that_is_only_read_is_not_replaced(command, rig: sr.StereoRig, si
     refused(command(*words, "--in-place"), "is read, not written; write the rig as opencv")
 
 
+def test_the_right_camera_first(command, rig: sr.StereoRig, tmp_path: Path):
+    """A chain whose cam0 is the right camera; --cameras says so, and what is written from it begins with the left."""
+    chain, new, other = tmp_path / "chain.yaml", tmp_path / "new.json", tmp_path / "other.json"
+    save_rig(short(rig), chain, format="kalibr")
+    text = chain.read_text()
+    back = np.eye(4)
+    back[:3, :3], back[:3, 3] = rig.rotation.T, -rig.rotation.T @ rig.translation
+    pose = "".join(f"  - {row}\n" for row in back.tolist())
+    left, right = text.partition("cam1:\n")[::2]
+    right = re.sub(r"  T_cn_cnm1:\n(  - .*\n){4}", "", right)
+    chain.write_text(f"cam0:\n{right}cam1:\n  T_cn_cnm1:\n{pose}{left.partition(chr(10))[2]}")
+    refused = command("convert", chain, new)
+    assert (refused.code, "--cameras right,left" in refused.err) == (2, True)
+    for words in ("cam1,cam0", "right,left"):
+        command("convert", chain, new, "--cameras", words, "--force", "--quiet")
+        np.testing.assert_allclose(load_rig(new).extrinsics, rig.extrinsics, rtol=0, atol=1e-12)
+        np.testing.assert_array_equal(load_rig(new).left.matrix, rig.left.matrix)
+    refused = command("convert", chain, other, "--cameras", "cam1")
+    assert (refused.code, "--cameras is 'cam1'" in refused.err) == (2, True)
+    assert not other.exists()
+
+
 def test_convert_says_the_unit_that_it_inferred(command, rig: sr.StereoRig, tmp_path: Path):
     save_rig(rig, tmp_path / "a.yaml", format="opencv")
     answer = command("convert", tmp_path / "a.yaml", tmp_path / "b.json")

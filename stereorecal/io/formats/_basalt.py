@@ -1,4 +1,5 @@
-"""Basalt's calibration.json: camera-to-IMU poses as quaternions; camera 0 is the left one, camera 1 the right one."""
+"""Basalt's calibration.json: camera-to-IMU poses as quaternions; camera 0 is the left one, camera 1 the right one,
+unless others are chosen."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -22,6 +23,7 @@ SYNTAX = {".json": Syntax.JSON}
 FILES = 1
 UNIT = "m"
 
+_USUAL = ("0", "1")
 _PLACE, _TURN = ("px", "py", "pz"), ("qx", "qy", "qz", "qw")
 _PINHOLE = ("fx", "fy", "cx", "cy")
 _RADTAN8 = "pinhole-radtan8"
@@ -53,17 +55,23 @@ def can_read(documents: Documents) -> bool:
     return len(documents) == 1 and isinstance(inside, Mapping) and "T_imu_cam" in inside
 
 
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """The numbers of the cameras."""
+    poses = documents[0].content["value0"]["T_imu_cam"]
+    return tuple(map(str, range(len(poses)))) if isinstance(poses, list) else _USUAL
+
+
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a Basalt file: left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
-    content = documents[0].content["value0"]
+    content, (first, second) = documents[0].content["value0"], map(int, hints.cameras or _USUAL)
     with about("value0"):
-        left, right = (_camera(content, index) for index in (0, 1))
-        return rig_of(left, right, inverse(_pose(content, 1)) @ _pose(content, 0))
+        left, right = (_camera(content, index) for index in (first, second))
+        return rig_of(left, right, inverse(_pose(content, second)) @ _pose(content, first))
 
 
 def _of_camera(content: Mapping[str, Any], key: str, index: int) -> Any:
     stated = value(content, key)
-    if not isinstance(stated, list) or len(stated) < 2:
+    if not isinstance(stated, list) or len(stated) < max(2, index + 1):
         raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
     return stated[index]
 
@@ -109,14 +117,14 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """A Basalt file: the right camera's pose on the IMU changes, the left one's stays."""
     (document,) = target.documents
-    content = document.content["value0"]
-    moved = _pose(content, 0) @ inverse(left_to_right(rig))
+    content, (first, second) = document.content["value0"], map(int, target.hints.cameras or _USUAL)
+    moved = _pose(content, first) @ inverse(left_to_right(rig))
     from scipy.spatial.transform import Rotation
 
     turn = Rotation.from_matrix(moved[:3, :3]).as_quat()
     place = zip(_PLACE + _TURN, [*moved[:3, 3].tolist(), *turn.tolist()], strict=True)
-    values: dict[Keys, Any] = {("value0", "T_imu_cam", 1, key): number for key, number in place}
-    for index, camera, wanted in ((0, rig.left, target.left), (1, rig.right, target.right)):
+    values: dict[Keys, Any] = {("value0", "T_imu_cam", second, key): number for key, number in place}
+    for index, camera, wanted in ((first, rig.left, target.left), (second, rig.right, target.right)):
         if wanted:
             kind = content["intrinsics"][index]["camera_type"]
             names = _MODELS[kind]

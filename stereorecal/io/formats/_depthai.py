@@ -35,12 +35,20 @@ def can_read(documents: Documents) -> bool:
     return len(documents) == 1 and isinstance(documents[0].content.get("cameraData"), list)
 
 
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """The numbers of the sockets, those of the stereo pair first."""
+    content = documents[0].content
+    pair = _sockets(content, Hints())
+    sockets = (entry[0] for entry in content["cameraData"] if isinstance(entry, list) and entry)
+    return tuple(map(str, (*pair, *(socket for socket in sockets if socket not in pair))))
+
+
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a DepthAI file, by its calibrated translations, never those of the drawing (`specTranslation`). Images
     of another size, but of the same shape, are taken for resampled ones."""
     content = documents[0].content
-    left, right = (_camera(content, socket, hints) for socket in _sockets(content))
-    return rig_of(left, right, _left_to_right(content))
+    left, right = (_camera(content, socket, hints) for socket in _sockets(content, hints))
+    return rig_of(left, right, _left_to_right(content, hints))
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
@@ -105,12 +113,12 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """A DepthAI file: the pose that links its two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
     (document,) = target.documents
     content = document.content
-    left, right = _sockets(content)
-    socket, moved = _restated_pose(content, left_to_right(rig))
+    left, right = _sockets(content, target.hints)
+    socket, moved = _restated_pose(content, target.hints, left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
-    if content.get(_STEREO, {}).get("rectifiedRotationLeft"):
+    if (left, right) == _sockets(content, Hints()) and content.get(_STEREO, {}).get("rectifiedRotationLeft"):
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
@@ -128,8 +136,10 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     return (document.with_values(values),)
 
 
-def _sockets(content: Mapping[str, Any]) -> tuple[int, int]:
+def _sockets(content: Mapping[str, Any], hints: Hints) -> tuple[int, int]:
     """The sockets of the left and the right camera."""
+    if hints.cameras is not None:
+        return int(hints.cameras[0]), int(hints.cameras[1])
     stated = content.get(_STEREO) or {}
     left, right = (stated.get(key, usual) for key, usual in _SOCKETS.items())
     return (left, right) if isinstance(left, int) and isinstance(right, int) and min(left, right) >= 0 else (1, 2)
@@ -172,13 +182,13 @@ def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
     return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
 
 
-def _links(content: Mapping[str, Any]) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
-    left, right = _sockets(content)
+def _links(content: Mapping[str, Any], hints: Hints) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
+    left, right = _sockets(content, hints)
     return left, right, _link(content, left), _link(content, right)
 
 
-def _left_to_right(content: Mapping[str, Any]) -> Pose:
-    left, right, (from_left, left_pose), (from_right, right_pose) = _links(content)
+def _left_to_right(content: Mapping[str, Any], hints: Hints) -> Pose:
+    left, right, (from_left, left_pose), (from_right, right_pose) = _links(content, hints)
     if from_left == right:
         return left_pose
     if from_right == left:
@@ -190,9 +200,9 @@ def _left_to_right(content: Mapping[str, Any]) -> Pose:
     )
 
 
-def _restated_pose(content: Mapping[str, Any], motion: Pose) -> tuple[int, Pose]:
+def _restated_pose(content: Mapping[str, Any], hints: Hints, motion: Pose) -> tuple[int, Pose]:
     """The camera whose stated pose changes, and that pose."""
-    left, right, (from_left, left_pose), (from_right, _) = _links(content)
+    left, right, (from_left, left_pose), (from_right, _) = _links(content, hints)
     if from_left == right:
         return left, motion
     return right, inverse(motion) if from_right == left else left_pose @ inverse(motion)

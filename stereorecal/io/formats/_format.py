@@ -15,7 +15,7 @@ class Hints:
 
     Attributes:
         size: (width, height) of the images in pixels.
-        cameras: of a file of many cameras, the names of the left and the right one.
+        cameras: the names of the left and the right camera, as `_camera_choice.py` has them.
         rectified: of a file of cameras and of their rectified images, which of these the images are.
         common_size: whether cameras of two sizes are read at the smaller one.
     """

@@ -25,6 +25,11 @@ def can_read(documents: Documents) -> bool:
     return not others and document.syntax is Syntax.COLONS and bool({"P0", "P1", "P2", "P3"} & document.content.keys())
 
 
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """P0 to P3."""
+    return (*_GREY, "P2", "P3")
+
+
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a KITTI odometry file: the grey cameras P0 and P1, unless the hints name others; the file has no image
     size."""

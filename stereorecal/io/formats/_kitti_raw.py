@@ -34,6 +34,12 @@ def can_read(documents: Documents) -> bool:
     return len(documents) == 1 and any(f"{key}_{pair[0]}" in content for key in ("K", "P_rect") for pair in _CHOICES)
 
 
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """The cameras that there are, those first that are read by default."""
+    pairs = sorted(_CHOICES, key=lambda pair: f"K_{pair[0]}" not in documents[0].content)
+    return tuple(name for pair in pairs for name in pair)
+
+
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a KITTI raw calibration: the cameras as they are; or, if the images have the size of the rectified
     ones and not of these, as rectified."""

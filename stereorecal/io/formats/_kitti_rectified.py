@@ -10,6 +10,7 @@ from stereorecal._arrays import Vec3
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._numbers import numbers
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 
 
 def rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple[int, int]) -> StereoRig:
@@ -25,7 +26,7 @@ def rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple
         InputError: if a matrix is missing, or they are not a valid calibration.
     """
     (left, from_left), (right, from_right) = (camera_and_place(content, key, size) for key in keys)
-    return StereoRig.from_rotation(left, right, np.eye(3), from_right - from_left)
+    return rig_of(left, right, pose(np.eye(3), from_right - from_left))
 
 
 def camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int]) -> tuple[Camera, Vec3]:

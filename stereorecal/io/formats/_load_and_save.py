@@ -12,6 +12,7 @@ from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
+from stereorecal.io.formats._camera_choice import checked_cameras
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
@@ -30,6 +31,7 @@ def load_rig(
     format: str | None = None,
     unit: str | None = None,
     size: tuple[int, int] | None = None,
+    cameras: tuple[str, str] | None = None,
 ) -> StereoRig:
     """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
 
@@ -41,6 +43,8 @@ def load_rig(
         unit: "m", "cm", "mm" or "in", of the lengths in the file; by default that of the format, or, if it has none
             (OpenCV, BoofCV), inferred from the baseline.
         size: (width, height) of the images, for files that say none.
+        cameras: names of the left and the right camera where a file has more than two, such as ("cam2", "cam3"), or
+            where the first one is the right one: ("cam1", "cam0"), or of any format ("right", "left").
 
     Raises:
         InputError: naming the file, if it cannot be read or does not hold a valid calibration; naming the formats that
@@ -56,7 +60,7 @@ def load_rig(
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     if len(paths) > 2 and len(set(paths)) < len(paths):
         raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
-    rig = read_files(paths, format, unit, Hints(size=size))
+    rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
     if size is not None and rig.left.size != (size := whole_size(size)):
         wide, high = rig.left.size
         raise InputError(

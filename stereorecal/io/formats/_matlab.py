@@ -17,6 +17,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 
 NAME = "matlab"
 ABOUT = "MATLAB's stereoParameters as a struct (toStruct, jsonencode)"
@@ -44,7 +45,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     unit = _UNITS.get(str(word).lower())
     if unit is None:
         raise InputError(f"WorldUnits is {word!r}; write one of millimeters, centimeters, meters, inches.")
-    return StereoRig.from_rotation(left, right, rotation, translation * (METRES[unit] / METRES[UNIT]))
+    return rig_of(left, right, pose(rotation, translation * (METRES[unit] / METRES[UNIT])))
 
 
 def _struct(content: Any, depth: int = 0) -> Mapping[str, Any] | None:

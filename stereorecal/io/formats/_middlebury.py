@@ -8,6 +8,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight, has_lens, is_turned
 from stereorecal.io.formats._numbers import numbers, pixels
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 
@@ -26,6 +27,11 @@ def can_read(documents: Documents) -> bool:
     return len(documents) == 1 and documents[0].syntax is Syntax.EQUALS and bool({"cam0", "cam1"} & content.keys())
 
 
+def cameras(documents: Documents) -> tuple[str, ...]:
+    """Two."""
+    return "cam0", "cam1"
+
+
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a Middlebury calib.txt: the cameras have the same orientation; their principal points differ in x, by
     `doffs`."""
@@ -33,7 +39,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     size = pixels(content, "width"), pixels(content, "height")
     left, right = (Camera(size, numbers(content, key, (3, 3))) for key in ("cam0", "cam1"))
     baseline = float(numbers(content, "baseline", ()))
-    return StereoRig.from_rotation(left, right, np.eye(3), np.array([-baseline, 0.0, 0.0]))
+    return rig_of(left, right, pose(np.eye(3), np.array([-baseline, 0.0, 0.0])))
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
@@ -47,7 +53,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     off_line = is_turned(rig) or aside or rig.left.size != rig.right.size
     check_straight(off_line or has_lens(rig), "Middlebury's calib.txt")
     left, right = np.asarray(rig.left.matrix), np.asarray(rig.right.matrix)
-    values: dict[Keys, Any] = {("baseline",): [float(rig.baseline)]}
+    values: dict[Keys, Any] = {("baseline",): [float(np.copysign(rig.baseline, -rig.translation[0]))]}
     for key, matrix, wanted in (("cam0", left, target.left), ("cam1", right, target.right)):
         if wanted:
             values[(key,)] = matrix.tolist()

@@ -32,6 +32,7 @@ from stereorecal.io.formats._rectification_matrices import (
     options_of,
     rectification_of,
 )
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 
@@ -83,9 +84,9 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
             cameras.append(Camera(size, matrix, distortion, model=model))
     left, right = cameras
     if implied:
-        return StereoRig.from_rotation(left, right, *_implied(content, names))
+        return rig_of(left, right, pose(*_implied(content, names)))
     rotation, translation = rotation_matrix(content, names["R"]), numbers(content, names["T"], (3,))
-    return StereoRig.from_rotation(left, right, rotation, translation)
+    return rig_of(left, right, pose(rotation, translation))
 
 
 def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:

@@ -52,7 +52,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
             )
         bf = "Stereo.b" not in content
         baseline = float(numbers(content, _BASELINES[bf], ())) / (float(left.matrix[0, 0]) if bf else 1.0)
-        return StereoRig.from_rotation(left, left, np.eye(3), np.array([-baseline, 0.0, 0.0]))
+        return rig_of(left, left, pose(np.eye(3), np.array([-baseline, 0.0, 0.0])))
     motion = numbers(content, key, (3, 4) if size_of(content, (key,)) == 12 else (4, 4))
     return rig_of(left, _camera(content, "Camera2", hints), inverse(pose(motion[:3, :3], motion[:3, 3])))
 

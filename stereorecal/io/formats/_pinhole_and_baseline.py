@@ -7,6 +7,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._numbers import numbers
 from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 
 NAME = "foundationstereo"
@@ -31,4 +32,4 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
     if not flat[9] > 0:
         raise InputError(f"the last number, the baseline, is {flat[9]:g}; correct it.")
     camera = Camera(hints.size, flat[:9].reshape(3, 3))
-    return StereoRig.from_rotation(camera, camera, np.eye(3), np.array([-flat[9], 0.0, 0.0]))
+    return rig_of(camera, camera, pose(np.eye(3), np.array([-flat[9], 0.0, 0.0])))

@@ -12,6 +12,7 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._units import METRES, checked_unit, inferred_unit
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
+from stereorecal.io.formats._camera_choice import chosen_cameras, left_first
 from stereorecal.io.formats._common_size import at_common_size
 from stereorecal.io.formats._file_units import scaled, unit_in
 from stereorecal.io.formats._format import Documents, Format, Hints
@@ -83,11 +84,14 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
         raise InputError(f"{names}: {format.NAME} has a file for each camera; give the left and the right one.")
     with about(names) if len(documents) == 1 or format.FILES == 1 else nullcontext():
         try:
-            rig = format.read(documents, hints)
+            asked, exchanged = chosen_cameras(format, documents, hints)
+            rig = format.read(documents, asked)
         except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
             raise InputError(
                 f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
             ) from None
+    with about(names):
+        rig = left_first(rig, exchanged, hints, format.FILES)
     rig = at_common_size(rig) if hints.common_size else rig
     with about(names):
         stated = unit_in(format, unit)

@@ -53,8 +53,9 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them; and the regions roi1, roi2 (x, y, width, height) in
     which all pixels are seen."""
     left, right = rig.left, rig.right
-    # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics.
-    R1, R2 = rectifying_rotations(rig.rotation, rig.translation)
+    # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics. Where the
+    # right camera is the first one of a file, the baseline lies along x as well, and not against it.
+    R1, R2 = rectifying_rotations(rig.rotation, -_sign(rig) * np.asarray(rig.translation))
     if rig.is_wide:
         return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, options)}
     _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
@@ -77,13 +78,18 @@ def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
     """P1, P2, Q and the whole images as regions."""
     ours, (width, height) = view_shown(rig, projection=PINHOLE), rig.left.size
     left, right = options.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
-    baseline = float(rig.baseline)
+    baseline = -_sign(rig) * float(rig.baseline)
     P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
     P2[0, 3] = -right[0, 0] * baseline
     Q = np.array([[1.0, 0, 0, -left[0, 2]], [0, 1.0, 0, -left[1, 2]], [0, 0, 0, left[0, 0]], [0, 0, 0, 0]])
     Q[3, 2:] = 1.0 / baseline, (right[0, 2] - left[0, 2]) / baseline
     whole = np.array([0.0, 0.0, width, height])
     return {"P1": P1, "P2": P2, "Q": Q, "roi1": whole, "roi2": whole}
+
+
+def _sign(rig: StereoRig) -> float:
+    """Of T[0], which is negative unless the first camera is the right one."""
+    return 1.0 if rig.translation[0] > 0.0 else -1.0
 
 
 def essential(rig: StereoRig) -> Array:

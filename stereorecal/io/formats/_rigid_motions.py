@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, StereoRig
+from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
 
 Pose = Float[np.ndarray, "4 4"]
 
@@ -35,9 +35,10 @@ def left_to_right(rig: StereoRig) -> Pose:
 
 
 def rig_of(left: Camera, right: Camera, motion: Pose) -> StereoRig:
-    """The rig of two cameras and the motion from the left frame to the right one.
+    """The rig of the first and the second camera of a file, and the motion from the first frame to the second one:
+    `_camera_choice.py` says which is the left one.
 
     Raises:
-        InputError: if its upper left part is no rotation, or the cameras cannot be a rig.
+        InputError: if its upper left part is no rotation, or nothing is between the cameras.
     """
-    return StereoRig.from_rotation(left, right, motion[:3, :3], motion[:3, 3])
+    return StereoRig(left, right, extrinsics_of(motion[:3, :3], motion[:3, 3]), source=AS_IN_FILE)

@@ -14,6 +14,7 @@ from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._matrix_roles import has_cameras
 from stereorecal.io.formats._model_names import model_named, model_word
 from stereorecal.io.formats._numbers import image_size, numbers, optional, value
+from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._keys import Keys
 
@@ -90,7 +91,7 @@ def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
         return None
     model, size = model_named(optional(content, "distortion_model")), image_size(content, "image_size")
     left, right = (_camera(content, side, size, model) for side in ("left", "right"))
-    return StereoRig.from_rotation(left, right, numbers(content, "R", (3, 3)), numbers(content, "T", (3,)))
+    return rig_of(left, right, pose(numbers(content, "R", (3, 3)), numbers(content, "T", (3,))))
 
 
 def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal._units import METRES, checked_unit
 from stereorecal.geometry import StereoRig, same_camera, same_rig
 from stereorecal.io._read_files import about
+from stereorecal.io.formats._camera_choice import as_in_file, chosen_cameras
 from stereorecal.io.formats._common_size import at_own_sizes
 from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Format, Hints, Target
@@ -122,8 +123,10 @@ def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[st
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
-    texts = format.write(scaled(rig, 1.0 / METRES[unit]), target)
     old = target.documents
+    asked, exchanged = chosen_cameras(format, old, target.hints)
+    left, right = (target.right, target.left) if exchanged else (target.left, target.right)
+    texts = format.write(as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged), Target(old, left, right, asked))
     written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
     again = rig_in(written, format, unit, target.hints)
     if not same_rig(rig, again):

@@ -1,0 +1,166 @@
+"""Files whose first camera is the right one, or that have more than two: which cameras are read, and written back."""
+
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+import samples
+import yaml
+from every import SAMPLES
+from test_refusals import refused
+from test_round_trip import ENDINGS, NEW, assert_same, place_of
+
+from stereorecal._units import METRES
+from stereorecal.geometry import StereoRig
+from stereorecal.io import gather_scene, load_rig, save_rig
+from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
+from stereorecal.io.formats._file_units import scaled
+from stereorecal.io.formats._format import Target
+from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats.text._document import document
+
+RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003], np.array([-0.3, 0.1, 0.001, -0.002]))
+SWAPPED = "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
+EXCHANGED = ("right", "left")
+CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
+
+
+def unit_of(name: str) -> str | None:
+    return None if named(name).UNIT else "m"
+
+
+def right_first(name: str, folder: Path) -> list[Path]:
+    """A new file of RIG, whose right camera stands first."""
+    format, turned = named(name), as_in_file(RIG, exchanged=True)
+    syntax = next(iter(format.SYNTAX.values()))
+    blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
+    texts = format.write(scaled(turned, 1.0 / METRES[format.UNIT or "m"]), Target(blank))
+    paths = [folder / f"{index}{ENDINGS.get(name, '.yaml')}" for index in range(len(texts))]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
+    return paths
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_the_right_camera_first(tmp_path: Path, name: str):
+    paths, unit = right_first(name, tmp_path), unit_of(name)
+    refused(lambda: load_rig(*paths, unit=unit), SWAPPED)
+    rig = load_rig(*paths, unit=unit, cameras=EXCHANGED)
+    assert_same(rig, RIG)
+    new = [tmp_path / f"new-{path.name}" for path in paths]
+    save_rig(rig, place_of(new))
+    assert [path.read_bytes() for path in new] == [path.read_bytes() for path in paths]
+    left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.125, 0.25, 0.0]))
+    changed = replace(rig, left=left, extrinsics=rig.extrinsics + CHANGE)
+    save_rig(changed, place_of(new), overwrite=True)
+    assert_same(load_rig(*new, unit=unit, cameras=EXCHANGED), changed)
+    refused(lambda: load_rig(*new, unit=unit), SWAPPED)
+    other = tmp_path / "other.json"
+    save_rig(replace(rig, source=None), other)
+    assert_same(load_rig(other), RIG)
+
+
+def test_derived_matrices_of_a_right_camera_first(tmp_path: Path):
+    """As OpenCV computes them of such a file."""
+    import cv2
+
+    (path,) = right_first("opencv", tmp_path)
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+    K1, D1, K2, D2, R, T = (storage.getNode(key).mat() for key in ("K1", "D1", "K2", "D2", "R", "T"))
+    made = cv2.stereoRectify(K1, D1, K2, D2, samples.SIZE, R, T, alpha=1.0)
+    for key, matrix in zip(("R1", "R2", "P1", "P2", "Q"), made[:5], strict=True):
+        np.testing.assert_allclose(storage.getNode(key).mat(), matrix, rtol=0, atol=1e-6, err_msg=key)
+
+
+@pytest.mark.parametrize(
+    ("name", "cameras", "said"),
+    [
+        ("kalibr", ("cam1", "cam0"), f"{SWAPPED}the cameras were given as cam1,cam0: give cam0,cam1"),
+        ("kalibr", ("cam0", "cam2"), "the cameras are cam0,cam2, and the file has cam0,cam1; give the left and the"),
+        ("kalibr", ("cam0", "cam0"), "the cameras are cam0,cam0, and the file has cam0,cam1; give the left and the"),
+        ("opencv yaml", ("cam1", "cam0"), "the cameras are cam1,cam0, and opencv names none; give right,left if"),
+        ("opencv yaml", EXCHANGED, f"{SWAPPED}the cameras were given as right,left: give left,right"),
+        ("middlebury", ("cam1", "cam0"), f"{SWAPPED}the cameras were given as cam1,cam0"),
+        ("ros", ("1", "0"), f"{SWAPPED}the cameras were given as 1,0: give 0,1"),
+        ("basalt", ("0", "2"), "the cameras are 0,2, and the file has 0,1"),
+    ],
+)
+def test_cameras_that_a_file_has_not(tmp_path: Path, name: str, cameras, said: str):
+    paths = SAMPLES[name].write(tmp_path)
+    refused(lambda: load_rig(*paths, unit=SAMPLES[name].unit, cameras=cameras), said)
+
+
+@pytest.mark.parametrize("given", ["cam1,cam0", ("cam1",), (1, 0)])
+def test_cameras_that_are_no_names(given):
+    refused(lambda: checked_cameras(given), f"cameras is {given!r}; give the names of the left and the right camera")
+
+
+@pytest.mark.parametrize("name", list(SAMPLES))
+def test_naming_the_usual_cameras_changes_nothing(tmp_path: Path, name: str):
+    sample = SAMPLES[name]
+    paths = sample.write(tmp_path)
+    for cameras in (None, ("left", "right")):
+        rig = load_rig(*paths, unit=sample.unit, size=sample.size, cameras=cameras)
+        assert_same(rig, load_rig(*paths, unit=sample.unit, size=sample.size))
+
+
+def chain_of_four(key: str | None) -> str:
+    """Four cameras side by side, cam3 outermost on the left, with poses on an IMU besides if `key` says so."""
+    content = {}
+    link = np.eye(4)
+    link[:3, :3], link[:3, 3] = RIG.rotation.T, -RIG.rotation.T @ RIG.translation
+    on_imu = np.diag([-1.0, -1.0, 1.0, 1.0])
+    for index in range(4):
+        camera = dict(yaml.safe_load(samples.KALIBR)["cam1"], intrinsics=[60.0 + index, 61.0, 31.5, 23.5])
+        del camera["T_cam_imu"], camera["T_cn_cnm1"]
+        if index:
+            camera["T_cn_cnm1"] = link.tolist()
+            on_imu = link @ on_imu
+        if key is not None:
+            camera[key] = (on_imu if key == "T_cam_imu" else np.linalg.inv(on_imu)).tolist()
+        content[f"cam{index}"] = camera
+    return yaml.safe_dump(content)
+
+
+@pytest.mark.parametrize("key", [None, "T_cam_imu", "T_imu_cam"])
+@pytest.mark.parametrize(("last", "first"), list(combinations((3, 2, 1, 0), 2)))
+def test_two_of_four(tmp_path: Path, key: str | None, first: int, last: int):
+    path, new = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    path.write_text(chain_of_four(key))
+    cameras = f"cam{last}", f"cam{first}"
+    refused(lambda: load_rig(path, cameras=(cameras[1], cameras[0])), SWAPPED)
+    rig = load_rig(path, cameras=cameras)
+    assert (rig.left.matrix[0, 0], rig.right.matrix[0, 0]) == (60.0 + last, 60.0 + first)
+    moved = rig.with_extrinsics(rig.extrinsics + CHANGE)
+    save_rig(moved, new)
+    assert_same(load_rig(new, cameras=cameras), moved)
+    old, now = (yaml.safe_load(one.read_text()) for one in (path, new))
+    links = {index for index in (1, 2, 3) if old[f"cam{index}"]["T_cn_cnm1"] != now[f"cam{index}"]["T_cn_cnm1"]}
+    assert links == {last}
+    if key is not None:  # which still say the same
+        for name in now:
+            now[name].pop("T_cn_cnm1", None)
+        new.write_text(yaml.safe_dump(now))
+        assert_same(load_rig(new, cameras=cameras), moved)
+
+
+def test_other_sockets(tmp_path: Path):
+    """Those of a DepthAI file have numbers."""
+    path = tmp_path / "a.json"
+    save_rig(RIG, path, format="depthai")
+    assert_same(load_rig(path, cameras=("1", "2")), RIG)
+    refused(lambda: load_rig(path, cameras=("2", "1")), f"{SWAPPED}the cameras were given as 2,1: give 1,2")
+    refused(lambda: load_rig(path, cameras=("0", "1")), "the cameras are 0,1, and the file has 1,2; give the left")
+
+
+def test_a_scene(tmp_path: Path):
+    import cv2
+
+    (path,) = right_first("opencv", tmp_path)
+    for offset, side in enumerate(("left", "right")):
+        cv2.imwrite(str(tmp_path / f"{side}.png"), np.eye(*samples.SIZE[::-1], offset) * 255)
+    scene = gather_scene(tmp_path / "left.png", tmp_path / "right.png", path, unit="m", cameras=EXCHANGED)
+    assert isinstance(scene.rig, StereoRig)
+    assert_same(scene.rig, RIG)
