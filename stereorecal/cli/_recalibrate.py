@@ -166,6 +166,7 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         "boards": options.boards,
         "odometer": options.odometer,
         "seed": options.seed,
+        "fix": options.fix,
     }
 
 
@@ -217,7 +218,7 @@ def _saving(
     accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
     initial = "" if accepted else " for the initial calibration"
     return [
-        lambda: step(output.files, accepted, calibration, output.unit_note),
+        lambda: step(output.files, accepted or (good and options.fix == "scaled"), calibration, output.unit_note),
         lambda: step(output.maps_files, good, maps, initial),
     ]
 
@@ -260,4 +261,4 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
         return WRONG_INPUT
     reasons = {one.reason for one in solutions}
     wrong = {reason for reason in reasons if not reason.healthy}
-    return CANNOT_TELL if wrong and all(reason.untold for reason in wrong) else int(bool(wrong))
+    return CANNOT_TELL if wrong and all(reason.undetermined for reason in wrong) else int(bool(wrong))

@@ -49,7 +49,8 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     """
     found = _recordings(options, partial(_selected, few=few))
     if options.fix is not None:
-        found = replace(found, scenes=[_fixed(scene, options.fix) for scene in found.scenes])
+        (scene,) = found.scenes
+        found = replace(found, scenes=[_fixed(scene, options.fix)])
     if options.readout is None:
         return found
     if options.readout and all(pair.time is None for one in found.scenes for pair in one.pairs):
@@ -62,6 +63,11 @@ def _fixed(scene: Scene, cause: str) -> Scene:
     assert scene.rig is not None
     with about(scene.name):
         rig, pairs = fixed(scene.rig, scene.pairs, cause)
+    ratio = float(rig.left.focal[0] / scene.rig.left.focal[0])
+    done = f"K scaled by {ratio:.3g}" if cause == "scaled" else "left and right exchanged"
+    if cause in ("late", "early"):
+        done = f"right images paired one frame {'earlier' if cause == 'late' else 'later'}"
+    say(f"{scene.name}: {done} (--fix {cause})")
     return replace(scene, rig=rig, pairs=pairs)
 
 

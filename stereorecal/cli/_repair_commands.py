@@ -101,8 +101,19 @@ class _FixOptions:
 
     title = READS
     fix: Literal["exchanged", "scaled", "late", "early"] | None = option(
-        "the mistake in images or calibration that a report names", metavar="CAUSE"
+        "correct the mistake in images or calibration that a report names", metavar="CAUSE"
     )
+
+    def check_fix(self, recordings: RecordingOptions) -> None:
+        """Refuse what cannot be corrected in what is given.
+
+        Raises:
+            InputError: says what to do.
+        """
+        if self.fix is not None and len(recordings.scenes) > 1:
+            raise InputError("--fix corrects one recording; give one.")
+        if self.fix in ("late", "early") and (recordings.every > 1 or recordings.limit not in (None, "all")):
+            raise InputError(f"--fix {self.fix} needs pairs that follow each other; leave --every and --limit out.")
 
 
 @option_group
@@ -136,6 +147,9 @@ class RecalibrateOptions(
 
     def check(self) -> None:
         self.check_recordings()
+        self.check_fix(self)
+        if self.fix == "exchanged" and (self.ranges or self.boards):
+            raise InputError("--fix exchanged exchanges images alone; with --ranges or --boards, exchange the files.")
         self._check_output()
         degrees_and_fraction(self.reach, "--reach")
         seed(self.seed)
@@ -183,6 +197,7 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
 
     def check(self) -> None:
         self.check_recordings()
+        self.check_fix(self)
         check_places(self.places, force=self.force)
 
 

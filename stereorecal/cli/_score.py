@@ -91,6 +91,7 @@ def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
     limits = tolerances(options)
     settings = {
         "frames": options.frames,
+        "fix": options.fix,
         "motion": options.motion,
         "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},

@@ -41,12 +41,12 @@ class Reason(enum.Enum):
         return self.accepted or self is Reason.ALREADY_GOOD
 
     @property
-    def untold(self) -> bool:
+    def undetermined(self) -> bool:
         """True if it cannot be told whether the calibration is good, whatever the candidate is."""
-        return self in _UNTOLD
+        return self in _UNSURE
 
 
-_UNTOLD = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.MISFIT, Reason.CANNOT_TELL)
+_UNSURE = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.MISFIT, Reason.CANNOT_TELL)
 _ADVICE = {
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
@@ -64,7 +64,7 @@ _ADVICE = {
 
 @dataclass(frozen=True)
 class Seen:
-    """What images show of a rig, besides what is decided of it.
+    """What images show of a rig besides.
 
     Attributes:
         matches: correspondences.
@@ -73,6 +73,7 @@ class Seen:
         texture: share of the image that has texture, likewise.
         enough: whether light and texture are enough for an aligned rig to match.
         problem: why all images match elsewhere than their scene does.
+        wrong_input: the images cannot be of this rig.
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.
         misfit_px: systematic errors that are in no parameter.
@@ -87,6 +88,7 @@ class Seen:
     texture: float = 0.0
     enough: bool = True
     problem: str | None = None
+    wrong_input: bool = False
     frames_disagree: bool = False
     late: bool = False
     misfit_px: float = 0.0
@@ -125,7 +127,7 @@ class Check:
 CHECKS = (
     Check(Reason.OUT_OF_BUDGET, lambda seen: seen.cut),
     Check(Reason.TOO_LITTLE_TEXTURE, lambda seen: seen.problem is not None or (seen.few and not seen.enough)),
-    Check(Reason.NO_MATCHES, lambda seen: seen.few),
+    Check(Reason.NO_MATCHES, lambda seen: seen.few or seen.wrong_input),
     Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
     Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),
     Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),

@@ -98,10 +98,7 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
        - it does not harm: with 98 % probability neither rows, where images show something or over the view, nor depth
          ahead at the farthest distance become worse by what is noticed;
-       - it predicts what it has not seen: thirds of the view, and places, each left out in turn. Under the candidate of
-         the rest each is aligned, or not worse than under the calibration; all together have at most eight tenths of
-         the row error that they have under it (where rows alone tell), and are aligned, or show eight tenths of what
-         the candidate of all gains on them.
+       - it predicts what it has not seen: thirds of the view, and places, each left out in turn (`predicts`).
     3. If it fails one, the calibration is good if its rows are, where images show something, with 95 %; else this
        cannot be told.
 
@@ -184,10 +181,11 @@ def _decision(
 
 
 def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: bool = True) -> bool:
-    """Whether parts that were left out bear a candidate out.
+    """Whether parts that were left out bear a candidate out. Under the candidate of the rest each is aligned, or not
+    worse than under the calibration; all together are aligned, or show eight tenths of what the candidate of all gains.
 
     Args:
-        rows_alone: whether nothing but rows tells what it gains; else they need not get better.
+        rows_alone: whether nothing but rows tells what it gains; at most eight tenths of their error may be left then.
     """
     if not held_out or any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
         return False

@@ -107,6 +107,7 @@ class Enough:
         covered: share of the image that they cover: good rigs cover a half, chance matches a twentieth.
         places: tiles of a frame that show something.
         of_texture: share of what has texture that an aligned rig covers: a half and more; rigs a degree out a fifth.
+            Below twice this, mistakes in the input are looked for.
         lost: of what the candidate matches, what it may lose where the initial calibration matches: 0 to 0.11 where
             repairs end well.
         reach: how far a candidate may lie away, in reaches: the search goes so far.

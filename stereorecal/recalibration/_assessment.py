@@ -12,7 +12,7 @@ from stereorecal.estimation import Estimate, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._mismatch import MATCHED
+from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._ranges_of_case import matched_ranges
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
@@ -44,6 +44,7 @@ class Assessment:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         excluded: numbers of the frames that show another rig than the others.
         matching_cost: units that matching again took.
+        mismatch: why the images cannot be of this rig; None: they can, or nobody asked.
     """
 
     found: Correspondences
@@ -55,6 +56,7 @@ class Assessment:
     tiles: Int[np.ndarray, "2 k tiles"]
     excluded: tuple[int, ...]
     matching_cost: float
+    mismatch: Mismatch | None = None
 
     @property
     def conclusive(self) -> bool:
@@ -116,10 +118,23 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         away=_away(case, candidate),
     )
     reason = reason_of(decision, seen)
-    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES) or seen.covered < MATCHED * seen.texture:
+    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = (again + fewer) * case.images.at(run.scale).cost
     return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
+
+
+def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
+    """The same, unless the images cannot be of this rig.
+
+    Raises:
+        InputError: if they are certainly no left and right image of it.
+    """
+    mismatch = mismatch_of(case.images, case.matcher, assessment.seen.covered)
+    if mismatch is None:
+        return assessment
+    seen = replace(assessment.seen, wrong_input=True)
+    return replace(assessment, seen=seen, mismatch=mismatch, reason=reason_of(assessment.decision, seen))
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:

@@ -9,9 +9,10 @@ from stereorecal.decision import Decision, Reason, Seen, reason_of
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._acceptance import RowErrors, row_errors, verdict_on_count
-from stereorecal.recalibration._assessment import Assessment, assessed
+from stereorecal.recalibration._assessment import Assessment, assessed, without_mismatch
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._regional_misfit import Misfit, misfit
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
 from stereorecal.recalibration._schedule import Schedule
@@ -35,7 +36,7 @@ class Ending:
         status, message: how the search ended, or that none was needed.
         judging_cost: units that went into matches for the verdict alone.
         found: matches that it rests on, of the frames that are used; None: those of the last stage.
-        row_errors, uncertainty, misfit, intrinsics, estimate, decision, seen: as `Findings` has them.
+        row_errors, uncertainty, misfit, intrinsics, estimate, decision, seen, mismatch: as `Findings` has them.
     """
 
     candidate: StereoRig
@@ -49,6 +50,7 @@ class Ending:
     estimate: Estimate | None = None
     decision: Decision | None = None
     seen: Seen | None = None
+    mismatch: Mismatch | None = None
     status: Status = Status.CONVERGED
     message: str = "one look at the images was enough"
     judging_cost: float = 0.0
@@ -66,6 +68,7 @@ def ending_of_assessment(case: Case, assessment: Assessment) -> Ending:
     Args:
         case: with all that may change free.
     """
+    assessment = without_mismatch(case, assessment)
     estimated, decision, candidate = assessment.estimate, assessment.decision, assessment.candidate
     rows = rows_at(case, assessment.found, candidate)
     errors = row_errors(rows)
@@ -81,6 +84,7 @@ def ending_of_assessment(case: Case, assessment: Assessment) -> Ending:
         estimate=estimated,
         decision=decision,
         seen=assessment.seen,
+        mismatch=assessment.mismatch,
         judging_cost=assessment.matching_cost,
         found=assessment.found,
     )
@@ -130,7 +134,12 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
     tiles = counts(case, end_rig)
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
         enough = any(one.enough for one in case.images.quality)
-        return Ending(end_rig, reason_of(None, Seen(enough=enough, cut=cut)), tiles)
+        mismatch = (
+            None
+            if cut or run is None or run.found is None
+            else mismatch_of(case.images, case.matcher, run.found.covered)
+        )
+        return Ending(end_rig, reason_of(None, Seen(enough=enough, cut=cut)), tiles, mismatch=mismatch)
     before, after = tiles.sum(axis=(1, 2)).tolist()
     return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)
 

@@ -15,7 +15,7 @@ from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
-from stereorecal.recalibration._assessment import looked
+from stereorecal.recalibration._assessment import looked, without_mismatch
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction, correction_of
@@ -23,7 +23,7 @@ from stereorecal.recalibration._ending import rows_at
 from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._health_text import health_text
-from stereorecal.recalibration._mismatch import Mismatch, may_be_wrong_input, mismatch_of
+from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
@@ -198,6 +198,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     look = looked(case, settings.schedule.stages[-1])
     assert look is not None  # the default schedule ends on matches
     run, assessment = look
+    assessment = None if assessment is None else without_mismatch(case, assessment)
     score = _score(images, case.matcher)
     quality = max(images.quality, key=lambda one: one.texture)
 
@@ -214,10 +215,9 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         view=images.view,
         pairs=len(images.pairs),
     )
-    if may_be_wrong_input(reason):
-        found = replace(found, mismatch=mismatch_of(images, settings.matcher))
     if assessment is None:
-        return found
+        return replace(found, mismatch=mismatch_of(images, matcher, found.covered))
+    found = replace(found, mismatch=assessment.mismatch)
     if reason is Reason.FRAMES_DISAGREE:
         return replace(found, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
     if reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):

@@ -1,4 +1,4 @@
-"""Why images hardly match: mistakes that are made with images and calibrations, each tried, and what matches then."""
+"""Why images match too little: mistakes that are made with them, each tried, and what matches without it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -7,46 +7,44 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.decision import ENOUGH, Reason
+from stereorecal.decision import ENOUGH
 from stereorecal.geometry import Camera, StereoRig, with_unit_baseline
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Pyramid, host, pyramid
+from stereorecal.scoring import Pyramid, host, pyramid, select_frames
 
-MATCHED = 0.5  # of what has texture: aligned rigs match more
-CAUSES = ("exchanged", "scaled", "late", "early")
-_SCALE, _FRAMES = 1.0, 2  # at which it is tried
+CAUSES = ("exchanged", "scaled", "late", "early")  # of the right images, the last two
 _YAW = np.radians(1.0)  # that may be missing
 _BETTER = 1.5  # times as much matches
 _RATIOS = (1 / 4, 1 / 3, 3 / 8, 1 / 2, 2 / 3, 3 / 4, 4 / 3, 3 / 2, 2.0, 8 / 3, 3.0, 4.0)  # of sizes of images
 _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
-_TWO_MOMENTS = "Give images of one moment: a frame is missing in one folder, or a camera is late."
+_SOME = 8  # pairs of which the one with most texture is tried
+_EVEN = 1.5  # times the median time between pairs: more, and one is missing
+_TWO_MOMENTS = "Give synchronised images: a frame is missing in one folder, or a camera is late."
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Cause:
     """A mistake without which more matches.
 
     Attributes:
         name: as `fixed` and `--fix` take it.
-        about: what is wrong, to follow "with".
+        without: what would be right.
         advice: what to do.
-        rig, pairs: without it.
     """
 
     name: str
-    about: str
+    without: str
     advice: str
-    rig: StereoRig
-    pairs: tuple[Pair, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Mismatch:
-    """What is known of images of which so little matches that they cannot be of this rig.
+    """What is known of images that cannot be of this rig.
 
     Attributes:
-        covered: share of the image that matches, once pitch and roll are found.
+        covered: share of the image that matches.
         cause: a mistake without which `covered_without` of it match; None: none that was tried.
         two_moments: features lie as if one camera had moved between the exposures.
     """
@@ -59,12 +57,11 @@ class Mismatch:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
-        share = f"{100 * self.covered:.0f} %"
+        share = f"Wrong input: {100 * self.covered:.0f} % match"
         if self.cause is not None:
-            return f"Wrong input: {share} match; with {self.cause.about} {100 * self.covered_without:.0f} %."
-        if self.two_moments:
-            return f"Wrong input: {share} match; the images look like two moments."
-        return f"Wrong input: {share} match; not this rig, or not these images."
+            return f"{share}; {self.cause.without} {100 * self.covered_without:.0f} %."
+        like = "the images look like two moments" if self.two_moments else "not this rig, or not these images"
+        return f"{share}; {like}."
 
     @property
     def advice(self) -> str:
@@ -73,7 +70,7 @@ class Mismatch:
             return f"{self.cause.advice} With --fix {self.cause.name} that is done here."
         if self.two_moments:
             return _TWO_MOMENTS
-        return "Check that both images are of this rig, of one moment, and as large and upright as in its calibration."
+        return "Check that both images are of this rig, synchronised, and sized and oriented as its calibration."
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
@@ -85,98 +82,96 @@ class Mismatch:
         }
 
 
-def may_be_wrong_input(reason: Reason) -> bool:
-    """Whether a verdict is none on images that show enough."""
-    return not reason.healthy and reason not in (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NOT_IMPROVED)
-
-
-def mismatch_of(images: Pyramid, matcher: AbstractMatcher) -> Mismatch | None:
-    """Why images match too little; None if enough of them does once pitch and roll are found, or if their features fit
-    the rig but for a rotation: then it is out of calibration.
+def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mismatch | None:
+    """Why images match too little; None if they match enough, or if no mistake explains it and their features fit the
+    rig but for a rotation: then it is out of calibration.
 
     Args:
         matcher: its disparity range is measured anew for each mistake.
+        covered: share of the image that matches, under the best candidate there is.
 
     Raises:
         InputError: if the images are certainly no left and right image of this rig.
     """
-    host.refuse_swapped_images(images)
-    texture, found = max(one.texture for one in images.quality), Mismatch(_covered(images, matcher))
-    least = ENOUGH.of_texture * texture
-    for cause in _causes(images.rig, images.pairs) if found.covered < MATCHED * texture else ():
-        try:
-            without = _covered(pyramid(cause.rig, cause.pairs), matcher)
-        except InputError:
-            continue
-        if without > max(_BETTER * found.covered, found.covered_without, least):
-            found = replace(found, cause=cause, covered_without=without)
+    sparse = ENOUGH.of_texture * max(one.texture for one in images.quality)
+    if covered >= 2.0 * sparse or not any(one.enough for one in images.quality):
+        return None
+    motion, found = host.refuse_swapped_images(images), Mismatch(covered)
+    for cause, rig, pairs in _causes(images.rig, images.pairs):
+        share = _covered(rig, pairs, images, matcher)
+        if share > max(_BETTER * covered, found.covered_without, sparse):
+            found = Mismatch(covered, cause, share)
     if found.cause is not None:
         return found
-    if found.covered >= least:
+    if motion.turned or not (motion.aside or covered < sparse):
         return None
-    motion = host.motion_by_features(images)
-    return None if motion.turned else replace(found, two_moments=motion.aside)
+    return Mismatch(covered, two_moments=motion.aside)
 
 
 def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig, tuple[Pair, ...]]:
     """Rig and pairs without a mistake.
 
     Args:
+        pairs: all that follow each other, where some are a frame late.
         name: of its cause: one of CAUSES.
 
     Raises:
         InputError: if calibration and images do not say how.
     """
-    for cause in _causes(rig, pairs):
-        if cause.name == name:
-            return cause.rig, cause.pairs
-    raise InputError(f"nothing in calibration and images says how to mend {name!r}; leave --fix out.")
+    found = [(rig, pairs) for cause, rig, pairs in _causes(rig, pairs) if cause.name == name]
+    if not found:
+        raise InputError(f"calibration and images do not say how to correct {name!r}; leave --fix out.")
+    if len(found) == 1:
+        return found[0]
+    images = pyramid(rig, pairs)
+    return max(found, key=lambda each: _covered(*each, images, as_matcher(None)))
 
 
-def _covered(images: Pyramid, matcher: AbstractMatcher) -> float:
-    """Share of the image that matches once pitch and roll are found, coarsely: a rig may have turned besides."""
-    extrinsics = np.asarray(images.rig.extrinsics, float)
-    found = host.survey(images, extrinsics)
-    turned = with_unit_baseline(extrinsics) + found.offset
+def _covered(rig: StereoRig, pairs: tuple[Pair, ...], given: Pyramid, matcher: AbstractMatcher) -> float:
+    """Share of the image that matches in one of the pairs, once pitch and roll are found on the grid of a survey: a rig
+    may have turned besides. 0 if the images do not fit."""
+    some = select_frames(pairs[:: -(-len(pairs) // _SOME)], 1)
+    try:
+        images = pyramid(rig, some, given.view if rig is given.rig else None)
+        found = host.survey(images, rig.extrinsics)
+    except InputError:
+        return 0.0
     ranged = found.with_range(replace(matcher, num_disparities=None), _YAW)
-    return host.correspondences(images.at(_SCALE, _FRAMES), turned, ranged).covered
+    turned = with_unit_baseline(np.asarray(rig.extrinsics, float)) + found.offset
+    return host.correspondences(images.at(finest_scale(rig.left.size)), turned, ranged).covered
 
 
-def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[Cause]:
-    """Mistakes that may have been made with these."""
-    exchanged = tuple(replace(pair, left=pair.right, right=pair.left, origin=None) for pair in pairs)
-    yield Cause(
-        "exchanged",
-        "left and right exchanged",
-        "Exchange the left and right images; if both are upside down, turn them by 180 degrees instead.",
+def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, StereoRig, tuple[Pair, ...]]]:
+    """Mistakes that may have been made, and rig and pairs without them."""
+    yield (
+        Cause(
+            "exchanged",
+            "with left and right exchanged",
+            "Exchange the left and right images; if both are upside down, turn them by 180 degrees instead.",
+        ),
         rig,
-        exchanged,
+        tuple(replace(pair, left=pair.right, right=pair.left, origin=None) for pair in pairs),
     )
-    yield from _other_intrinsics(rig, pairs)
-    for name, when, left, right in (("early", "later", pairs[:-1], pairs[1:]), ("late", "earlier", pairs[1:], pairs)):
-        if len(pairs) > 1:
-            each = zip(left, right, strict=False)
-            moved = tuple(replace(one, right=other.right, origin=None) for one, other in each)
-            yield Cause(name, f"{when} right images", _TWO_MOMENTS, rig, moved)
-
-
-def _other_intrinsics(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[Cause]:
-    """Camera matrices that belong to images of another size: principal points far from the middle say so, and by how
-    much. Images that were cut out of larger ones match all the same."""
     size = np.array(rig.left.size)
-    points = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
-    for wanted in 0.5 * size / points:
-        ratio = min(_RATIOS, key=lambda one: abs(np.log(one / wanted)))
-        made = tuple(np.round(size / ratio).astype(int).tolist())
-        if abs(np.log(ratio / wanted)) < _NEAR_RATIO:
+    middle = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
+    for ratio in dict.fromkeys(min(_RATIOS, key=lambda one: abs(np.log(one / each))) for each in 0.5 * size / middle):
+        if np.abs(np.log(ratio * middle / (0.5 * size))).min() < _NEAR_RATIO:
+            width, height = np.round(size / ratio).astype(int)
+            advice = f"K belongs to images of about {width}x{height}; scale it to {size[0]}x{size[1]}."
             scaled = replace(rig, left=_scaled(rig.left, ratio), right=_scaled(rig.right, ratio))
-            yield Cause(
-                "scaled",
-                f"K scaled by {ratio:.3g}",
-                f"K belongs to images of about {made[0]}x{made[1]}; scale it to {size[0]}x{size[1]}.",
-                scaled,
-                pairs,
-            )
+            yield Cause("scaled", f"with K scaled by {ratio:.3g}", advice), scaled, pairs
+    if _consecutive(pairs):
+        for name, when, left, right in (("early", "later", pairs, pairs[1:]), ("late", "earlier", pairs[1:], pairs)):
+            moved = tuple(replace(one, right=other.right, origin=None) for one, other in zip(left, right, strict=False))
+            yield Cause(name, f"right images one frame {when}", _TWO_MOMENTS), rig, moved
+
+
+def _consecutive(pairs: tuple[Pair, ...]) -> bool:
+    """Whether no pair is missing, as far as times tell."""
+    if len(pairs) < 2 or any(pair.time is None for pair in pairs):
+        return len(pairs) > 1
+    apart = np.diff([float(pair.time or 0.0) for pair in pairs])
+    return bool(apart.min() > 0.0 and apart.max() < _EVEN * np.median(apart))
 
 
 def _scaled(camera: Camera, ratio: float) -> Camera:

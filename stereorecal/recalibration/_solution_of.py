@@ -10,7 +10,6 @@ from stereorecal.estimation import NO_RANGES
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._ending import Ending
-from stereorecal.recalibration._mismatch import may_be_wrong_input, mismatch_of
 from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
 from stereorecal.recalibration._settings import Settings
@@ -56,7 +55,7 @@ def solution_of(
             estimate=ending.estimate,
             decision=ending.decision,
             seen=ending.seen,
-            mismatch=mismatch_of(case.images, settings.matcher) if may_be_wrong_input(reason) else None,
+            mismatch=ending.mismatch,
         ),
         frames=FramesUsed(
             selected=case.selected,

@@ -15,7 +15,7 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
     """
     begins = "Repaired" if repaired else "Repair it"
     if decision is None or reason is Reason.MORE_MATCHES:
-        begins = begins if reason.accepted else "Cannot tell" if reason.untold else "Not repaired"
+        begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
         return f"{begins}: {reason.value}."
     before, after = decision.rows_px
     if reason is Reason.IMPROVED:
@@ -28,7 +28,7 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
         number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
         which = f"from {number} pair{'' if pairs == 1 else 's'}"
         return f"Cannot tell {which}: row error {before[1]:.2f} to {before[2]:.2f} px."
-    return f"{'Not repaired' if repaired and not reason.untold else 'Cannot tell'}: {reason.value}."
+    return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
 
 
 def advice_of(reason: Reason, *, intrinsics_change: bool = False) -> str:

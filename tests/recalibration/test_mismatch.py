@@ -1,6 +1,6 @@
 """Images that cannot be of a rig: the mistake is named, and mended where that is asked for; a drifted rig has none."""
 
-from contextlib import suppress
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,13 +12,14 @@ from stereorecal import InputError, recalibrate
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Condition, Reason, fixed, health
+from stereorecal.recalibration import Condition, Reason, fixed, health, recalibrate_many
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
-from stereorecal.recordings import Pair
+from stereorecal.recordings import Pair, Scene
 from stereorecal.scoring import pyramid
 from stereorecal.synthetic import KINDS, decalibrate
 
 SIZE, SAD_ANY = (320, 240), SAD()
+_FEW_FEATURES = ("bedroom_chair",)  # exit code 5, not 2
 
 
 def scaled(rig: StereoRig, ratio: float) -> StereoRig:
@@ -45,38 +46,33 @@ def rig_and_pairs(scene):
 
 @pytest.mark.slow(after=2)
 @pytest.mark.parametrize("ratio", [0.5, 2.0, 1.5])
-def test_k_of_another_size_is_named_and_mended(rig_and_pairs, ratio):
+def test_k_of_another_size_is_corrected(rig_and_pairs, ratio):
     rig, (pair, *_) = rig_and_pairs
-    tilted = rig.with_extrinsics(rig.extrinsics + np.radians([0.0, 4.0, 0.0, 0.0, 0.0, 0.0]))  # K is seen by rows then
-    wrong = scaled(tilted, ratio)
-    found = mismatch_of(pyramid(wrong, [pair]), SAD_ANY)
-    if found is not None:  # rectified images match under any K
-        assert found.cause.name == "scaled"
-    mended, same = fixed(wrong, (pair,), "scaled")
+    corrected, same = fixed(scaled(rig, ratio), (pair,), "scaled")
     assert same == (pair,)
-    for one, other in ((mended.left, tilted.left), (mended.right, tilted.right)):
+    for one, other in ((corrected.left, rig.left), (corrected.right, rig.right)):
         np.testing.assert_allclose(one.matrix, other.matrix, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("by", "name"), [(1, "early"), (-1, "late")])
-def test_frames_that_are_one_aside_are_mended(rig_and_pairs, by, name):
+def test_frames_that_are_one_aside_are_corrected(rig_and_pairs, by, name):
     rig, pairs = rig_and_pairs
     wrong = late(pairs, by)
     with pytest.raises(InputError, match="different things"):
         health(rig, wrong)
-    (mended,) = fixed(rig, tuple(wrong), name)[1]
-    assert mended.left is pairs[1].left
-    assert mended.right is pairs[1].right
+    (corrected,) = fixed(rig, tuple(wrong), name)[1]
+    assert corrected.left is pairs[1].left
+    assert corrected.right is pairs[1].right
 
 
 @pytest.mark.slow(after=5)
-@pytest.mark.parametrize(("by", "name"), [(1, "early"), (-1, "late")])
-def test_frames_that_are_one_aside_are_named(data_dir: Path, by, name):
+@pytest.mark.parametrize(("by", "name", "when"), [(1, "early", "later"), (-1, "late", "earlier")])
+def test_frames_that_are_one_aside_are_named(data_dir: Path, by, name, when):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
     wrong = late(list(given.pairs[:4]), by)
     for look in (health, recalibrate):
         said = look(given.rig, wrong)
-        assert "er right images" in said.verdict
+        assert f"right images one frame {when}" in said.verdict
         assert len(said.verdict.split()) <= 12
         assert f"--fix {name}" in said.advice
 
@@ -87,24 +83,24 @@ def test_frames_that_are_one_aside_are_named(data_dir: Path, by, name):
 def test_a_drift_is_no_mistake(scene, kind, seed):
     shown = scene(kind, seed, (640, 480))
     bad = decalibrate(shown.rig, jax.random.key(seed), 2.5, 0.02)
-    assert mismatch_of(pyramid(bad, shown.pairs), SAD_ANY) is None
+    assert mismatch_of(pyramid(bad, shown.pairs), SAD_ANY, 0.0) is None
 
 
-def test_exchanged_images_are_mended(scene):
+def test_exchanged_images_are_corrected(scene):
     shown = scene("harbour", 0, SIZE)
     (pair,) = shown.pairs
     wrong = (replace(pair, left=pair.right, right=pair.left, origin=None),)
-    rig, (mended,) = fixed(shown.rig, wrong, "exchanged")
+    rig, (corrected,) = fixed(shown.rig, wrong, "exchanged")
     assert rig is shown.rig
-    assert mended.left is pair.left
-    assert mended.right is pair.right
-    assert health(rig, [mended]).healthy
+    assert corrected.left is pair.left
+    assert corrected.right is pair.right
+    assert health(rig, [corrected]).healthy
 
 
-def test_what_nothing_says_how_to_mend(scene):
+def test_what_nothing_says_how_to_correct(scene):
     shown = scene("harbour", 0, SIZE)
     for name in ("scaled", "late"):  # K fits, and there is one pair
-        with pytest.raises(InputError, match=f"how to mend '{name}'"):
+        with pytest.raises(InputError, match=f"how to correct '{name}'"):
             fixed(shown.rig, shown.pairs, name)
 
 
@@ -119,20 +115,22 @@ def test_what_no_mistake_explains_is_said_shortly(two_moments):
 
 @pytest.mark.slow(after=20)
 def test_no_exchanged_pair_is_accepted_and_no_true_pair_named(data_dir: Path):
-    unsure, every = 0, 0
+    every = 0
     for calibration in sorted(data_dir.glob("*/*/calib.json")):
         if (given := load_scene(calibration.parent)).rig is None:
             continue
         every += 1
         pair = given.pairs[0]
-        assert mismatch_of(pyramid(given.rig, [pair]), SAD_ANY) is None, given.name
-        with suppress(InputError):
-            solution = recalibrate(given.rig, [replace(pair, left=pair.right, right=pair.left, origin=None)])
-            assert not solution.accepted
-            assert solution.findings.mismatch is not None
-            unsure += 1
+        assert mismatch_of(pyramid(given.rig, [pair]), SAD_ANY, 0.0) is None, given.name
+        exchanged = [replace(pair, left=pair.right, right=pair.left, origin=None)]
+        if given.name in _FEW_FEATURES:
+            said = recalibrate(given.rig, exchanged)
+            assert said.findings.mismatch.cause.name == "exchanged"
+            assert not said.accepted
+            continue
+        with pytest.raises(InputError, match="look swapped"):
+            recalibrate(given.rig, exchanged)
     assert every > 18
-    assert unsure <= 1, "exit code 5, not 2"
 
 
 @pytest.mark.slow(after=10)
@@ -154,5 +152,24 @@ def test_k_of_another_size_of_a_real_rig(data_dir: Path, ratio):
     wrong = scaled(given.rig, ratio)
     for look in (health, recalibrate):
         said = look(wrong, given.pairs)
-        assert f"K scaled by {1 / ratio:g} 7" in said.verdict, "and seven tenths match"
+        assert f"with K scaled by {1 / ratio:g} 7" in said.verdict, "and seven tenths match"
         assert "--fix scaled" in said.advice
+
+
+@pytest.mark.slow(after=10)
+def test_late_images_whose_times_explain_a_motion_are_not_accepted(data_dir: Path):
+    given = load_scene(data_dir / "kitti_odometry/suburb_drive")
+    wrong = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs, given.pairs[1:], strict=False)][::5]
+    assert not recalibrate(given.rig, wrong).accepted
+
+
+@pytest.mark.slow(after=10)
+def test_what_cannot_be_of_the_rig_takes_no_part_in_a_joint_estimate(data_dir: Path):
+    given = load_scene(data_dir / "kitti_odometry/suburb_drive")
+    late = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs[:8:2], given.pairs[1:9:2], strict=True)]
+    true, wrong = Scene("true", given.rig, given.pairs[10:13]), Scene("late", given.rig, tuple(late))
+    first, second = recalibrate_many([true, wrong])
+    assert first.solution.accepted
+    assert not second.solution.accepted
+    assert second.solution.findings.mismatch is not None
+    assert len(pickle.dumps(second.solution.findings.mismatch)) < 2000, "no images travel with it"

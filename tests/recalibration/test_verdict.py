@@ -65,7 +65,7 @@ def test_every_ending_is_a_verdict_and_an_advice(repaired, counted, reason):
         found = replace(solution, reason=reason)
         assert_plain(str(found), found.verdict, found.advice)
         assert found.verdict.startswith("Repaired") == reason.accepted
-        assert found.verdict.startswith("Cannot tell") == reason.untold
+        assert found.verdict.startswith("Cannot tell") == reason.undetermined
         assert found.accepted == (found.rig is found.candidate)
 
 

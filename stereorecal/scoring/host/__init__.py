@@ -28,7 +28,6 @@ from stereorecal.scoring.host._survey import (
 )
 from stereorecal.scoring.host._swapped_images import (
     FeatureMotion as FeatureMotion,
-    motion_by_features as motion_by_features,
     refuse_swapped_images as refuse_swapped_images,
 )
 from stereorecal.scoring.host._tracking import (

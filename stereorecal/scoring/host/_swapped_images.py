@@ -1,6 +1,6 @@
 """Images that cannot be a left and right pair of the rig: swapped, mirrored, upside down, or of different scenes.
 
-The check runs only where hardly anything matches. Sparse features, which do not depend on the rig's extrinsics, give
+The check runs only where little matches. Sparse features, which do not depend on the rig's extrinsics, give
 the rotation between the cameras, so the answer is the same for any drift. In doubt nothing is refused.
 """
 
@@ -20,6 +20,7 @@ from stereorecal.scoring._prepare import Pyramid
 
 _FRAMES = 2
 _WIDTH = 640  # pixels, at which features are sought
+_SMALLEST = 100  # pixels: the features of smaller images are those of their enlargement
 _FEATURES = 1200  # in an image, at most
 _GLARE = 250  # grey level
 _AROUND = 8  # pixels around glare
@@ -41,21 +42,7 @@ _ROUNDS = 6  # of least squares, which converge in two or three
 _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
 _NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
 
-
-def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) -> None:
-    """Refuse images that are certainly no left and right image of this rig.
-
-    Args:
-        frames: indices of the pairs to check, which differ from the others; default all.
-
-    Raises:
-        InputError: one sentence that names what is wrong, and the frames, where some were given.
-    """
-    pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
-    mistakes = {_mistake_in(images.rig, pair) for pair in select_frames(pairs, _FRAMES)}
-    if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
-        which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
-        raise InputError(which + sentence)
+_Features = tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]
 
 
 @dataclass(frozen=True)
@@ -71,24 +58,38 @@ class FeatureMotion:
     aside: bool
 
 
-def motion_by_features(images: Pyramid) -> FeatureMotion:
-    """Of the pairs with most texture: what one of them says."""
-    each = [_motion(images.rig, pair) for pair in select_frames(images.pairs, _FRAMES)]
-    turned = any(one.turned for one in each)
-    return FeatureMotion(turned, not turned and any(one.aside for one in each))
+def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) -> FeatureMotion:
+    """Refuse images that are certainly no left and right image of this rig; what features of the others say of the
+    motion between the cameras.
+
+    Args:
+        frames: indices of the pairs to check, which differ from the others; default all.
+
+    Raises:
+        InputError: one sentence that names what is wrong, and the frames, where some were given.
+    """
+    pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
+    found = [_mistake_in(images.rig, pair) for pair in select_frames(pairs, _FRAMES)]
+    mistakes = {mistake for mistake, _ in found}
+    if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
+        which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
+        raise InputError(which + sentence)
+    turned = any(motion.turned for _, motion in found)
+    return FeatureMotion(turned, not turned and any(motion.aside for _, motion in found))
 
 
-def _motion(rig: StereoRig, pair: Pair) -> FeatureMotion:
-    left, right = (_features(np.asarray(image))[:2] for image in (pair.left, pair.right))
-    found = _ahead(rig, left, right, _tolerance(rig, pair))
-    turned = found.share >= _AHEAD and found.aligned >= _ALIGNED and found.angle < _TURNED
-    return FeatureMotion(turned, found.agree >= _MOST and found.aside > _ASIDE)
+def _mistake_in(rig: StereoRig, pair: Pair) -> tuple[str | None, FeatureMotion]:
+    if not image_quality(pair).enough or pair.size[0] < _SMALLEST:
+        return None, FeatureMotion(turned=False, aside=False)
+    left, right = (_features(np.asarray(image)) for image in (pair.left, pair.right))
+    given = _cheirality(rig, left[:2], right[:2], _tolerance(rig, pair))
+    turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < _TURNED
+    motion = FeatureMotion(turned, given.agree >= _MOST and given.aside > _ASIDE)
+    return _sentence(rig, pair, left, right, given), motion
 
 
-def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
-    if not image_quality(pair).enough:
-        return None
-    (left, first, clear), (right, second, clear_too) = (_features(np.asarray(i)) for i in (pair.left, pair.right))
+def _sentence(rig: StereoRig, pair: Pair, of_left: _Features, of_right: _Features, given: "_Cheirality") -> str | None:
+    (left, first, clear), (right, second, clear_too) = of_left, of_right
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
     if min(len(left), len(right)) < enough:
         return None
@@ -117,8 +118,7 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> str | None:
             "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
             "the right one; transpose it."
         )
-    given = _ahead(rig, (left, first), (right, second), tolerance)
-    exchanged = _ahead(rig, (right, second), (left, first), tolerance)
+    exchanged = _cheirality(rig, (right, second), (left, first), tolerance)
     if (
         exchanged.share >= _AHEAD
         and exchanged.angle < _NEAR
@@ -149,7 +149,7 @@ def _rays_of_matches(
 
 
 @dataclass(frozen=True)
-class _Ahead:
+class _Cheirality:
     """Cheirality, once rows are aligned across the given baseline.
 
     Attributes:
@@ -166,18 +166,18 @@ class _Ahead:
     aside: float
 
 
-def _ahead(
+def _cheirality(
     rig: StereoRig,
     left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
     right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
     tolerance: float,
-) -> _Ahead:
+) -> _Cheirality:
     """Of features (pixels, descriptors), if the first images are the left camera's. The sign of parallax tells, since
     the direction of the baseline is known better than any essential matrix has it."""
     rays = _rays_of_matches(rig, left, right)
     turned, along, agree = _rotation(*rays, tolerance)
     if agree.sum() <= _CHANCE:
-        return _Ahead(0.0, 0.0, 0.0, np.pi, 0.0)
+        return _Cheirality(0.0, 0.0, 0.0, np.pi, 0.0)
     calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
     towards = np.asarray(rig.translation, float) / float(rig.baseline)
     start = turned if _angle(turned, calibrated) < _NEAR else calibrated
@@ -187,10 +187,12 @@ def _ahead(
     parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
     aligned = float(np.sum(np.abs(across) < tolerance)) / len(agree)
     aside = float(np.arccos(np.clip(abs(along @ towards), 0.0, 1.0)))
-    return _Ahead(float(np.mean(parallax > _BEHIND)), float(agree.mean()), aligned, _angle(turned, calibrated), aside)
+    return _Cheirality(
+        float(np.mean(parallax > _BEHIND)), float(agree.mean()), aligned, _angle(turned, calibrated), aside
+    )
 
 
-def _features(image: np.ndarray) -> tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]:
+def _features(image: np.ndarray) -> _Features:
     """Where features are, in pixels of the image, their descriptors, and which are clear of glare."""
     scale = _WIDTH / image.shape[1]
     how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
