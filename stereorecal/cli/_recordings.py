@@ -12,7 +12,7 @@ from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.io import about, calibrated_scene, load_scene, open_pairs, unsaid_unit
+from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs, unsaid_unit
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
@@ -133,7 +133,6 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
     place = next(one for one in (options.left, options.side_by_side, options.bag) if one is not None)
-    assert options.calibration is not None
     topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
@@ -146,6 +145,13 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         absent.extend(left_out)
         return chosen
 
+    if options.calibration is None:
+        assert options.left_topic is not None
+        assert options.right_topic is not None
+        if options.format:
+            raise InputError("--format belongs to --calibration; leave it out.")
+        scene = bag_scene(place, (options.left_topic, options.right_topic), pairs, unit=options.unit)
+        return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")
     new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
     new_says_none = new is not None and unsaid_unit(None, Path(str(new.output)), format=new.output_format) is not None

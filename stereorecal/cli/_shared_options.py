@@ -77,7 +77,8 @@ class ImageOptions(CalibrationFormatOptions):
     left_topic: str | None = option("left images of the bag", metavar="TOPIC")
     right_topic: str | None = option("right images of the bag", metavar="TOPIC")
     calibration: tuple[str, ...] | None = option(
-        "calibration of these images: one file, or one for each camera", metavar="FILE"
+        "calibration of these images: one file, or one for each camera (default for a bag: its camera_info)",
+        metavar="FILE",
     )
     tolerance: float | None = option(
         "between the two frames of a pair (default: a quarter of the time between frames; image files are paired by "
@@ -149,7 +150,8 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
         given, missing = [], []
-        for name in (*(begun[0] if begun else ()), "calibration"):
+        of_bag = "bag" in (begun[0] if begun else ()) and self.calibration is None  # whose camera_info is one
+        for name in (*(begun[0] if begun else ()), *(() if of_bag else ("calibration",))):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
         if self.scenes and given:
             why = QUOTED if Path(self.scenes[0]).suffix.lower() in IMAGE_SUFFIXES else TWO_FILES

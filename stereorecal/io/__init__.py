@@ -19,7 +19,11 @@ from stereorecal.io._load_odometer import load_odometer as load_odometer
 from stereorecal.io._load_ranges import load_ranges as load_ranges
 from stereorecal.io._read_files import about as about, files_read as files_read
 from stereorecal.io._save_maps import save_maps as save_maps
-from stereorecal.io._scenes import calibrated_scene as calibrated_scene, gather_scene as gather_scene
+from stereorecal.io._scenes import (
+    bag_scene as bag_scene,
+    calibrated_scene as calibrated_scene,
+    gather_scene as gather_scene,
+)
 from stereorecal.io._strict_json import (
     json_line as json_line,
     json_text as json_text,

@@ -11,7 +11,11 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.formats._camera_choice import checked_cameras
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats._read_rig import rig_in
 from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
+from stereorecal.io.formats.text._document import Syntax, document
+from stereorecal.io.images._bags import bag_folder, camera_infos
 from stereorecal.io.images._fit_to_cameras import Sizes, common_size
 from stereorecal.io.images._load_pairs import load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
@@ -74,6 +78,35 @@ def calibrated_scene(
         scene = scene_of(name, found, read)
     remark_sizes(where, sizes)
     warn_of_units(where, scene.rig)
+    return scene
+
+
+def bag_scene(
+    bag: AnyPath,
+    topics: tuple[str, str],
+    pairs: Callable[[Sizes | None], Sequence[Pair]],
+    *,
+    unit: str | None = None,
+) -> Scene:
+    """The scene of pairs of a bag, with the calibration in its own camera_info; the rig is that of no file.
+
+    Raises:
+        InputError: if there is no such camera_info, or it is no calibration of these images.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
+    """
+    place = bag_folder(Path(bag))
+    infos = camera_infos(place, topics).items()
+    documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)
+    rig = rig_in(documents, named("ros"), unit, Hints())
+    sizes = rig.left.size, rig.right.size
+    read = pairs(sizes)
+    rig = rig_in(documents, named("ros"), unit, Hints(size=read[0].size if read else None, common_size=True))
+    with about(place):
+        scene = scene_of(str(place), Calibration(rig.left.size, replace(rig, source=None)), read)
+    remark_sizes(str(place), sizes)
+    warn_of_units(str(place), scene.rig)
     return scene
 
 

@@ -201,7 +201,7 @@ LOOSE: dict[str, tuple[list[str], str]] = {
         "must be quoted",
     ),
     "calibration alone": (["--calibration={0}/calib.json"], ": --calibration needs images: --left and --right, "),
-    "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic and --calibration; add them."),
+    "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic; add them."),
     "two ways": (
         ["--left={0}/left.png", "--bag={0}", "--calibration={0}/calib.json"],
         ": --left and --right, --side-by-side, or --bag: give one of these.",

@@ -8,6 +8,7 @@ import pytest
 from bags import write_bag
 from oriented import stored, tagged
 
+from stereorecal.geometry import rectifying_rotations
 from stereorecal.synthetic import default_rig, render
 
 SIZE, FRAMES = (320, 240), 4
@@ -74,6 +75,31 @@ def test_a_bag(command, seen, calibration, tmp_path, capsys):
         "stereorecal: 1 frame has no partner in the other camera and is left out: /l 1000000000.100\n"
     )
     assert "no partner in the other camera" in page
+
+
+def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
+    """Its camera_info is one, that no file holds; the rig is right, and so is the verdict."""
+    pytest.importorskip("rosbags", reason="rosbags is not installed")
+    rig = default_rig().resized(SIZE)
+    rotations = rectifying_rotations(rig.rotation, rig.translation)
+    infos, focal = [], 200.0
+    for side, camera, rotation, shift in zip("lr", (rig.left, rig.right), rotations, (0.0, rig.baseline), strict=True):
+        numbers = {"d": camera.distortion, "k": np.ravel(camera.matrix), "r": np.ravel(rotation)}
+        p = np.array([focal, 0, 160, -focal * shift, 0, focal, 120, 0, 0, 0, 1, 0])
+        content = {"width": SIZE[0], "height": SIZE[1], "distortion_model": "plumb_bob", **numbers, "p": p}
+        infos.append((f"/{side}/camera_info", content))
+    stamped = [(f"/{side}/image_raw", 10**18, image) for side, image in zip("lr", seen[0], strict=True)]
+    path = write_bag(tmp_path / "run.bag", stamped, ros1=True, infos=infos)
+    words = ("--bag", path, "--left-topic", "/l/image_raw", "--right-topic", "/r/image_raw")
+    answer = command("score", *words)
+    assert (answer.code, answer.err) == (0, "")
+    answer = command("recalibrate", *words, "--in-place")
+    assert (answer.code, answer.err) == (
+        2,
+        "stereorecal: --in-place: the calibration came from no file; give --output.\n",
+    )
+    answer = command("score", *words, "--format", "ros")
+    assert (answer.code, answer.err) == (2, "stereorecal: --format belongs to --calibration; leave it out.\n")
 
 
 WRONG = {

@@ -1,6 +1,7 @@
 """Images in bags of ROS 1 and ROS 2."""
 
 import pickle
+import re
 import struct
 import sys
 
@@ -9,8 +10,8 @@ import numpy as np
 import pytest
 from bags import write_bag
 
-from stereorecal import InputError
-from stereorecal.io import open_pairs
+from stereorecal import CalibrationWarning, InputError
+from stereorecal.io import bag_scene, open_pairs
 
 pytest.importorskip("rosbags", reason="rosbags is not installed")
 TOPICS = {"left_topic": "/left/image", "right_topic": "/right/image"}
@@ -42,6 +43,55 @@ def test_pairs_of_a_bag(tmp_path, ros1: bool, compressed: bool):
     again = pickle.loads(pickle.dumps(recorded.pairs[1]))
     np.testing.assert_array_equal(again.right, image(1, 1))
     assert recorded.pairs[0].name == "/left/image 1700000000.000"
+
+
+INFO = {"width": 32, "height": 24, "distortion_model": "plumb_bob", "d": [-0.2, 0.1, 0.001, -0.002, 0.0]}
+INFO |= {"k": [30.0, 0, 16, 0, 31, 12, 0, 0, 1], "r": list(np.eye(3).ravel())}
+LEFT = {**INFO, "p": [30.0, 0, 16, 0, 0, 30, 12, 0, 0, 0, 1, 0]}
+RIGHT = {**INFO, "p": [30.0, 0, 16, -3.6, 0, 30, 12, 0, 0, 0, 1, 0]}
+SIDES = [("/left/camera_info", LEFT), ("/right/camera_info", RIGHT)]
+
+
+def scene_of_bag(path, topics=("/left/image", "/right/image"), **options):
+    names = dict(zip(TOPICS, topics, strict=True))
+    return bag_scene(path, topics, lambda sizes: tuple(open_pairs(path, **names, sizes=sizes).pairs), **options)
+
+
+@pytest.mark.parametrize("ros1", [True, False], ids=["ROS 1", "ROS 2"])
+def test_the_calibration_in_a_bag(tmp_path, ros1: bool):
+    path = write_bag(tmp_path / ("a.bag" if ros1 else "a"), stamped(), ros1=ros1, infos=SIDES * 2)
+    scene = scene_of_bag(path)
+    assert (scene.rig.left.size, scene.rig.source, len(scene.pairs)) == ((32, 24), None, 4)
+    np.testing.assert_allclose(scene.rig.extrinsics, [0, 0, 0, -0.12, 0, 0], atol=1e-12)
+    np.testing.assert_array_equal(scene.rig.right.matrix, np.reshape(INFO["k"], (3, 3)))
+    with pytest.warns(CalibrationWarning, match="0.00012 m long"):
+        scene_of_bag(path, unit="mm")
+
+
+@pytest.mark.parametrize(
+    ("infos", "words"),
+    [
+        ([], "no /left/camera_info, which would be the calibration of /left/image (nor any other camera_info)"),
+        (SIDES[:1], "there is no /right/camera_info, which would be the calibration of /right/image (there is /left/c"),
+        ([*SIDES, ("/left/camera_info", RIGHT)], "/left/camera_info changes during the recording; give --calibration"),
+        ([(topic, {**info, "width": 64}) for topic, info in SIDES], "image"),
+        ([(topic, {**info, "k": [0.0] * 9}) for topic, info in SIDES], "/left/camera_info: "),
+    ],
+)
+def test_no_calibration_in_a_bag(tmp_path, infos, words: str):
+    path = write_bag(tmp_path / "a.bag", stamped(), ros1=True, infos=infos)
+    with pytest.raises(InputError, match=re.escape(words)):
+        scene_of_bag(path)
+
+
+def test_rectified_images_of_a_bag(tmp_path):
+    """What camera_info says of the lens is not of them, unless there is none."""
+    images = [(f"{topic}_rect", stamp, grey) for topic, stamp, grey in stamped()]
+    topics = ("/left/image_rect", "/right/image_rect")
+    with pytest.raises(InputError, match="/left/image_rect has rectified images, and /left/camera_info the lens of"):
+        scene_of_bag(write_bag(tmp_path / "a.bag", images, ros1=True, infos=SIDES), topics)
+    straight = [(topic, {**info, "d": [0.0] * 5}) for topic, info in SIDES]
+    assert scene_of_bag(write_bag(tmp_path / "b.bag", images, ros1=True, infos=straight), topics).rig is not None
 
 
 def test_a_bag_by_one_of_its_files(tmp_path):

@@ -1,10 +1,12 @@
 """ROS 1 and ROS 2 bags, read without ROS. Needs rosbags: pip install 'stereorecal[bags]'."""
 
+import json
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,7 @@ from stereorecal.io.images._frame_source import FrameSource, Image
 from stereorecal.io.images._ros_messages import image_of_message, in_a_line
 
 _METADATA, _PARTS = "metadata.yaml", (".db3", ".mcap")
+_INFO, _FIELDS = "sensor_msgs/msg/CameraInfo", ("width", "height", "distortion_model", "d", "k", "r", "p")
 _RAW, _COMPRESSED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 
@@ -35,15 +38,33 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, Frame
     Raises:
         InputError: if rosbags is not installed, the bag cannot be read, or a topic has no images.
     """
+    bag = _opened(path)
+    left, right = (bag.source(topic) for topic in topics)
+    return left, right
+
+
+def camera_infos(path: Path, topics: tuple[str, str]) -> dict[str, str]:
+    """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw.
+
+    Raises:
+        InputError: as `bag_sources`; if there is none, it is the same for both, it changes, or it describes raw images,
+            and these are rectified.
+    """
+    bag = _opened(path)
+    found = dict(bag.camera_info(topic) for topic in topics)
+    if len(found) < 2:
+        raise InputError(f"{path}: {' and '.join(topics)} have the same {next(iter(found))}; give --calibration.")
+    return found
+
+
+def _opened(path: Path) -> "_Bag":
     if not path.exists():
         raise InputError(f"{path}: there is no such bag; check the path.")
     if not is_bag(path):
         raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
     for file in (path, *path.rglob("*")):
         note_input(file)
-    bag = _Bag(path)
-    left, right = (bag.source(topic) for topic in topics)
-    return left, right
+    return _Bag(path)
 
 
 class _Bag:
@@ -59,6 +80,35 @@ class _Bag:
             self._reader = ros.AnyReader([path], default_typestore=types_of_ros2)
             self._reader.open()
             weakref.finalize(self, self._reader.close)
+
+    def camera_info(self, images: str) -> tuple[str, str]:
+        """The topic, and what its messages say, as JSON."""
+        topic = images.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
+        connections = [one for one in self._reader.connections if one.topic == topic and one.msgtype == _INFO]
+        said: dict[str, dict[str, Any]] = {}
+        with _sound(self.path):
+            for connection, _, data in self._reader.messages(connections) if connections else ():
+                message = self._reader.deserialize(data, connection.msgtype)
+                fields = {key: getattr(message, key, getattr(message, key.upper(), None)) for key in _FIELDS}
+                content = {key: item.tolist() if isinstance(item, np.ndarray) else item for key, item in fields.items()}
+                said[json.dumps(content)] = content
+        if not said:
+            known = in_a_line(", ".join(sorted({c.topic for c in self._reader.connections if c.msgtype == _INFO})))
+            raise InputError(
+                f"{self.path}: there is no {in_a_line(topic)}, which would be the calibration of {in_a_line(images)} ("
+                + (f"there is {known}" if known else "nor any other camera_info")
+                + "); give --calibration."
+            )
+        if len(said) > 1:
+            raise InputError(f"{self.path}: {in_a_line(topic)} changes during the recording; give --calibration.")
+        ((text, content),) = said.items()
+        turned = np.any(content["d"]) or content["r"] != np.eye(3).ravel().tolist()
+        if turned and "rect" in images.removeprefix(topic.removesuffix("camera_info")):
+            raise InputError(
+                f"{self.path}: {in_a_line(images)} has rectified images, and {in_a_line(topic)} the lens of raw ones; "
+                "give the topics of the raw images, or --calibration."
+            )
+        return topic, text
 
     def source(self, topic: str) -> FrameSource:
         """The images of a topic, in the order of their stamps."""
