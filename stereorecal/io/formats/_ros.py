@@ -101,10 +101,13 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
     content, names = document.content, _names(document)
     with about(document.name):
         size = pixels(content, names["width"]), pixels(content, names["height"])
-        check_model(value(content, "distortion_model") or "", _MODELS)
         lens = numbers(content, names["lens"], (-1,))
-        check_no_lens(content["distortion_model"] or "", lens)
-        model = "equidistant" if content["distortion_model"] in _EQUIDISTANT else Camera.model
+        # ROS itself reads a file without a model as plumb_bob; four coefficients could be equidistant.
+        unsaid = "distortion_model" not in content and lens.size in (5, 8)
+        stated = "plumb_bob" if unsaid else value(content, "distortion_model") or ""
+        check_model(stated, _MODELS)
+        check_no_lens(stated, lens)
+        model = "equidistant" if stated in _EQUIDISTANT else Camera.model
         camera = Camera(size, _matrix(document, names["matrix"], (3, 3)), lens, model=model)
         rotation = _matrix(document, names["rotation"], (3, 3))
         projection = _matrix(document, names["projection"], (3, 4))
@@ -141,9 +144,9 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
             arrays[names["matrix"]] = np.asarray(camera.matrix)
             if camera.model == "equidistant":
                 arrays[names["lens"]] = lens
-            elif np.any(lens) or document.content["distortion_model"] not in (None, "", "none"):
+            elif np.any(lens) or document.content.get("distortion_model", model) not in (None, "", "none"):
                 arrays[names["lens"]] = lens
-                values[("distortion_model",)] = model
+                values |= {("distortion_model",): model} if "distortion_model" in document.content else {}
         for key, array in arrays.items():
             values.update(matrix_values(document.content, (key,), array))
         texts.append(document.with_values(values))

@@ -87,6 +87,20 @@ def test_ros_with_both_cameras_shifted(tmp_path: Path):
     np.testing.assert_allclose(load_rig(*new).extrinsics, moved.extrinsics, atol=1e-12)
 
 
+def test_ros_without_a_model(tmp_path: Path):
+    """As old files: ROS reads five coefficients as plumb_bob; four may be of two models."""
+    expected, paths = load_rig(*SAMPLES["ros"].write(tmp_path)), SAMPLES["ros"].paths(tmp_path)
+    for path, text in zip(paths, samples.ROS_PAIR, strict=True):
+        path.write_text(text.replace("distortion_model: plumb_bob   # as ever\n", ""))
+    rig = load_rig(paths)
+    np.testing.assert_array_equal(rig.left.distortion, expected.left.distortion)
+    moved = with_lenses(rig, [-0.2, 0.1, 0.001, -0.002, 0.03])
+    save_rig(moved, paths, overwrite=True)
+    np.testing.assert_array_equal(load_rig(paths).right.distortion, moved.right.distortion)
+    paths[0].write_text(paths[0].read_text().replace("cols: 5", "cols: 4").replace(", 0.03]", "]"))
+    refused(lambda: load_rig(paths), "the key 'distortion_model' is missing")
+
+
 @pytest.mark.parametrize("name", ["ros 1 messages", "ros 2 messages"])
 def test_ros_messages(tmp_path: Path, name: str):
     """As camera_info YAML of the same numbers, with keys in any order, and as JSON; one alone is half."""
