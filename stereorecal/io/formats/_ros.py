@@ -77,7 +77,8 @@ def _names(document: Document) -> dict[str, str]:
 
 
 def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
-    flat = isinstance(document.content.get(key), list) and np.ndim(document.content[key]) == 1
+    stated = document.content.get(key)
+    flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
     return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 

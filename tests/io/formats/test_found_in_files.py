@@ -107,6 +107,10 @@ def test_ros_messages(tmp_path: Path, name: str):
     expected, paths = load_rig(*SAMPLES["ros"].write(tmp_path)), SAMPLES[name].write(tmp_path)
     np.testing.assert_array_equal(load_rig(paths).extrinsics, expected.extrinsics)
     refused(lambda: load_rig(paths[0]), "this is one of two files (ros: ")
+    whole = paths[0].read_text()
+    paths[0].write_text(whole.replace("31.5", "[31.5, [1.0]]"))
+    refused(lambda: load_rig(paths), "is not an array of numbers")
+    paths[0].write_text(whole)
     for path in paths:
         content = document(path, path.read_text()).content
         path.write_text(json.dumps(dict(sorted(content.items(), reverse=True))))
