@@ -148,8 +148,8 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
     if options.calibration is None:
         assert options.left_topic is not None
         assert options.right_topic is not None
-        if options.format:
-            raise InputError("--format belongs to --calibration; leave it out.")
+        if options.format or options.cameras:
+            raise InputError("--format and --cameras belong to --calibration; leave them out.")
         scene = bag_scene(place, (options.left_topic, options.right_topic), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")

@@ -99,7 +99,10 @@ def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
         "stereorecal: --in-place: the calibration came from no file; give --output.\n",
     )
     answer = command("score", *words, "--format", "ros")
-    assert (answer.code, answer.err) == (2, "stereorecal: --format belongs to --calibration; leave it out.\n")
+    assert (answer.code, answer.err) == (
+        2,
+        "stereorecal: --format and --cameras belong to --calibration; leave them out.\n",
+    )
 
 
 WRONG = {
