@@ -69,7 +69,7 @@ class Camera:
             raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
         if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
             raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")
-        matrix = exact_matrix(matrix)
+        matrix = np.asarray(exact_matrix(matrix))
         _check_plausible(self.size, matrix, distortion)
         lens = lens_model(self.model)
         if distortion.size not in lens.COUNTS:
@@ -109,6 +109,28 @@ class Camera:
         matrix = self.matrix * scale[:, None]
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5
         matrix[:2, 2] = centre
+        return replace(self, size=size, matrix=matrix)
+
+    def cropped(self, size: tuple[int, int], corner: tuple[int, int] | None = None) -> "Camera":
+        """The camera of the same image cut to `size`: the focal lengths stay, and the principal point moves.
+
+        Args:
+            corner: (column, row) of the first pixel that is left; default: as much is cut from both sides (where that
+                is an odd number, one more from the end).
+
+        Raises:
+            InputError: if the size is not of whole pixels, or what is left is not inside the image.
+        """
+        size = whole_size(size)
+        spare = np.array(self.size) - size
+        start = spare // 2 if corner is None else np.array(corner)
+        if start.shape != (2,) or start.dtype.kind not in "iu" or (start < 0).any() or (start > spare).any():
+            raise InputError(
+                f"{size[0]}x{size[1]} pixels{'' if corner is None else f' from {corner!r} on'} cannot be cut out of an "
+                f"image of {self.size[0]}x{self.size[1]}; give another size or corner, or, for scaled images, resized."
+            )
+        matrix = np.array(self.matrix, float)
+        matrix[:2, 2] -= start
         return replace(self, size=size, matrix=matrix)
 
     def project(self, points: Float[AnyArray, "*n 3"]) -> Float[AnyArray, "*n 2"]:

@@ -171,8 +171,12 @@ class StereoRig:
         return replace(self, extrinsics=extrinsics)
 
     def resized(self, size: tuple[int, int]) -> "StereoRig":
-        """The rig whose images are resampled to `size` (width, height)."""
+        """The rig whose images are resampled to `size` (width, height); `cropped` is for images that are cut."""
         return replace(self, left=self.left.resized(size), right=self.right.resized(size))
+
+    def cropped(self, size: tuple[int, int], corner: tuple[int, int] | None = None) -> "StereoRig":
+        """The rig whose images are cut to `size` (width, height), as `Camera.cropped` cuts each."""
+        return replace(self, left=self.left.cropped(size, corner), right=self.right.cropped(size, corner))
 
 
 def extrinsics_of(rotation: Mat3, translation: Vec3) -> Extrinsics:

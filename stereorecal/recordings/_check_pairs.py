@@ -24,7 +24,8 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
             raise InputError(
                 f"{pair.name}: the images are {pair.size[0]}x{pair.size[1]}, but the calibration is for "
                 f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
-                "use images and calibration of the same size."
+                "use images and calibration of the same size, or change the rig: rig.resized(size) if the images are "
+                "scaled, rig.cropped(size) if they are cut."
             )
         check_two_images(pair)
     return pairs

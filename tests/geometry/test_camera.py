@@ -99,6 +99,32 @@ def test_resized_there_and_back():
     np.testing.assert_allclose(again.matrix, MATRIX, atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("corner", "start"), [(None, (8, 5)), ((0, 0), (0, 0)), ((16, 11), (16, 11)), ((3, 7), (3, 7))]
+)
+def test_cropped_sees_the_same_elsewhere(corner: tuple[int, int] | None, start: tuple[int, int]):
+    size = (SIZE[0] - 16, SIZE[1] - 11)
+    part = camera(14).cropped(size, corner)
+    assert part.size == size
+    points = np.random.default_rng(0).uniform([-0.4, -0.3, 1], [0.4, 0.3, 1], (50, 3))
+    np.testing.assert_allclose(part.project(points) + start, camera(14).project(points), rtol=0, atol=1e-9)
+    assert part.lens_radius == camera(14).lens_radius
+
+
+@pytest.mark.parametrize(
+    ("size", "corner"),
+    [
+        ((SIZE[0] + 1, SIZE[1]), None),
+        (SIZE, (1, 0)),
+        ((10, 10), (-1, 0)),
+        ((10, 10), (SIZE[0] - 9, 0)),
+    ],
+)
+def test_cropped_stays_inside(size, corner):
+    with pytest.raises(InputError, match="cannot be cut out of an image of"):
+        camera(5).cropped(size, corner)
+
+
 def bad(**entries: float) -> np.ndarray:
     matrix = MATRIX.copy()
     for name, value in entries.items():

@@ -102,6 +102,14 @@ def test_resized_changes_both_cameras_only():
     assert small.extrinsics.tobytes() == np.array([0.1, 0.2, 0.3, -1, 0.1, 0.2]).tobytes()
 
 
+def test_cropped_changes_both_cameras_only():
+    stereo = rig([0.1, 0.2, 0.3, -1, 0.1, 0.2])
+    part = stereo.cropped((48, 32), (5, 6))
+    assert part.left.size == part.right.size == (48, 32)
+    np.testing.assert_array_equal(part.right.matrix[:2, 2], stereo.right.matrix[:2, 2] - [5, 6])
+    assert part.extrinsics.tobytes() == stereo.extrinsics.tobytes()
+
+
 def test_pytree():
     stereo = rig()
     copy = jax.tree.map(lambda leaf: leaf, stereo)

@@ -1,6 +1,7 @@
 """DepthAI's EEPROM as JSON (OAK cameras): the stereo pair that it names, or the sockets 1 (left) and 2 (right)."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -45,7 +46,7 @@ def cameras(documents: Documents) -> tuple[str, ...]:
 
 def read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a DepthAI file, by its calibrated translations, never those of the drawing (`specTranslation`). Images
-    of another size, but of the same shape, are taken for resampled ones."""
+    of another size are taken for those of a mode of the sensor: scaled, or cut above and below, or both."""
     content = documents[0].content
     left, right = (_camera(content, socket, hints) for socket in _sockets(content, hints))
     return rig_of(left, right, _left_to_right(content, hints))
@@ -131,7 +132,7 @@ def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
                 lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
             else:
                 lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
-            values[(*at, "intrinsicMatrix")] = np.asarray(camera.resized(size).matrix).tolist()
+            values[(*at, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
             values[(*at, "distortionCoeff")] = lens.tolist()
     return (document.with_values(values),)
 
@@ -170,8 +171,27 @@ def _camera(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
         lens = numbers(data, "distortionCoeff", (-1,))
         fisheye = kind == _FISHEYE
         camera = Camera(size, matrix, lens[:4] if fisheye else lens, model="equidistant" if fisheye else Camera.model)
-    same_shape = hints.size is not None and hints.size[0] * size[1] == hints.size[1] * size[0]
-    return camera.resized(hints.size) if hints.size is not None and same_shape else camera
+    scaled_size = _before_the_cut(size, hints.size or size)
+    return camera if scaled_size is None else camera.resized(scaled_size).cropped(hints.size or size)
+
+
+def _before_the_cut(whole: tuple[int, int], size: tuple[int, int]) -> tuple[int, int] | None:
+    """The size of the images of a sensor before rows were cut from the top and the bottom: of the same shape as the
+    whole, or a whole number of times smaller, as its modes are (1280x720 of 1280x800, and 640x360). None if the size is
+    no such mode."""
+    if whole[0] * size[1] == whole[1] * size[0]:
+        return size
+    times, rest = divmod(whole[0], size[0])
+    mode = (size[0], whole[1] // max(times, 1))
+    return mode if times and not rest and not whole[1] % times and mode[1] > size[1] else None
+
+
+def _uncut(camera: Camera, whole: tuple[int, int]) -> Camera:
+    """The camera of the whole sensor, from that of one of its modes."""
+    before = _before_the_cut(whole, camera.size) or camera.size
+    matrix = np.array(camera.matrix, float)
+    matrix[1, 2] += (before[1] - camera.size[1]) // 2
+    return replace(camera, size=before, matrix=matrix).resized(whole)
 
 
 def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:

@@ -15,6 +15,7 @@ import yaml
 from every import SAMPLES
 from scipy.spatial.transform import Rotation
 
+from stereorecal import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_rig
 
@@ -156,6 +157,31 @@ def test_depthai(tmp_path: Path):
     path.write_text(json.dumps(content))
     assert_read_and_written(path)
     assert load_rig(path, size=(128, 96)).left.size == (128, 96)
+
+
+@pytest.mark.parametrize(("scale", "rows"), [(1, 44), (2, 20), (4, 9), (1, 1), (1, 47)])
+def test_depthai_of_a_mode_that_cuts_rows(tmp_path: Path, scale: int, rows: int):
+    """f as in the whole image, over the scale; and back into the file."""
+    path, new = tmp_path / "oak.json", tmp_path / "new.json"
+    save_rig(SMALL, path, format="depthai")
+    rig = load_rig(path, size=(64 // scale, rows))
+    whole = SMALL.resized((64 // scale, 48 // scale))
+    expected = np.array(whole.left.matrix) - [[0, 0, 0], [0, 0, (48 // scale - rows) // 2], [0, 0, 0]]
+    np.testing.assert_allclose(rig.left.matrix, expected, rtol=0, atol=1e-12)
+    left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.5, 0.25, 0.0]))
+    save_rig(replace(rig, left=left), new)
+    np.testing.assert_allclose(load_rig(new, size=left.size).left.matrix, left.matrix, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(load_rig(new).right.matrix, load_rig(path).right.matrix)
+
+
+@pytest.mark.parametrize("size", [(50, 48), (48, 48), (64, 49), (30, 20), (32, 30)])
+def test_depthai_of_no_mode(tmp_path: Path, size: tuple[int, int]):
+    path = tmp_path / "oak.json"
+    save_rig(SMALL, path, format="depthai")
+    with pytest.raises(
+        InputError, match=r"rig.resized\(size\) if the images are scaled, rig.cropped\(size\) if they are"
+    ):
+        load_rig(path, size=size)
 
 
 def test_depthai_whose_cameras_are_linked_to_a_third(tmp_path: Path):
