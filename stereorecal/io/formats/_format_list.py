@@ -18,9 +18,11 @@ from stereorecal.io.formats import (
     _opencv,
     _orb_slam,
     _pinhole_and_baseline,
+    _realsense,
     _ros,
     _stereorecal,
     _vins,
+    _zed,
 )
 from stereorecal.io.formats._calibration_template import said_of
 from stereorecal.io.formats._format import Documents, Format
@@ -42,6 +44,8 @@ FORMATS: tuple[Format, ...] = (
     _vins,
     _orb_slam,
     _pinhole_and_baseline,
+    _zed,
+    _realsense,
     _opencv,
 )
 NAMES = tuple(format.NAME for format in FORMATS)

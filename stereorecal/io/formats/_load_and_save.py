@@ -65,8 +65,8 @@ def load_rig(
         wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
-            "leave size out, and change the rig: rig.resized(size) if the images are scaled, rig.cropped(size) if they are "
-            "cut out of the middle."
+            "leave size out, and change the rig: rig.resized(size) if the images are scaled, rig.cropped(size) if they "
+            "are cut out of the middle."
         )
     warn_of_units(" and ".join(map(str, paths)), rig)
     return rig

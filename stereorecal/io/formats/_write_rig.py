@@ -101,7 +101,8 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
             wide, high = old.size
             raise InputError(
                 f"the file is for images of {wide}x{high}, and the rig for {new.size[0]}x{new.size[1]}; write "
-                f"`rig.resized(({wide}, {high}))` if it was scaled, or a new file: `dataclasses.replace(rig, source=None)`, no template."
+                f"`rig.resized(({wide}, {high}))` if it was scaled, or a new file: "
+                "`dataclasses.replace(rig, source=None)`, no template."
             )
         if old.model != new.model:
             raise InputError(

@@ -9,7 +9,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, read_text
-from stereorecal.io.formats.text import _json, _lines, _numbers_only, _xml, _yaml
+from stereorecal.io.formats.text import _json, _lines, _numbers_only, _titled, _xml, _yaml
 from stereorecal.io.formats.text._binary import binary_text
 from stereorecal.io.formats.text._guard import check_flat
 from stereorecal.io.formats.text._keys import Values
@@ -25,6 +25,8 @@ class Syntax(Enum):
     EQUALS = "lines 'key=values'"
     NUMBERS = "lines of numbers"
     SECTIONS = "ost.txt of ROS"
+    INI = "INI file"
+    DEVICES = "text of rs-enumerate-devices"
 
 
 _Parsed = Callable[[str], dict[str, Any]]
@@ -37,12 +39,16 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
     Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
     Syntax.NUMBERS: (_numbers_only.parsed_numbers, _numbers_only.unchangeable),
     Syntax.SECTIONS: (_numbers_only.parsed_sections, _numbers_only.unchangeable),
+    Syntax.INI: (_titled.parsed_ini, _numbers_only.unchangeable),
+    Syntax.DEVICES: (_titled.parsed_devices, _numbers_only.unchangeable),
 }
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
 _SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
 _OST = re.compile(r"^\[[^\]\n]+\]\s*$.*^camera matrix\s*$", re.MULTILINE | re.DOTALL)
+_INI = re.compile(r"^\[[A-Za-z_][^\]\n]*\][ \t]*\r?\n(?:[ \t]*(?:[#;].*)?\r?\n)*[ \t]*\w+[ \t]*=", re.MULTILINE)
+_DEVICES = re.compile(r'^\s*(?:In|Ex)trinsic (?:of|from) "', re.MULTILINE)
 _PYTHON = re.compile(r"\{\s*(?:#[^\n]*\n\s*)*'")  # a dict with comments, as mrcal writes it, which YAML has, too
 _YAML = re.compile(r"\s*(?:#[^\n]*\n\s*)*(?:%YAML|---|[\w.\"' -]+:(?:[\s\[{]|\Z))")  # what its first line has
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
@@ -116,6 +122,10 @@ def _syntax_of(text: str, lines: bool) -> Syntax:
         return Syntax.NUMBERS
     if lines and _OST.search(text):
         return Syntax.SECTIONS
+    if lines and start not in "{<" and _DEVICES.search(text):
+        return Syntax.DEVICES
+    if lines and start not in "{<" and _INI.search(text):
+        return Syntax.INI
     if _PYTHON.match(text.lstrip()):
         return Syntax.YAML
     if start == "{" or (start == "[" and not _SECTION.search(text)):
