@@ -44,6 +44,7 @@ class Assessment:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         excluded: numbers of the frames that show another rig than the others.
         matching_cost: units that matching again took.
+        covered_first: share of the image that the first matches cover.
         mismatch: why the images cannot be of this rig; None: they can, or nobody asked.
     """
 
@@ -56,6 +57,7 @@ class Assessment:
     tiles: Int[np.ndarray, "2 k tiles"]
     excluded: tuple[int, ...]
     matching_cost: float
+    covered_first: float
     mismatch: Mismatch | None = None
 
     @property
@@ -92,7 +94,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
     at = chart.coordinates_of(end_rig)
     found = _matched(case, run, chart, at) if fewer else run.found
-    estimate_of = _estimator(case, found, end_rig)
+    estimate_of, covered_first = _estimator(case, found, end_rig), found.covered
     excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
     while not disagree and again < _MATCHED_AGAIN:
         likely = estimated.with_free(case.free.names)
@@ -121,7 +123,9 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = (again + fewer) * case.images.at(run.scale).cost
-    return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
+    return Assessment(
+        used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost, covered_first
+    )
 
 
 def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
@@ -130,7 +134,9 @@ def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
     Raises:
         InputError: if they are certainly no left and right image of it.
     """
-    mismatch = mismatch_of(case.images, case.matcher, assessment.seen.covered)
+    best = assessment.seen.covered  # a candidate that is refused may match by what it should not change
+    covered = best if assessment.reason.healthy else min(best, assessment.covered_first)
+    mismatch = mismatch_of(case.images, case.matcher, covered, best)
     if mismatch is None:
         return assessment
     seen = replace(assessment.seen, wrong_input=True)

@@ -82,13 +82,16 @@ class Mismatch:
         }
 
 
-def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mismatch | None:
-    """Why images match too little; None if they match enough, or if no mistake explains it and their features fit the
-    rig but for a rotation: then it is out of calibration.
+def mismatch_of(
+    images: Pyramid, matcher: AbstractMatcher, covered: float, best: float | None = None
+) -> Mismatch | None:
+    """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
+    it is out of calibration, unless its camera matrices are those of another size.
 
     Args:
         matcher: its disparity range is measured anew for each mistake.
-        covered: share of the image that matches, under the best candidate there is.
+        covered: share of the image that matches.
+        best: the same under a candidate that was found to be none; default `covered`.
 
     Raises:
         InputError: if the images are certainly no left and right image of this rig.
@@ -98,12 +101,14 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
         return None
     motion, found = host.refuse_swapped_images(images), Mismatch(covered)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
+        if motion.turned and cause.name != "scaled":
+            continue
         share = _covered(rig, pairs, images, matcher)
         if share > max(_BETTER * covered, found.covered_without, sparse):
             found = Mismatch(covered, cause, share)
     if found.cause is not None:
         return found
-    if motion.turned or not (motion.aside or covered < sparse):
+    if motion.turned or not (motion.aside or max(covered, best or 0.0) < sparse):
         return None
     return Mismatch(covered, two_moments=motion.aside)
 

@@ -209,3 +209,27 @@ def test_tolerances_that_make_no_sense(command, drifted_scene: Path, verb: str, 
     answer = command(verb, drifted_scene, *options)
     assert answer.code == 2
     assert said in answer.err
+
+
+@pytest.mark.slow(after=3)
+def test_what_is_fixed_is_said_and_written(command, clean_scene: Path, tmp_path: Path):
+    scene = load_scene(clean_scene)
+    (pair,) = scene.pairs
+    swapped, doubled = tmp_path / "swapped", tmp_path / "doubled"
+    save_scene(replace(scene, pairs=(replace(pair, left=pair.right, right=pair.left, origin=None),)), swapped)
+    left, right = (replace(of, matrix=np.diag([2.0, 2.0, 1.0]) @ of.matrix) for of in (scene.rig.left, scene.rig.right))
+    save_scene(replace(scene, rig=replace(scene.rig, left=left, right=right)), doubled)
+    assert command("score", swapped).code == 2
+    answer = command("score", swapped, "--fix", "exchanged", "--json", tmp_path / "out.json")
+    assert answer.code == 0
+    assert "left and right exchanged (--fix exchanged)" in answer.err
+    assert json.loads((tmp_path / "out.json").read_text())["settings"]["fix"] == "exchanged"
+    answer = command("recalibrate", doubled, "--fix", "scaled", "--output", tmp_path / "calib.json")
+    assert answer.code == 0
+    assert "K scaled by 0.5 (--fix scaled)" in answer.err
+    assert "calib.json: written" in answer.out, "though nothing is repaired, the file had another K"
+    written = sr.io.load_rig(tmp_path / "calib.json")
+    np.testing.assert_allclose(written.left.focal, scene.rig.left.focal, rtol=0.01)
+    for words in ((swapped, doubled), (swapped, "--every", 2), (swapped,)):
+        fix = "late" if "--every" in words else "exchanged" if len(words) > 1 else "early"
+        assert command("score", *words, "--fix", fix).code == 2
