@@ -1,14 +1,14 @@
 """The camera matrix: rounding taken out of it, and what is none refused by its right name."""
 
 import numpy as np
+from jaxtyping import Float
 
-from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
 
 _ROUNDING = 1e-6  # of single precision and of six printed digits, in parts of what stands beside
 
 
-def exact_matrix(matrix: Mat3) -> Mat3:
+def exact_matrix(matrix: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
     """[[fx 0 cx] [0 fy cy] [0 0 1]]: a finite camera matrix whose zeros and one may be rounded.
 
     Raises:

@@ -35,6 +35,8 @@ sys.path[:0] = [str(TESTS), str(TESTS / "io" / "formats")]
 from bags import write_bag  # noqa: E402  beside this suite's tests
 from damage import damaged  # noqa: E402
 from every import SAMPLES  # noqa: E402
+from test_matrices_under_any_names import D1, D2, K1, K2, R, T  # noqa: E402
+from test_read_only_forms import FORMS  # noqa: E402
 from trees import TREES  # noqa: E402
 
 from stereorecal import online  # noqa: E402
@@ -76,6 +78,13 @@ def cases(folder: Path) -> dict[str, Case]:
         found[name] = Case(
             files_of(place), lambda at, paths=paths, s=sample: load_rig(*(at / p for p in paths), size=s.size)
         )
+    for name, make in (FORMS | {"npz": npz, "texts": texts}).items():
+        place = folder / f"form {name}"
+        place.mkdir()
+        paths = [path.name for path in make(place)]
+        found[f"form {name}"] = Case(
+            files_of(place), lambda at, paths=paths: load_rig([at / p for p in paths], size=(640, 480))
+        )
     rig = default_rig().resized((160, 120))
     scene = render("harbour", 0, rig=rig, frames=3)
     save_scene(scene, folder / "scene")
@@ -115,6 +124,17 @@ def cases(folder: Path) -> dict[str, Case]:
     table = b"pair,column,row,metres,sigma\n0,20,30,10.5,0.1\n0,21,30,inf,\n"
     found["ranges"] = Case({"ranges.csv": table}, lambda at: load_ranges(at / "ranges.csv"))
     return found
+
+
+def npz(folder: Path) -> list[Path]:
+    np.savez(folder / "a.npz", mtx_l=K1, dist_l=D1, mtx_r=K2, dist_r=D2, R=R, T=T)
+    return [folder / "a.npz"]
+
+
+def texts(folder: Path) -> list[Path]:
+    for name, value in (("K_l", K1), ("d_l", D1), ("K_r", K2), ("d_r", D2), ("R", R), ("T", T)):
+        np.savetxt(folder / f"{name}.txt", value)
+    return sorted(folder.iterdir())
 
 
 def read_log(folder: Path) -> None:

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.io.formats._numbers import numbers
+from stereorecal.io.formats._numbers import numbers, unpacked
 from stereorecal.io.formats.text._keys import Keys, at
 
 Array = Float[np.ndarray, "..."]
@@ -102,6 +102,9 @@ def derived_values(content: Mapping[str, Any], arrays: Mapping[str, Array]) -> d
 
 
 def size_of(content: Mapping[str, Any], keys: Keys) -> int:
-    """How many numbers stand under a key; 0 if there is none."""
-    stated = at(content, keys)
-    return int(np.size(stated["data"] if isinstance(stated, Mapping) else stated)) if stated is not None else 0
+    """How many numbers stand under a key; 0 if there is none, or they are no array."""
+    stated = unpacked(at(content, keys))
+    try:
+        return int(np.size(stated)) if stated is not None else 0
+    except ValueError:  # rows of different lengths, which the reader of numbers names
+        return 0

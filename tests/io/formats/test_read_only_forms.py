@@ -92,8 +92,10 @@ def matlab(folder: Path, **how) -> list[Path]:
     return [folder / "a.json"]
 
 
-def mat(folder: Path) -> list[Path]:
-    savemat(folder / "a.mat", {"s": struct()})
+def mat(folder: Path, compressed: bool = False) -> list[Path]:
+    cells = np.empty(2, object)
+    cells[0], cells[1] = "a.png", {"corners": np.zeros((3, 2))}
+    savemat(folder / "a.mat", {"s": struct(), "images": cells}, do_compression=compressed)
     return [folder / "a.mat"]
 
 
@@ -103,6 +105,7 @@ FORMS = {
     "vins": vins,
     "matlab": matlab,
     "matlab .mat": mat,
+    "matlab -v7": lambda folder: mat(folder, compressed=True),
     "matlab new": lambda folder: matlab(folder, old=False),
     "matlab inches": lambda folder: matlab(folder, unit="inches"),
 }

@@ -2,7 +2,7 @@
 
 import io
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +11,11 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, note_input
 from stereorecal.io._strict_json import strict_json_text
+from stereorecal.io.formats.text._mat_file import variables
 
 _LARGEST = 1 << 24  # bytes of a file
 _MOST = 1000  # numbers of an array: a matrix of a camera has few, and images and maps are not needed
 _DAMAGED = "cannot be read, or truncated; copy or write it again."
-_OBJECTS = (
-    "it holds objects that only MATLAB reads; in MATLAB write s = toStruct(stereoParams) and save('calib.mat', 's', "
-    "'-v7'), or the text of jsonencode(toStruct(stereoParams)) to a .json file."
-)
 
 
 def binary_text(path: Path) -> str | None:
@@ -45,7 +42,7 @@ def binary_text(path: Path) -> str | None:
             content = reader(data, path.stem)
         except InputError:
             raise
-        except Exception:  # damaged files end in errors of many kinds: of zlib, of struct, of NumPy, of SciPy
+        except Exception:  # damaged files end in errors of many kinds: of zlib, of NumPy, of Python
             raise InputError(_DAMAGED) from None
         try:
             return strict_json_text(content)
@@ -83,12 +80,7 @@ def _npz(data: bytes, _: str) -> dict[str, Any]:
 
 
 def _mat(data: bytes, _: str) -> dict[str, Any]:
-    from scipy.io import loadmat  # a tenth of a second to import, and few need it
-
-    content = loadmat(io.BytesIO(data), simplify_cells=True)
-    if "None" in content or b"MCOS" in data:
-        raise InputError(_OBJECTS)
-    return {key: _small(value) for key, value in content.items() if not key.startswith("__")}
+    return {name: _small(value) for name, value in variables(data).items()}
 
 
 def _small(value: Any, depth: int = 0) -> Any:
@@ -98,14 +90,8 @@ def _small(value: Any, depth: int = 0) -> Any:
             return {str(key): _small(inside, depth + 1) for key, inside in value.items()}
         case np.ndarray() if value.dtype.kind in "iufb" and value.size <= _MOST:
             return value.tolist()
-        case np.ndarray() if value.dtype.kind == "O" and value.size <= _MOST:
-            return [_small(inside, depth + 1) for inside in _items(value)]
-        case str() | int() | float():
+        case list() if depth < 6:
+            return [_small(inside, depth + 1) for inside in value]
+        case str():
             return value
-        case np.generic() if value.dtype.kind in "iufb":
-            return value.item()
     return None
-
-
-def _items(value: np.ndarray) -> Iterator[Any]:
-    yield from (value.ravel() if value.ndim else ())
