@@ -11,7 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io.formats._format import Documents
 from stereorecal.io.formats._matrix_values import Array
-from stereorecal.io.formats._numbers import unpacked
+from stereorecal.io.formats._numbers import array_or_none, unpacked
 from stereorecal.io.formats.text._keys import Keys
 
 _SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
@@ -21,6 +21,7 @@ _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
 _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "coefs", "kc"}
 _NO_LENS = {"roi", "size", "resolution", "quat", "quaternion", "q", "intrinsics", "intrinsic", "shape"}
+_INTRINSICS = {"fx", "fy", "cx", "cy", "f", "focal", "intrinsic", "intrinsics", "intr", "k", "mtx", "principal"}
 _OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undistorted", "projection", "p", "error"}
 _ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground"}
 _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window", "win", "chessboard", "corner", "roi"}
@@ -29,6 +30,7 @@ WAY_OUT = (  # of a message
     "give the numbers to sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), or fill in the calib.json that "
     "`stereorecal convert FILE calib.json --template` writes."
 )
+_LONGEST = 200  # characters of a name
 _DEEPEST = 6  # levels of maps
 
 
@@ -79,21 +81,10 @@ def _entries(content: Any, place: Keys) -> Iterator[Entry]:
         items = inside.items()
     elif isinstance(inside, list) and any(isinstance(item, Mapping) for item in inside):
         items = enumerate(inside)
-    elif len(place) > 1:
-        yield Entry(place, ".".join(map(str, place[1:])), content, _array(inside))
+    elif sum(len(str(key)) for key in place) < _LONGEST:
+        yield Entry(place, ".".join(map(str, place[1:])), content, array_or_none(inside))
     for key, value in items if len(place) < _DEEPEST else ():
         yield from _entries(value, (*place, key))
-
-
-def _array(value: Any) -> Array | None:
-    try:
-        array = np.array(value)
-    except ValueError:
-        return None
-    if array.dtype.kind not in "if" or not np.isfinite(array).all():
-        return None
-    array = array.astype(float)
-    return np.atleast_1d(array.squeeze()) if array.ndim else array
 
 
 # --- roles --------------------------------------------------------------------------------------------------
@@ -212,9 +203,16 @@ def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     return next(iter(found.values()), None)
 
 
-def is_between(entry: Entry) -> bool:
-    """Whether it may be a rotation or a translation."""
-    return _is_rotation(entry) or _is_vector(entry)
+def may_be_between(entry: Entry) -> bool:
+    """Whether it may be a rotation, a translation, or both in a matrix."""
+    array = entry.array
+    pose = array is not None and array.shape in ((3, 4), (4, 4)) and np.abs(array[:3, :3]).max() < 1.001
+    return _is_rotation(entry) or _is_vector(entry) or pose
+
+
+def may_be_camera(entry: Entry) -> bool:
+    """Whether it may be the intrinsics of a camera, or one number of them."""
+    return is_camera(entry) or (entry.array is not None and bool(_INTRINSICS & set(entry.words)))
 
 
 def is_camera(entry: Entry) -> bool:
@@ -232,7 +230,8 @@ def _is_lens(entry: Entry) -> bool:
     flat = entry.array.ndim == 1 and entry.array.size in (0, *_COUNTS)
     words = set(entry.words)
     named = bool(_LENS & words)
-    return flat and not (_NO_LENS | _OF_RECTIFIED) & words and (named or entry.array.size >= 4)
+    unnamed = entry.array.size >= 4 and not _NO_LENS & words
+    return flat and not _OF_RECTIFIED & words and (named or unnamed)
 
 
 def _is_rotation(entry: Entry) -> bool:

@@ -41,6 +41,15 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
     return array
 
 
+def array_or_none(stated: Any) -> Float[np.ndarray, "..."] | None:
+    """What is stated as a finite float64 array, as `numbers` reads it, of any shape; None if it is none."""
+    try:
+        array = _array(unpacked(stated), "")
+    except InputError:
+        return None
+    return np.atleast_1d(array.squeeze()) if array.ndim else array
+
+
 def value(content: Mapping[str, Any], key: str) -> Any:
     """The value under a key.
 

@@ -1,18 +1,19 @@
 """OpenCV's FileStorage: YAML, XML or JSON with K1 (or M1) D1 K2 D2 R T, or the same matrices under other names, nested,
 in one file or in several; the stereo_calib sample writes two."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import cv2
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, coefficients
-from stereorecal.io.formats._matrix_roles import WAY_OUT, is_between, is_camera
+from stereorecal.io.formats._matrix_roles import WAY_OUT, may_be_between, may_be_camera
 from stereorecal.io.formats._matrix_values import (
     Array,
     camera_matrix,
@@ -177,6 +178,10 @@ def _model(content: Mapping[str, Any]) -> str:
     Raises:
         UnsupportedModelError: if the file names one that is not known.
     """
+    if any(re.fullmatch(r"(.*[._])?xi[_\d]*", str(name), re.IGNORECASE) for name in content):
+        raise UnsupportedModelError(
+            "xi is a lens of cv2.omnidir; give sr.StereoRig.from_matrices(…, model='omni') with D = xi k1 k2 p1 p2."
+        )
     stated = content.get(_MODEL)
     return "equidistant" if content.get(_FISHEYE) else Camera.model if stated is None else model_named(stated)
 
@@ -188,12 +193,10 @@ def _check_both_parts(matrices: Matrices) -> None:
     between = bool({names["R"], names["T"]} & content.keys())
     if cameras and between:
         return
-    of_kind = [str(entry) for entry in matrices.entries if (is_between if cameras else is_camera)(entry)]
+    of_kind = [str(entry) for entry in matrices.entries if (may_be_between if cameras else may_be_camera)(entry)]
     if of_kind and (cameras or between):
-        what = "the rotation and the translation between the cameras" if cameras else "the left and the right camera"
-        raise InputError(
-            f"{what} are not told from each other by the names ({', '.join(of_kind[:_LISTED])}); {WAY_OUT}"
-        )
+        missing = "rotation (R) and translation (T)" if cameras else "a left and a right camera matrix (K1, K2)"
+        raise InputError(f"{missing} are not found among {', '.join(of_kind[:_LISTED])}; {WAY_OUT}")
     there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
     raise InputError(
         f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "

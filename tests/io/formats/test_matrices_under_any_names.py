@@ -141,7 +141,12 @@ EYE = np.eye(3).tolist()
             {"imageSize": None, "raw_size": [640, 480], "cam_size": [320, 240]},
             "the image size may be cam_size 320x240 or raw_size 640x480",
         ),
-        ({"A_1": None, "A_2": None, "A_x": K1.tolist(), "A_y": K2.tolist()}, "by the names (A_x (3x3), A_y (3x3))"),
+        (
+            {"A_1": None, "A_2": None, "A_x": K1.tolist(), "A_y": K2.tolist()},
+            "not found among A_x (3x3), A_y (3x3)",
+        ),
+        ({"R": None, "T": None, "pose": np.eye(4).tolist()}, "(T) are not found among pose (4x4)"),
+        ({"xi_1": 1.2, "xi_2": 1.1}, "xi is a lens of cv2.omnidir"),
         ({"R": None, "R_imu": EYE}, "the key 'R' is missing"),
         ({"R": [20.0, 1.0, 2.0]}, "no rotation vector in radians"),
         ({"imageSize": None, "board_size": [90, 60]}, "the file has no image size"),
