@@ -8,7 +8,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents
-from stereorecal.io.formats._matrix_roles import WAY_OUT, entries_of
+from stereorecal.io.formats._matrix_entries import WAY_OUT, entries_of
 from stereorecal.io.formats.text._document import Document, read_document
 
 _SHOWN = 12

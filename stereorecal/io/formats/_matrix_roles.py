@@ -1,21 +1,12 @@
 """Which matrix is which in a file of matrices under any names: by shape, and by the sides and words in their names."""
 
-import re
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from stereorecal._errors import InputError
 from stereorecal.io.formats._format import Documents
-from stereorecal.io.formats._matrix_values import Array
-from stereorecal.io.formats._numbers import array_or_none, unpacked
-from stereorecal.io.formats.text._keys import Keys
+from stereorecal.io.formats._matrix_entries import Entry, entries_of, pair_of, partners, same_as, several
 
-_SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
-          ("master", "slave"), ("primary", "secondary"), ("izq", "der"), ("links", "rechts"))  # fmt: skip
 _COUNTS = (1, 2, 3, 4, 5, 8, 12, 14)
 _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
@@ -23,97 +14,10 @@ _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", 
 _NO_LENS = {"roi", "size", "resolution", "quat", "quaternion", "q", "intrinsics", "intrinsic", "shape"}
 _INTRINSICS = {"fx", "fy", "cx", "cy", "f", "focal", "intrinsic", "intrinsics", "intr", "k", "mtx", "principal"}
 _OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undistorted", "projection", "p", "error"}
-_ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground"}
+_ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground", "h",
+              "homography"}  # fmt: skip
 _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window", "win", "chessboard", "corner", "roi"}
 _SMALLEST = 16  # pixels: fewer are squares of a chessboard
-WAY_OUT = (  # of a message
-    "give the numbers to sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), or fill in the calib.json that "
-    "`stereorecal convert FILE calib.json --template` writes."
-)
-_LONGEST = 200  # characters of a name
-_DEEPEST = 6  # levels of maps
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A value of a file.
-
-    Attributes:
-        place: the number of the document, and the keys in it.
-        name: what messages call it: the keys, joined by dots.
-        array: the numbers, or None if it holds something else.
-    """
-
-    place: Keys
-    name: str
-    value: Any
-    array: Array | None
-
-    @property
-    def words(self) -> list[str]:
-        """Of the name, in small letters: camera, matrix, l of cameraMatrixL."""
-        return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
-
-    def __str__(self) -> str:
-        shape = () if self.array is None else self.array.shape
-        return f"{self.name} ({'x'.join(map(str, shape)) or 'one value'})"
-
-
-def entries_of(documents: Documents) -> list[Entry]:
-    """All values of some documents. An array that has the name of another one in another file is named after its file,
-    too."""
-    found = [(document, entry) for i, document in enumerate(documents) for entry in _entries(document.content, (i,))]
-    arrays = [entry.name for _, entry in found if entry.array is not None and entry.array.size > 1]
-    twice = {name for name, count in Counter(arrays).items() if count > 1}
-    stem = re.compile(r"([^/\\]*?)(\.\w+)?\Z")
-    return [
-        Entry(entry.place, f"{stem.search(document.name)[1]}.{entry.name}", entry.value, entry.array)  # pyright: ignore
-        if entry.name in twice
-        else entry
-        for document, entry in found
-    ]
-
-
-def _entries(content: Any, place: Keys) -> Iterator[Entry]:
-    inside = unpacked(content)
-    items: Any = ()
-    if isinstance(inside, Mapping):
-        items = inside.items()
-    elif isinstance(inside, list) and any(isinstance(item, Mapping) for item in inside):
-        items = enumerate(inside)
-    elif sum(len(str(key)) for key in place) < _LONGEST:
-        yield Entry(place, ".".join(map(str, place[1:])), content, array_or_none(inside))
-    for key, value in items if len(place) < _DEEPEST else ():
-        yield from _entries(value, (*place, key))
-
-
-# --- roles --------------------------------------------------------------------------------------------------
-
-
-def pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
-    """The two entries whose names differ by their side alone, left first; None if there are none.
-
-    Raises:
-        InputError: if there are several pairs, with other numbers.
-    """
-    by_name = {entry.name.lower(): entry for entry in entries}
-    pairs = [
-        (entry, by_name[other]) for name, entry in by_name.items() for other in _partners(name) if other in by_name
-    ]
-    if len({_numbers_of(*pair) for pair in pairs}) > 1:
-        raise _several(what, [f"{one.name} and {other.name}" for one, other in pairs])
-    return pairs[0] if pairs else None
-
-
-def _partners(name: str) -> Iterator[str]:
-    """What the right camera's name may be if this is the left one's."""
-    for left, right in _SIDES:
-        if left in name:
-            places = [found.start() for found in re.finditer(left, name)]
-            yield from dict.fromkeys(
-                [name.replace(left, right), *(name[:at] + right + name[at + len(left) :] for at in places)]
-            )
-    yield from (f"{name}2", f"{name}_2")
 
 
 def cameras_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
@@ -167,12 +71,12 @@ def _between(
     """What stands once, not once for each camera, and is named so; or, if it may be `alone`, is the only one."""
     found = [entry for entry in entries if fits(entry) and not (_OF_RECTIFIED | _ELSEWHERE) & set(entry.words)]
     names = {entry.name.lower() for entry in found}
-    paired = {name for one in names for other in _partners(one) if other in names for name in (one, other)}
+    paired = {name for one in names for other in partners(one) if other in names for name in (one, other)}
     single = [entry for entry in found if entry.name.lower() not in paired]
     named = [entry for entry in single if words & set(entry.words)]
     chosen = named or (single if alone else [])
-    if len({_numbers_of(entry) for entry in chosen}) > 1:
-        raise _several(what, [entry.name for entry in chosen])
+    if len({same_as(entry) for entry in chosen}) > 1:
+        raise several(what, [entry.name for entry in chosen])
     return chosen[0] if chosen else None
 
 
@@ -199,7 +103,7 @@ def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
         if of in sides["height"]:
             found[" ".join((*of, "width and height"))] = (width, sides["height"][of])
     if len(set(found.values())) > 1:
-        raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
+        raise several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
     return next(iter(found.values()), None)
 
 
@@ -243,11 +147,3 @@ def _is_rotation(entry: Entry) -> bool:
 
 def _is_vector(entry: Entry) -> bool:
     return entry.array is not None and entry.array.shape == (3,)
-
-
-def _numbers_of(*entries: Entry) -> bytes:
-    return b"|".join(b"" if entry.array is None else entry.array.tobytes() for entry in entries)
-
-
-def _several(what: str, names: Sequence[str]) -> InputError:
-    return InputError(f"{what} may be {' or '.join(dict.fromkeys(names))}; remove what is not meant, or {WAY_OUT}")

@@ -13,7 +13,8 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import check_held, coefficients
-from stereorecal.io.formats._matrix_roles import WAY_OUT, may_be_between, may_be_camera
+from stereorecal.io.formats._matrix_entries import WAY_OUT
+from stereorecal.io.formats._matrix_roles import may_be_between, may_be_camera
 from stereorecal.io.formats._matrix_values import (
     Array,
     camera_matrix,

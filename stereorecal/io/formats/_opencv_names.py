@@ -6,10 +6,9 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._matrix_entries import Entry, entries_of
 from stereorecal.io.formats._matrix_roles import (
-    Entry,
     cameras_in,
-    entries_of,
     lenses_in,
     rectifications_in,
     rotation_in,
