@@ -239,3 +239,28 @@ def test_a_bracket_without_space_is_opencv_too(tmp_path: Path):
     moved = rig.with_extrinsics(rig.extrinsics * 1.01)
     save_rig(moved, new, overwrite=True)
     assert_same(load_rig(new, unit="m"), moved)
+
+
+# --- forms of others ----------------------------------------------------------------------------------------
+
+
+def test_a_folder_of_arrays_with_rectification_and_maps_beside(tmp_path: Path):
+    """As the Python package StereoVision writes it."""
+    R1, R2, P1, P2, Q, *_ = cv2.stereoRectify(K1, D1, K2, D2, SIZE, R, T[:, None])
+    values = {"rot_mat": R, "trans_vec": T[:, None], "e_mat": K1 @ R, "f_mat": K1 / 3, "disp_to_depth_mat": Q}
+    sides = {"cam_mats": (K1, K2), "dist_coefs": (D1[None], D2[None]), "rect_trans": (R1, R2), "proj_mats": (P1, P2),
+             "valid_boxes": ((1, 2, 630, 470), (3, 4, 620, 460)), "undistortion_map": (np.zeros((48, 64)),) * 2,
+             "rectification_map": (np.zeros((48, 64)),) * 2}  # fmt: skip
+    values |= {f"{key}_{side}": pair[i] for key, pair in sides.items() for i, side in enumerate(("left", "right"))}
+    for name, value in values.items():
+        np.save(tmp_path / f"{name}.npy", value)
+    assert_same(load_rig(tmp_path, unit="m", size=SIZE))
+
+
+def test_results_of_bouguets_toolbox(tmp_path: Path):
+    path, three = tmp_path / "Calib_Results_stereo.mat", np.ones((3, 1))
+    values = {"KK_left": K1, "KK_right": K2, "kc_left": D1[:, None], "kc_right": D2[:, None], "om": RVEC[:, None]}
+    values |= {"R": R, "T": 1000 * T[:, None], "kc_left_error": D2[:, None], "kc_right_error": D1[:, None]}
+    values |= {"om_error": three, "T_error": three, "omc_left_1": three, "Tc_left_1": three, "Rc_left_1": R.T}
+    savemat(path, values | {"fc_left": [[500.0], [501.0]], "nx": 640.0, "X_left_1": np.zeros((3, 54))})
+    np.testing.assert_allclose(load_rig(path, unit="mm", size=SIZE).extrinsics, RIG.extrinsics, atol=1e-12)
