@@ -46,11 +46,11 @@ _PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
 _SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
-_OST = re.compile(r"^\[[^\]\n]+\]\s*$.*^camera matrix\s*$", re.MULTILINE | re.DOTALL)
+_OST = re.compile(r"^camera matrix[ \t\r]*$", re.MULTILINE)  # a line of its own, as no other text has it
 _INI = re.compile(r"^\[[A-Za-z_][^\]\n]*\][ \t]*\r?\n(?:[ \t]*(?:[#;].*)?\r?\n)*[ \t]*\w+[ \t]*=", re.MULTILINE)
 _DEVICES = re.compile(r'^\s*(?:In|Ex)trinsic (?:of|from) "', re.MULTILINE)
 _PYTHON = re.compile(r"\{\s*(?:#[^\n]*\n\s*)*'")  # a dict with comments, as mrcal writes it, which YAML has, too
-_YAML = re.compile(r"\s*(?:#[^\n]*\n\s*)*(?:%YAML|---|[\w.\"' -]+:(?:[\s\[{]|\Z))")  # what its first line has
+_YAML = re.compile(r"%YAML|---|[\w.\"'][\w.\"' -]{,100}:(?:[\s\[{]|\Z)")  # what its first line has
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 
@@ -89,7 +89,7 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
         InputError: naming the file, if it cannot be parsed.
     """
     with about(name):
-        guessed = syntax is None and lines and not _YAML.match(text)
+        guessed = syntax is None and lines and not _YAML.match(_first_line(text))
         syntax = syntax or _syntax_of(text, lines)
         if syntax is not Syntax.JSON:  # whose parser looks after itself
             check_flat(text)
@@ -114,6 +114,12 @@ def read_document(
     if binary is not None:
         return document(path, binary, Syntax.JSON)
     return document(path, read_text(path, if_missing), syntax, lines=lines)
+
+
+def _first_line(text: str) -> str:
+    """That is neither empty nor a comment."""
+    lines = (line.strip() for line in text.splitlines())
+    return next((line for line in lines if line and not line.startswith("#")), "")
 
 
 def _syntax_of(text: str, lines: bool) -> Syntax:

@@ -13,9 +13,14 @@ _SECTION = re.compile(r"\[(.+)\]")
 
 def numbers_in(text: str) -> list[list[float]] | None:
     """The numbers of each line; None if there is anything else but comments."""
-    rows = [re.split(r"[\s,;]+", line.partition("#")[0].strip(" \t\r,;")) for line in text.splitlines()]
-    found = [[number_or_word(word) for word in row] for row in rows if row != [""]]
-    return found if found and all(isinstance(one, float) for row in found for one in row) else None  # pyright: ignore
+    rows = []
+    for line in text.splitlines():
+        words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
+        row = [number for word in words if isinstance(number := number_or_word(word), float)]
+        if len(row) < len(words):
+            return None
+        rows += [row] if row else []
+    return rows or None
 
 
 def parsed_numbers(text: str) -> dict[str, Any]:
