@@ -63,7 +63,8 @@ def _camera(stated: Sequence[Mapping[str, Any]], name: str, size: tuple[int, int
         cameras = [_one(each, size) for each in rectified]
         if any(not np.array_equal(each.matrix, cameras[0].matrix) for each in cameras):
             raise InputError(
-                f"it has two intrinsics for images of {size[0]}x{size[1]}; remove those of the other format."
+                f"it has two intrinsics for images of {size[0]}x{size[1]}; keep those of one device, and of the format "
+                "of the images."
             )
         return cameras[0]
 

@@ -26,8 +26,9 @@ FILES = 1
 UNIT = "mm"
 
 _SIZES = {"VGA": (672, 376), "HD": (1280, 720), "FHD": (1920, 1080), "2K": (2208, 1242), "SVGA": (960, 600),
-          "FHD1200": (1920, 1200), "4K": (3840, 2160)}  # fmt: skip
+          "FHD1200": (1920, 1200), "QHDPLUS": (3200, 1800), "4K": (3840, 2160)}  # fmt: skip
 _LENS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4")
+_FISHEYE = ("K1", "K2", "K3", "K4")
 _WIDEST = 0.1  # radians between the two cameras
 
 
@@ -81,6 +82,8 @@ def _camera(content: Mapping[str, Any], side: str, name: str, size: tuple[int, i
             raise InputError(f"its lens is not the one in {shared}; remove the one that is wrong.")
         with about(shared if shared in content else "lens"):
             value(lens, "K1")
-            distortion = np.array([float(numbers({key: 0.0, **lens}, key, ())) for key in _LENS])
+            fisheye = "K4" in lens and "P1" not in lens  # the tool writes these four, and no others, of a fisheye
+            names = _FISHEYE if fisheye else _LENS
+            distortion = np.array([float(numbers({key: 0.0, **lens}, key, ())) for key in names])
         matrix = pinhole_matrix(np.array([float(numbers(camera, key, ())) for key in ("FX", "FY", "CX", "CY")]))
-        return Camera(size, matrix, distortion)
+        return Camera(size, matrix, distortion, model="equidistant" if fisheye else Camera.model)

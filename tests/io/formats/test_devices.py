@@ -66,6 +66,15 @@ def test_zed_with_one_lens_for_all_sizes(tmp_path: Path):
     )
 
 
+def test_zed_with_fisheyes(tmp_path: Path):
+    """Four coefficients and no tangential ones; they were read as k1 k2 and k3 k4 of OpenCV's pinhole."""
+    disto = "k1 = 0.1\nk2 = -0.02\nk3 = 0.003\nk4 = -0.0004\n"
+    text = "\n".join([*zed_sections(lens=""), f"[LEFT_DISTO]\n{disto}", f"[RIGHT_DISTO]\n{disto}"])
+    rig = load_rig(written(tmp_path, text), size=(1280, 720))
+    assert rig.left.model == rig.right.model == "equidistant"
+    np.testing.assert_array_equal(rig.left.distortion, [0.1, -0.02, 0.003, -0.0004])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "size", "said"),
     [
@@ -143,6 +152,12 @@ def test_realsense(tmp_path: Path, size: tuple[int, int]):
     backwards = written(tmp_path, start.rpartition("Extrinsic")[0] + "Extrinsic" + back, "backwards.txt")
     check_motion(load_rig(backwards, size=size))
     refused(lambda: save_rig(rig, tmp_path / "new.txt", format="realsense"), "is read, not written")
+
+
+def test_two_realsenses_in_one_text(tmp_path: Path):
+    """The program prints all devices that are plugged in."""
+    path = written(tmp_path, printed() + printed().replace("320.25", "321.5"))
+    refused(lambda: load_rig(path, size=(640, 480)), "it has two intrinsics for images of 640x480; keep those of one")
 
 
 def test_realsense_fisheyes(tmp_path: Path):

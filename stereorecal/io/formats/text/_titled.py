@@ -45,7 +45,7 @@ def parsed_devices(text: str) -> dict[str, Any]:
         elif numbers is not None:
             values = [number_or_word(word) for word in (words if sign else line).split()]
             numbers.extend(values if len(numbers) < 12 else [])
-        elif sign and found["intrinsics"] and not found["extrinsics"]:
+        elif sign and found["intrinsics"]:
             values = [number_or_word(word) for word in words.split()]
             found["intrinsics"][-1].setdefault(key.strip(), values[0] if len(values) == 1 else values)
     return found
