@@ -19,7 +19,7 @@ SEARCH = "matching and search"
 FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
 FORMATS = (
     "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
-    "mrcal, vins, orbslam, foundationstereo, zed, realsense"
+    "mrcal, vins, orbslam, foundationstereo, zed, realsense, camera_info"
 )
 _LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
 

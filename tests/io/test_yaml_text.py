@@ -48,7 +48,8 @@ def test_what_cannot_be_told_apart_is_refused():
     with pytest.raises(InputError, match="the key 'R' occurs twice"):
         _yaml.parsed("R: [1.0]\nT: 2\nR: [3.0]\n")
     with pytest.raises(InputError, match="several YAML documents"):
-        _yaml.parsed("a: 1\n---\na: 2\n")
+        _yaml.parsed("a: 1\n---\nb: 2\n")
+    assert _yaml.parsed("a: 1\n---\na: 2\n") == {"documents": [{"a": 1}, {"a": 2}]}  # echoed messages
     for end in ("---\n", "---\n---\n", "---\n...\n"):  # as `ros2 topic echo` ends
         assert _yaml.parsed(f"a: 1\n{end}") == {"a": 1}
     assert _yaml.parsed("a: 1\na: 1\nb: x\nb: y\n") == {"a": 1, "b": "y"}  # the same, or words

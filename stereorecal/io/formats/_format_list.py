@@ -7,6 +7,7 @@ from stereorecal._errors import InputError
 from stereorecal.io.formats import (
     _basalt,
     _boofcv,
+    _camera_info,
     _depthai,
     _euroc,
     _kalibr,
@@ -35,6 +36,7 @@ FORMATS: tuple[Format, ...] = (
     _basalt,
     _depthai,
     _ros,
+    _camera_info,
     _euroc,
     _middlebury,
     _kitti_raw,

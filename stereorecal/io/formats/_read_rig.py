@@ -21,6 +21,7 @@ from stereorecal.io.formats._lens_numbers import trimmed
 from stereorecal.io.formats._rig_file import RigFile
 from stereorecal.io.formats._stored_prior import ENDING, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
+from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
 
 _ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
 _BINARY = (".npz", ".npy", ".mat")  # read where a folder has no texts: most are images and maps
@@ -126,6 +127,8 @@ def _recognised(documents: Documents) -> Format:
         raise InputError(
             f"{names}: this is one of two files ({half.NAME}: {half.ABOUT}); give both, left before right."
         )
+    if any(document.content.keys() == {DOCUMENTS} for document in documents):
+        raise InputError(f"{names}: {SEVERAL}")
     if len(documents) == 2:
         return _likely(documents, names)
     raise InputError(f"{names}: {unknown(documents)}")

@@ -1,6 +1,10 @@
 """ROS camera_info, one file for each camera: YAML, or the message as echo prints it; the extrinsics are implied by the
 rectification."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
 
 from stereorecal._arrays import Vec3
@@ -16,6 +20,7 @@ from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions
 from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._keys import Keys
+from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 NAME = "ros"
 ABOUT = "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)"
@@ -28,6 +33,7 @@ _SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
     "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
     "width height K D R P",
     "width height k d r p",
+    "width height camera_matrix distortion rectification projection",  # of ost.txt, with spaces for underscores
 )
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
@@ -56,16 +62,69 @@ projection_matrix:
 """
 
 
+@dataclass(frozen=True)
+class Part:
+    """What a document says of one camera.
+
+    Attributes:
+        document: as if it said nothing else.
+        places: where that stands in the whole; several, if its message was printed several times.
+        name: of the camera.
+    """
+
+    document: Document
+    places: tuple[Keys, ...]
+    name: str
+
+
+def parts_of(document: Document) -> list[Part]:
+    """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
+    several, found = document.content.get(DOCUMENTS), list[tuple[Part, list[Any]]]()
+    maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
+    if document.syntax is Syntax.SECTIONS:
+        sections = ((key, one) for key, one in document.content.items() if isinstance(one, Mapping) and key != "image")
+        maps = [((key,), _with_underscores({**document.content.get("image", {}), **one})) for key, one in sections]
+    for place, content in maps or [((), document.content)]:
+        part = replace(document, content=content)
+        said = [content.get(key) for key in ("distortion_model", *(_spelling(part) or "").split())]
+        known = next((one for one in found if one[1] == said), None) if _spelling(part) else None
+        if known is not None:
+            found[found.index(known)] = (Part(known[0].document, (*known[0].places, place), known[0].name), said)
+        elif _spelling(part):
+            name = content.get("camera_name") or (content.get("header") or {}).get("frame_id") or "".join(place[:1])
+            found.append((Part(part, (place,), str(name)), said))
+    return [part for part, _ in found]
+
+
+def _with_underscores(content: Mapping[str, Any]) -> dict[str, Any]:
+    return {key.replace(" ", "_"): item for key, item in content.items()}
+
+
 def can_read(documents: Documents) -> bool:
     """Whether both files have what only ROS has."""
-    return len(documents) == 2 and all(_spelling(document) is not None for document in documents)
+    return len(documents) == 2 and all(map(parts_of, documents))
+
+
+def _only(document: Document) -> Part:
+    """The one camera of a file, or the file itself, whose reader says what it lacks.
+
+    Raises:
+        InputError: if there are several.
+    """
+    parts = parts_of(document) or [Part(document, ((),), "")]
+    if len(parts) > 1:
+        raise InputError(
+            f"{document.name}: it holds {len(parts)} calibrations that differ; keep one of each camera: in a file for "
+            "each, or both in one, which is given alone."
+        )
+    return parts[0]
 
 
 def _spelling(document: Document) -> str | None:
     """The keys that a file has; None if it has those of none."""
     for keys in _SPELLINGS:
         _, _, matrix, _, *rectified = keys.split()
-        more = set() if keys is _SPELLINGS[0] else {"distortion_model"}  # K, R and P alone may be anybody's
+        more = {"distortion_model"} if len(matrix) == 1 else set()  # K, R and P alone may be anybody's
         if {matrix, *rectified, *more} <= document.content.keys():
             return keys
     return None
@@ -87,8 +146,13 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
 
     KITTI's cameras have x, y and z; cameras one above the other, y.
     """
+    return rig_of_parts(*(_only(document).document for document in documents))
+
+
+def rig_of_parts(*documents: Document) -> StereoRig:
+    """The rig of two cameras, left before right."""
     (left, to_left, left_place), (right, to_right, place) = (_camera(document) for document in documents)
-    with about(f"{documents[0].name} and {documents[1].name}"):
+    with about(" and ".join(dict.fromkeys(document.name for document in documents))):
         if np.array_equal(place, left_place):
             raise InputError(
                 f"{_names(documents[1])['projection']} has no baseline (its fourth column is the same in both files); "
@@ -132,26 +196,35 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
 def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
     """ROS camera_info files: rectification and projection matrices, with the files' own options; intrinsics of the
     cameras of the target."""
-    P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in target.documents)
-    options = options_of(read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    parts = [_only(document) for document in target.documents]
+    values = values_of(rig, target, *parts)
+    return tuple(document.with_values(new) for document, new in zip(target.documents, values, strict=True))
+
+
+def values_of(rig: StereoRig, target: Target, left: Part, right: Part) -> list[dict[Keys, Any]]:
+    """What to write for the left and for the right camera, everywhere where it is printed."""
+    documents = left.document, right.document
+    P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in documents)
+    options = options_of(rig_of_parts(*documents), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
     made = rectification_of(rig, options)
-    sides = ((rig.left, target.left), (rig.right, target.right))
-    texts = []
-    for side, (document, (camera, wanted)) in enumerate(zip(target.documents, sides, strict=True), start=1):
-        values, names = dict[Keys, object](), _names(document)
+    found = []
+    for side, (part, camera, wanted) in enumerate(
+        ((left, rig.left, target.left), (right, rig.right, target.right)), start=1
+    ):
+        content, names, values = part.document.content, _names(part.document), dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side}"], names["projection"]: made[f"P{side}"]}
         if wanted:
-            model, lens = _lens(camera, size_of(document.content, (names["lens"],)))
+            model, lens = _lens(camera, size_of(content, (names["lens"],)))
             arrays[names["matrix"]] = np.asarray(camera.matrix)
             if camera.model == "equidistant":
                 arrays[names["lens"]] = lens
-            elif np.any(lens) or document.content.get("distortion_model", model) not in (None, "", "none"):
+            elif np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
                 arrays[names["lens"]] = lens
-                values |= {("distortion_model",): model} if "distortion_model" in document.content else {}
+                values |= {("distortion_model",): model} if "distortion_model" in content else {}
         for key, array in arrays.items():
-            values.update(matrix_values(document.content, (key,), array))
-        texts.append(document.with_values(values))
-    return tuple(texts)
+            values.update(matrix_values(content, (key,), array))
+        found.append({(*place, *keys): value for place in part.places for keys, value in values.items()})
+    return found
 
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:

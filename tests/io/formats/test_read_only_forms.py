@@ -11,7 +11,7 @@ from scipy.io import savemat
 from test_matrices_under_any_names import D1, D2, K1, K2, RIG, SIZE, R, T, assert_same
 from test_refusals import refused
 
-from stereorecal import CalibrationWarning, UnsupportedModelError
+from stereorecal import UnsupportedModelError
 from stereorecal.io import load_rig, save_rig, save_template
 
 POSE = np.vstack([np.c_[R, T], [0, 0, 0, 1]])
@@ -181,9 +181,7 @@ def test_what_camera_calibration_prints(tmp_path: Path):
         text += f"projection\n{rows(P)}\n\n"
     path = tmp_path / "ost.txt"
     path.write_text(text)
-    with pytest.warns(CalibrationWarning, match="no unit"):
-        load_rig(path)
-    rig = load_rig(path, unit="m")
+    rig = load_rig(path)
     np.testing.assert_allclose(rig.extrinsics, RIG.extrinsics, atol=1e-9)
     refused(lambda: save_rig(rig, path, overwrite=True), "the ending contradicts what is to be written")
 

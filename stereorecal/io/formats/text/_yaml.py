@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import yaml
-from yaml.composer import Composer, ComposerError
+from yaml.composer import Composer
 from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
@@ -38,11 +38,14 @@ if yaml.__with_libyaml__:
 else:
     _Loader = yaml.SafeLoader  # pyright: ignore[reportAssignmentType]
 
+DOCUMENTS = "documents"  # the key of several documents in one text
+SEVERAL = "it holds several YAML documents; keep the one of the calibration."
 DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all.
+    """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all. Several
+    documents of the same keys, as messages that were printed one after the other, are a list under `documents`.
 
     Raises:
         InputError: if it is no YAML, or no mapping, or a key occurs twice with different numbers.
@@ -89,13 +92,10 @@ def _composed(text: str) -> Node:
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
-        node = yaml.compose(text, _Loader)
-    except ComposerError as error:
-        if "single document" in str(error):
-            raise InputError("it holds several YAML documents; keep the one of the calibration.") from None
-        node = None
+        nodes = list(yaml.compose_all(text, _Loader))
     except (yaml.YAMLError, UnicodeError, RecursionError):
-        node = None
+        nodes = []
+    node = nodes[0] if len(nodes) == 1 else _list_of(nodes) if nodes else None
     if node is None:
         raise InputError(DAMAGED)
     try:
@@ -104,6 +104,18 @@ def _composed(text: str) -> Node:
     except RecursionError:
         raise InputError(DAMAGED) from None
     return node
+
+
+def _list_of(nodes: list[Node]) -> Node:
+    """Several documents as one.
+
+    Raises:
+        InputError: if they are not of one kind.
+    """
+    keys = {frozenset(str(key.value) for key, _ in one.value) for one in nodes if isinstance(one, MappingNode)}
+    if len(keys) != 1 or not all(isinstance(one, MappingNode) for one in nodes):
+        raise InputError(SEVERAL)
+    return MappingNode("map", [(ScalarNode("word", DOCUMENTS), SequenceNode("list", nodes))])
 
 
 def _count(node: Node, known: dict[int, float]) -> float:
