@@ -16,6 +16,7 @@ from stereorecal.geometry._intrinsics import (
     ray_slopes as ray_slopes,
     reread as reread,
 )
+from stereorecal.geometry._other_size import fitted_to as fitted_to
 from stereorecal.geometry._rectification import (
     rectifying_rotations as rectifying_rotations,
     rectifying_slopes as rectifying_slopes,

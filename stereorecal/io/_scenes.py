@@ -9,6 +9,7 @@ from pathlib import Path
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._format_list import named
@@ -77,6 +78,7 @@ def calibrated_scene(
     with about(where):
         scene = scene_of(name, found, read)
     remark_sizes(where, sizes)
+    warn_of_size(where, scene.rig)
     warn_of_units(where, scene.rig)
     return scene
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, checked_rig
+from stereorecal.geometry import StereoRig, checked_rig, fitted_to
 from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._pair import Pair
 
@@ -21,11 +21,11 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
         raise InputError("no image pair was given; give at least one.")
     for pair in pairs:
         if not rig.left.size == rig.right.size == pair.size:
+            one = f", or {fitted_to(rig.left.size, pair.size)}" if rig.left.size == rig.right.size else ""
             raise InputError(
                 f"{pair.name}: the images are {pair.size[0]}x{pair.size[1]}, but the calibration is for "
                 f"{rig.left.size[0]}x{rig.left.size[1]} (left) and {rig.right.size[0]}x{rig.right.size[1]} (right); "
-                "use images and calibration of the same size, or change the rig: rig.resized(size) if the images are "
-                "scaled, rig.cropped(size) if they are cut."
+                f"use images and calibration of the same size{one}."
             )
         check_two_images(pair)
     return pairs

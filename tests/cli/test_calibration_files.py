@@ -97,7 +97,7 @@ def test_a_file_that_is_only_read_is_not_replaced(command, rig: sr.StereoRig, si
     words = ("recalibrate", *sides, "--calibration", path, "--unit", "m", *unworked)
     refused(command(*words, "--in-place"), "a.npz: the ending contradicts what is to be written")
     settings = tmp_path / "b.yaml"
-    camera = "Camera.fx: 50.0\nCamera.fy: 50.0\nCamera.cx: 60.0\nCamera.cy: 40.0\nCamera.bf: 5.0\n"
+    camera = "Camera.fx: 50.0\nCamera.fy: 50.0\nCamera.cx: 79.5\nCamera.cy: 59.5\nCamera.bf: 5.0\n"
     settings.write_text("%YAML:1.0\n---\n" + camera)
     words = ("recalibrate", *sides, "--calibration", settings, *unworked)
     refused(command(*words, "--in-place"), "is read, not written; write the rig as opencv")

@@ -7,12 +7,13 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._units import checked_unit
-from stereorecal.geometry import StereoRig, checked_rig, whole_size
+from stereorecal.geometry import StereoRig, checked_rig, fitted_to, whole_size
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
 from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
@@ -53,7 +54,8 @@ def load_rig(
 
     Warns:
         CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
-            than 5 mm, as of a rig in other units.
+            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of images whose
+            size the file does not say.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
     if not 1 <= len(paths) <= _MOST_FILES:
@@ -65,9 +67,9 @@ def load_rig(
         wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
-            "leave size out, and change the rig: rig.resized(size) if the images are scaled, rig.cropped(size) if they "
-            "are cut out of the middle."
+            f"leave size out, and {fitted_to(rig.left.size, size)}."
         )
+    warn_of_size(" and ".join(map(str, paths)), rig)
     warn_of_units(" and ".join(map(str, paths)), rig)
     return rig
 

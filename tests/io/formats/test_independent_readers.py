@@ -179,7 +179,7 @@ def test_depthai_of_no_mode(tmp_path: Path, size: tuple[int, int]):
     path = tmp_path / "oak.json"
     save_rig(SMALL, path, format="depthai")
     with pytest.raises(
-        InputError, match=r"rig.resized\(size\) if the images are scaled, rig.cropped\(size\) if they are"
+        InputError, match=r"leave size out, and (crop the rig: rig\.cropped|calibrate for these images)"
     ):
         load_rig(path, size=size)
 
