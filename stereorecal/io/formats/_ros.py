@@ -82,8 +82,9 @@ def parts_of(document: Document) -> list[Part]:
     several, found = document.content.get(DOCUMENTS), list[tuple[Part, list[Any]]]()
     maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
-        sections = ((key, one) for key, one in document.content.items() if isinstance(one, Mapping) and key != "image")
-        maps = [((key,), _with_underscores({**document.content.get("image", {}), **one})) for key, one in sections]
+        sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
+        image = sections.pop("image", {})
+        maps = [((key,), _with_underscores({**image, **one})) for key, one in sections.items()]
     for place, content in maps or [((), document.content)]:
         part = replace(document, content=content)
         said = [content.get(key) for key in ("distortion_model", *(_spelling(part) or "").split())]
@@ -91,7 +92,9 @@ def parts_of(document: Document) -> list[Part]:
         if known is not None:
             found[found.index(known)] = (Part(known[0].document, (*known[0].places, place), known[0].name), said)
         elif _spelling(part):
-            name = content.get("camera_name") or (content.get("header") or {}).get("frame_id") or "".join(place[:1])
+            header = content.get("header")
+            frame = header.get("frame_id") if isinstance(header, Mapping) else None
+            name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
             found.append((Part(part, (place,), str(name)), said))
     return [part for part, _ in found]
 

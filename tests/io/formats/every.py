@@ -89,6 +89,11 @@ SAMPLES: dict[str, Sample] = {
     "ros 1 messages": Sample(samples.ROS_1_MESSAGES, ".yaml", frozenset({"R", "P"})),
     "ros 2 messages": Sample(tuple(map(samples.as_ros_2, samples.ROS_1_MESSAGES)), ".yaml", frozenset({"r", "p"})),
     "kalibr": Sample((samples.KALIBR,), ".yaml", frozenset({"cam1.T_cn_cnm1", "cam1.T_cam_imu"})),
+    "messages of both": Sample(
+        ("\n---\n".join([*samples.ROS_1_MESSAGES, samples.ROS_1_MESSAGES[0]]),),
+        ".yaml",
+        frozenset(f"documents.{at}.{key}" for at in range(3) for key in "RP"),
+    ),
     "kalibr on imu": Sample((on_imu(samples.KALIBR, "T_cam_imu"),), ".yaml", frozenset({"cam1.T_cam_imu"})),
     "kalibr to imu": Sample((on_imu(samples.KALIBR, "T_imu_cam"),), ".yaml", frozenset({"cam1.T_imu_cam"})),
     "euroc": Sample(samples.EUROC_PAIR, ".yaml", frozenset({"T_BS"})),
