@@ -176,9 +176,17 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
         check_model(stated, _MODELS)
         check_no_lens(stated, lens)
         model = "equidistant" if stated in _EQUIDISTANT else Camera.model
-        camera = Camera(size, _matrix(document, names["matrix"], (3, 3)), lens, model=model)
-        rotation = _matrix(document, names["rotation"], (3, 3))
+        matrix, rotation = (_matrix(document, names[role], (3, 3)) for role in ("matrix", "rotation"))
         projection = _matrix(document, names["projection"], (3, 4))
+        if not np.any(matrix):
+            raise InputError(f"{names['matrix']} is 0: this camera is not calibrated; calibrate it.")
+        if not np.any(rotation):  # as ZED's driver leaves it for its rectified images
+            if np.any(lens) or not np.array_equal(matrix, projection[:, :3]):
+                raise InputError(
+                    f"{names['rotation']} is 0, and the images are not rectified; calibrate the two as stereo."
+                )
+            rotation = np.eye(3)
+        camera = Camera(size, matrix, lens, model=model)
         if not np.any(projection):
             raise InputError(f"{names['projection']} is 0; calibrate the two as stereo.")
         with about(names["projection"]):

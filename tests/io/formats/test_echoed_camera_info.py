@@ -77,3 +77,16 @@ def test_files_that_are_no_pair(tmp_path: Path):
     refused(lambda: load_rig(one), "it holds several YAML documents")
     one.write_text("a: 1\n---\na: 2\n")
     refused(lambda: load_rig(one), "it holds several YAML documents")
+
+
+def test_matrices_that_a_driver_left_empty(tmp_path: Path):
+    """Of rectified images, a rotation of zeros is none; else nothing tells it."""
+    (_, _, _, P1), (_, _, _, P2) = matrices(samples.RIG)
+    paths, nothing = [tmp_path / "l.yaml", tmp_path / "r.yaml"], np.zeros((3, 3))
+    for path, P in zip(paths, (P1, P2), strict=True):
+        path.write_text(message([P[:, :3], np.zeros(5), nothing, P]))
+    np.testing.assert_allclose(load_rig(*paths).extrinsics, [0, 0, 0, -samples.RIG.baseline, 0, 0], atol=1e-12)
+    paths[1].write_text(message([P2[:, :3], np.full(5, 0.01), nothing, P2]))
+    refused(lambda: load_rig(*paths), "R is 0, and the images are not rectified; calibrate")
+    paths[1].write_text(message([nothing, np.zeros(5), np.eye(3), P2]))
+    refused(lambda: load_rig(*paths), "K is 0: this camera is not calibrated")
