@@ -19,7 +19,6 @@ from stereorecal.scoring import pyramid
 from stereorecal.synthetic import KINDS, decalibrate
 
 SIZE, SAD_ANY = (320, 240), SAD()
-_FEW_FEATURES = ("bedroom_chair",)  # exit code 5, not 2
 
 
 def scaled(rig: StereoRig, ratio: float) -> StereoRig:
@@ -35,6 +34,16 @@ def late(pairs: list[Pair], by: int) -> list[Pair]:
     """The right images came so many frames later; the first have none."""
     both = zip(pairs[max(by, 0) :], pairs[max(-by, 0) :], strict=False)
     return [replace(pair, right=other.right, origin=None) for pair, other in both]
+
+
+def answer(rig: StereoRig, pairs: list[Pair]) -> str:
+    """What is said of images that are not to be accepted."""
+    try:
+        solution = recalibrate(rig, pairs)
+    except InputError as error:
+        return str(error)
+    assert not solution.accepted
+    return solution.verdict
 
 
 @pytest.fixture
@@ -65,7 +74,7 @@ def test_frames_that_are_one_aside_are_corrected(rig_and_pairs, by, name):
     assert corrected.right is pairs[1].right
 
 
-@pytest.mark.slow(after=5)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize(("by", "name", "when"), [(1, "early", "later"), (-1, "late", "earlier")])
 def test_frames_that_are_one_aside_are_named(data_dir: Path, by, name, when):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
@@ -113,27 +122,23 @@ def test_what_no_mistake_explains_is_said_shortly(two_moments):
     assert "--fix" not in said.advice
 
 
-@pytest.mark.slow(after=20)
+@pytest.mark.slow
 def test_no_exchanged_pair_is_accepted_and_no_true_pair_named(data_dir: Path):
-    every = 0
+    every = certain = 0
     for calibration in sorted(data_dir.glob("*/*/calib.json")):
         if (given := load_scene(calibration.parent)).rig is None:
             continue
         every += 1
         pair = given.pairs[0]
         assert mismatch_of(pyramid(given.rig, [pair]), SAD_ANY, 0.0) is None, given.name
-        exchanged = [replace(pair, left=pair.right, right=pair.left, origin=None)]
-        if given.name in _FEW_FEATURES:
-            said = recalibrate(given.rig, exchanged)
-            assert said.findings.mismatch.cause.name == "exchanged"
-            assert not said.accepted
-            continue
-        with pytest.raises(InputError, match="look swapped"):
-            recalibrate(given.rig, exchanged)
+        said = answer(given.rig, [replace(pair, left=pair.right, right=pair.left, origin=None)])
+        assert "swapped" in said or "left and right exchanged" in said, given.name
+        certain += "swapped" in said
+    assert certain >= 18, "exit code 2, not 5"
     assert every > 18
 
 
-@pytest.mark.slow(after=10)
+@pytest.mark.slow
 def test_images_of_two_moments_on_the_move(data_dir: Path):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
     wrong = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs[:8:2], given.pairs[1:9:2], strict=True)]
@@ -145,7 +150,7 @@ def test_images_of_two_moments_on_the_move(data_dir: Path):
     assert found.as_dict()["mismatch"]["two_moments"] is True
 
 
-@pytest.mark.slow(after=5)
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("ratio", [0.5, 2.0])
 def test_k_of_another_size_of_a_real_rig(data_dir: Path, ratio):
     given = load_scene(data_dir / "boofcv_bumblebee2/garden01")
@@ -156,14 +161,14 @@ def test_k_of_another_size_of_a_real_rig(data_dir: Path, ratio):
         assert "--fix scaled" in said.advice
 
 
-@pytest.mark.slow(after=10)
+@pytest.mark.slow
 def test_late_images_whose_times_explain_a_motion_are_not_accepted(data_dir: Path):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
     wrong = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs, given.pairs[1:], strict=False)][::5]
     assert not recalibrate(given.rig, wrong).accepted
 
 
-@pytest.mark.slow(after=10)
+@pytest.mark.slow
 def test_what_cannot_be_of_the_rig_takes_no_part_in_a_joint_estimate(data_dir: Path):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
     late = [replace(a, right=b.right, origin=None) for a, b in zip(given.pairs[:8:2], given.pairs[1:9:2], strict=True)]
