@@ -102,15 +102,24 @@ def is_coarse(pair: Pair) -> bool:
 
 
 def _is_interlaced(image: Float[np.ndarray, "h w"]) -> bool:
-    """Whether odd rows look more like the mean of their neighbours when they are moved along. Some rows are enough."""
+    """Whether odd rows look more like their neighbours when they are moved to one side, and like the next odd rows
+    where they are: a slanted stripe does not, and the colours of a raw image do as well to the other side."""
     height, width = image.shape
     if height < 2 * _EVERY or width <= 4 * _ASIDE:
         return False
-    odd = image[1 : height - 1 : _EVERY]
-    even = 0.5 * (image[0 : height - 2 : _EVERY] + image[2:height:_EVERY])[:, _ASIDE : width - _ASIDE]
+    rows = np.arange(2, height - 2, _EVERY) // 2 * 2 + 1
+    rows = rows[rows < height - 2]
     moves = range(-_ASIDE, _ASIDE + 1)
-    apart = [float(np.abs(odd[:, _ASIDE + by : width - _ASIDE + by] - even).mean()) for by in moves]
-    return min(apart) < _COMB * apart[_ASIDE]
+
+    def apart(distance: int) -> list[float]:
+        around = 0.5 * (image[rows - distance] + image[rows + distance])[:, _ASIDE : width - _ASIDE]
+        each = (image[rows, _ASIDE + by : width - _ASIDE + by] for by in moves)
+        return [float(np.abs(moved - around).mean()) for moved in each]
+
+    beside, same = apart(1), apart(2)
+    best = int(np.argmin(beside))
+    moved = beside[best] < _COMB * min(beside[_ASIDE], beside[-1 - best])
+    return moved and int(np.argmin(same)) == _ASIDE
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:

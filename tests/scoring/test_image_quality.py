@@ -1,5 +1,6 @@
 """Light and texture of images, also of those that show a lens' image circle on black."""
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
@@ -27,6 +28,21 @@ def test_what_an_image_circle_leaves_out_does_not_count(radius, x, y):
     assert found.shown == pytest.approx(disc.mean(), abs=0.03)
     assert found.brightness == pytest.approx(TEXTURE.mean(), abs=15.0)
     assert found.enough
+
+
+@pytest.mark.parametrize("period", [2.2, 2.6, 3.0, 4.5])
+def test_slanted_stripes_are_not_interlaced(period):
+    y, x = np.mgrid[:240, :320]
+    left, right = (np.asarray(128 + 99 * np.sin(2 * np.pi * ((x + by) / 9 + y / period)), np.float32) for by in (0, 2))
+    assert not image_quality(Pair(left, right)).interlaced
+
+
+def test_a_raw_mosaic_is_not_interlaced():
+    smooth = cv2.resize(np.random.default_rng(0).uniform(40, 200, (30, 40)).astype(np.float32), (320, 240))
+    mosaic = smooth.copy()
+    mosaic[::2, ::2] *= 0.6
+    mosaic[1::2, 1::2] *= 1.25
+    assert not image_quality(Pair(mosaic, np.roll(mosaic, 4, axis=1))).interlaced
 
 
 def test_all_of_an_ordinary_image_counts():
