@@ -22,7 +22,7 @@ from stereorecal.recalibration._many import (
     sharing as sharing,
 )
 from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen
-from stereorecal.recalibration._mismatch import CAUSES as CAUSES, Cause as Cause, Mismatch as Mismatch, fixed as fixed
+from stereorecal.recalibration._mismatch import Cause as Cause, Mismatch as Mismatch, fixed as fixed
 from stereorecal.recalibration._prepared_case import what_may_change as what_may_change
 from stereorecal.recalibration._prior_use import (
     PriorUse as PriorUse,

@@ -144,14 +144,14 @@ def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:
-    quality = max(case.images.quality, key=lambda one: one.texture)
+    quality = case.images.best_quality
     places = np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
     return Seen(
         matches=found.found,
         covered=found.covered,
         places=len(places),
         texture=quality.texture,
-        enough=any(one.enough for one in case.images.quality),
+        enough=case.images.enough,
         problem=quality.problem if all(one.misleading for one in case.images.quality) else None,
     )
 

@@ -133,13 +133,12 @@ def _ended(case: Case, stages: tuple[StageRun, ...], *, cut: bool, signal: bool)
         return ending_of_assessment(case, assessment)
     tiles = counts(case, end_rig)
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
-        enough = any(one.enough for one in case.images.quality)
         mismatch = (
             None
             if cut or run is None or run.found is None
             else mismatch_of(case.images, case.matcher, run.found.covered)
         )
-        return Ending(end_rig, reason_of(None, Seen(enough=enough, cut=cut)), tiles, mismatch=mismatch)
+        return Ending(end_rig, reason_of(None, Seen(enough=case.images.enough, cut=cut)), tiles, mismatch=mismatch)
     before, after = tiles.sum(axis=(1, 2)).tolist()
     return Ending(end_rig, verdict_on_count(before, after, signal=signal), tiles)
 

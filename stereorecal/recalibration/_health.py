@@ -200,16 +200,14 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     run, assessment = look
     assessment = None if assessment is None else without_mismatch(case, assessment)
     score = _score(images, case.matcher)
-    quality = max(images.quality, key=lambda one: one.texture)
-
-    few = Seen(enough=any(one.enough for one in images.quality))
+    few = Seen(enough=images.enough)
     reason = reason_of(None, few) if assessment is None else assessment.reason
     found = Health(
         score=score,
         row_error=float("nan"),
         reason=reason,
         covered=run.found.covered if run.found is not None else 0.0,
-        shown=quality,
+        shown=images.best_quality,
         correction=None,
         doubts=doubtful,
         view=images.view,

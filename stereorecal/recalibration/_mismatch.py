@@ -14,7 +14,6 @@ from stereorecal.recalibration._schedule import finest_scale
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Pyramid, host, pyramid, select_frames
 
-CAUSES = ("exchanged", "scaled", "late", "early")  # of the right images, the last two
 _YAW = np.radians(1.0)  # that may be missing
 _BETTER = 1.5  # times as much matches
 _RATIOS = (1 / 4, 1 / 3, 3 / 8, 1 / 2, 2 / 3, 3 / 4, 4 / 3, 3 / 2, 2.0, 8 / 3, 3.0, 4.0)  # of sizes of images
@@ -96,8 +95,8 @@ def mismatch_of(
     Raises:
         InputError: if the images are certainly no left and right image of this rig.
     """
-    sparse = ENOUGH.of_texture * max(one.texture for one in images.quality)
-    if covered >= 2.0 * sparse or not any(one.enough for one in images.quality):
+    sparse = ENOUGH.of_texture * images.best_quality.texture
+    if covered >= 2.0 * sparse or not images.enough:
         return None
     motion, found = host.refuse_swapped_images(images), Mismatch(covered)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
@@ -118,7 +117,7 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
 
     Args:
         pairs: all that follow each other, where some are a frame late.
-        name: of its cause: one of CAUSES.
+        name: of its cause: exchanged, scaled, late or early.
 
     Raises:
         InputError: if calibration and images do not say how.

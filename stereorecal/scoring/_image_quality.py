@@ -116,10 +116,10 @@ def _is_interlaced(image: Float[np.ndarray, "h w"]) -> bool:
         each = (image[rows, _ASIDE + by : width - _ASIDE + by] for by in moves)
         return [float(np.abs(moved - around).mean()) for moved in each]
 
-    beside, same = apart(1), apart(2)
+    beside = apart(1)
     best = int(np.argmin(beside))
     moved = beside[best] < _COMB * min(beside[_ASIDE], beside[-1 - best])
-    return moved and int(np.argmin(same)) == _ASIDE
+    return moved and int(np.argmin(apart(2))) == _ASIDE
 
 
 def x_slopes(image: Float[np.ndarray, "h w"]) -> Float[np.ndarray, "rows columns"]:

@@ -96,6 +96,16 @@ class Pyramid:
         """That of each pair."""
         return tuple(map(image_quality, self.pairs))
 
+    @property
+    def best_quality(self) -> ImageQuality:
+        """That of the pair with most texture."""
+        return max(self.quality, key=lambda one: one.texture)
+
+    @property
+    def enough(self) -> bool:
+        """Whether a pair of an aligned rig would match."""
+        return any(one.enough for one in self.quality)
+
     def sample(self, scale: float) -> ScoringData:
         """The first pair alone at `scale`: enough for the shapes of all data at that scale."""
         return self.at(scale) if len(self.pairs) == 1 else _prepared(self.rig, self.pairs[:1], self.view, scale)

@@ -1,4 +1,4 @@
-"""Images that cannot be of a rig: the mistake is named, and mended where that is asked for; a drifted rig has none."""
+"""Images that cannot be of a rig: the mistake is named, and corrected where that is asked for."""
 
 import pickle
 from dataclasses import replace

@@ -94,24 +94,22 @@ def _sentence(rig: StereoRig, pair: Pair, of_left: _Features, of_right: _Feature
     if min(len(left), len(right)) < enough:
         return None
     tolerance = _tolerance(rig, pair)
-    rays = _rays_of_matches(rig, (left, first), (right, second))
-    turned, _, agree = _rotation(*rays, tolerance)
     flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
     *_, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
-    if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * agree.sum()) and mirrored.mean() >= _MOST:
+    if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * given.agreeing) and mirrored.mean() >= _MOST:
         return "one of the two images is mirrored; flip it from left to right."
-    if agree.sum() <= _CHANCE:
+    if given.agreeing <= _CHANCE:
         if not (_distinct(first) and _distinct(second)):
             return None  # a texture that repeats has no unambiguous matches in a correct pair either
         if min(clear.sum(), clear_too.sum()) < enough:
             return None  # the sun on waves is elsewhere in each image
         return "the left and right images show different things; give images that both cameras took at the same time."
-    if agree.sum() < _ENOUGH_AGREE or agree.mean() < _MOST:
+    if given.agreeing < _ENOUGH_AGREE or given.agree < _MOST:
         return None
     calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
-    if _angle(turned @ np.diag([-1.0, -1.0, 1.0]), calibrated) < _NEAR:
+    if _angle(given.rotation @ np.diag([-1.0, -1.0, 1.0]), calibrated) < _NEAR:
         return "one of the two images is upside down; turn it by 180 degrees."
-    if _angle(calibrated, np.eye(3)) > _TRANSPOSED and _angle(turned, calibrated.T) < 0.5 * _angle(
+    if _angle(calibrated, np.eye(3)) > _TRANSPOSED and _angle(given.rotation, calibrated.T) < 0.5 * _angle(
         calibrated, np.eye(3)
     ):
         return (
@@ -148,17 +146,21 @@ def _rays_of_matches(
     return _at_depth_1(first), _at_depth_1(second)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Cheirality:
     """Cheirality, once rows are aligned across the given baseline.
 
     Attributes:
+        rotation: of the motion on which most pairs agree, left to right.
+        agreeing: how many do.
         share: of the pairs that agree on a motion, that are not behind both cameras.
         agree, aligned: share of all pairs that agree on the motion, and that this rotation aligns.
         angle: from the given rotation to that one, rad.
         aside: from the given baseline to the direction of the motion, or its opposite, rad.
     """
 
+    rotation: Float[np.ndarray, "3 3"]
+    agreeing: int
     share: float
     agree: float
     aligned: float
@@ -175,21 +177,21 @@ def _cheirality(
     """Of features (pixels, descriptors), if the first images are the left camera's. The sign of parallax tells, since
     the direction of the baseline is known better than any essential matrix has it."""
     rays = _rays_of_matches(rig, left, right)
-    turned, along, agree = _rotation(*rays, tolerance)
-    if agree.sum() <= _CHANCE:
-        return _Cheirality(0.0, 0.0, 0.0, np.pi, 0.0)
+    rotation, along, agree = _rotation(*rays, tolerance)
+    agreeing = int(agree.sum())
+    if agreeing <= _CHANCE:
+        return _Cheirality(rotation, agreeing, 0.0, 0.0, 0.0, np.pi, 0.0)
     calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
     towards = np.asarray(rig.translation, float) / float(rig.baseline)
-    start = turned if _angle(turned, calibrated) < _NEAR else calibrated
+    start = rotation if _angle(rotation, calibrated) < _NEAR else calibrated
     first, second = (found[agree] for found in rays)
     turned = _aligned(first, second, start, towards, tolerance)
     across = np.einsum("ni,ni->n", second, np.cross(towards, first @ turned.T))
     parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
     aligned = float(np.sum(np.abs(across) < tolerance)) / len(agree)
     aside = float(np.arccos(np.clip(abs(along @ towards), 0.0, 1.0)))
-    return _Cheirality(
-        float(np.mean(parallax > _BEHIND)), float(agree.mean()), aligned, _angle(turned, calibrated), aside
-    )
+    share, angle = float(np.mean(parallax > _BEHIND)), _angle(turned, calibrated)
+    return _Cheirality(rotation, agreeing, share, float(agree.mean()), aligned, angle, aside)
 
 
 def _features(image: np.ndarray) -> _Features:
