@@ -108,6 +108,9 @@ class CompareOptions(
     """Decalibrate the rig of each scene several times, let every strategy repair each of them, and compare. Without a
     scene, one is rendered."""
 
+    summary = "decalibrate rigs, and compare how strategies repair them"
+    module = "stereorecal.cli._compare"
+
     @property
     def places(self) -> list[Place]:
         """All files that are to be written."""
@@ -172,6 +175,9 @@ class ReproduceOptions(
     repair from a wrong one (repair); does a repair on one pair hold for the others (generalise); repair from the
     baseline alone (ex-nihilo); repair pair after pair (sequential). Without a log, one is rendered. An interrupted run
     continues where it stopped."""
+
+    summary = "run the paper's experiments"
+    module = "stereorecal.cli._reproduce"
 
     forms = ("[EXPERIMENT …]",)
 

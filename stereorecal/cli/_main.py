@@ -20,8 +20,11 @@ _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
-    options = options_of(sys.argv[1:] if arguments is None else arguments)
     spell_out()
+    try:
+        options = options_of(sys.argv[1:] if arguments is None else arguments)
+    except (InputError, PluginError) as error:  # of a plug-in's command
+        return _report_error(error)
     try:
         return _run(options)
     finally:
@@ -39,9 +42,8 @@ def _run(options: CommonOptions) -> int:
             jax_setup.check_platform()
             if trouble:
                 say(trouble)
-        command = import_module(f"stereorecal.cli.{options.module or f'_{options.verb}'}")
         with _warnings_as_lines(), interruptible():
-            code = command.run(options)
+            code = options.run()
             flush()
             return code
     except Exception as error:

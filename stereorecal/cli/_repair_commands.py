@@ -139,6 +139,9 @@ class RecalibrateOptions(
     cannot be images of this rig: exchanged, of two moments, another size); 130 interrupted. Of
     several recordings, the worst one decides."""
 
+    summary = "repair the calibration of a rig"
+    module = "stereorecal.cli._recalibrate"
+
     @property
     def places(self) -> list[Place]:
         """All files that are to be written."""
@@ -189,6 +192,9 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
     cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot be images
     of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly swapped,
     upside down or of different scenes; 3 internal failure; 130 interrupted."""
+
+    summary = "check a calibration against images"
+    module = "stereorecal.cli._score"
 
     @property
     def places(self) -> list[Place]:
@@ -247,6 +253,9 @@ class MonitorOptions(
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
     tell; 130 interrupted."""
+
+    summary = "watch a rig over a recording, and repair it"
+    module = "stereorecal.cli._monitor"
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
     once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
