@@ -161,6 +161,7 @@ def test_private_modules_stay_in_their_package(package: str):
 def public_names(package: str) -> set[str]:
     """What the `__init__` of a package re-exports; a package that has only public modules offers those."""
     init = CORE.joinpath(*package.split(".")[1:]) / "__init__.py"
+    init = init if not init.with_suffix(".pyi").exists() else init.with_suffix(".pyi")
     exported = {
         alias.asname
         for node in ast.walk(ast.parse(init.read_text()))
