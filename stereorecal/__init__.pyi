@@ -74,14 +74,12 @@ from .recalibration import (
     warm_up as warm_up,
 )
 from .recordings import (
-    Board as Board,
     Log as Log,
     Mission as Mission,
     Odometer as Odometer,
     Pair as Pair,
     Range as Range,
     Scene as Scene,
-    find_boards as find_boards,
     make_pair as make_pair,
 )
 from .reproduction import (

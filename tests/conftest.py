@@ -19,6 +19,7 @@ import pytest
 import typechecking
 from hypothesis import settings
 from moody import Moody
+from real_scenes import data_dir as data_dir
 
 from stereorecal.recordings import Scene
 from stereorecal.reproduction import _synthetic_log
@@ -116,17 +117,6 @@ def _is_worker(config: pytest.Config) -> bool:
 settings.register_profile("stereorecal", derandomize=True, deadline=None)
 settings.load_profile("stereorecal")
 settings.register_profile("quick", settings.default, max_examples=20)  # what takes long has a share of these
-
-
-@pytest.fixture(scope="session")
-def data_dir() -> Path:
-    """The folder of real scenes that the environment variable STEREORECAL_DATA names; skips without it."""
-    name = os.environ.get("STEREORECAL_DATA")
-    if not name:
-        pytest.skip("set STEREORECAL_DATA to the folder of real scenes to run this test")
-    if not Path(name).is_dir():
-        pytest.skip(f"STEREORECAL_DATA={name} is no folder")
-    return Path(name)
 
 
 @pytest.fixture(scope="session")

@@ -119,7 +119,9 @@ class Parser(argparse.ArgumentParser):
     def add_options(self, options: type[CommonOptions]) -> None:
         """Add options, under the titles of their groups."""
         groups: dict[str | None, Any] = {None: self}
-        for name in dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind)):
+        # What other distributions add comes last.
+        kinds = sorted(options.__mro__, key=lambda kind: not kind.__module__.startswith("stereorecal."))
+        for name in dict.fromkeys(name for kind in kinds for name in get_annotations(kind)):
             found: Field[Any] | None = options.__dataclass_fields__.get(name)
             if found is None or not found.metadata:
                 continue

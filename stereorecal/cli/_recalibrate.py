@@ -11,7 +11,6 @@ from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
 from stereorecal.cli import _calibration_output, _library_arguments, _option_values
-from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
 from stereorecal.cli._html_page import check_page, write_report
@@ -47,7 +46,6 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = _settings_from_options(options)
-    check_boards_asked(options)
     check_page(options.html, "repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
@@ -56,7 +54,7 @@ def run(options: RecalibrateOptions) -> int:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
             few = settings.free.everything or bool(settings.free.shared)
             found = recordings(options, few=few and not settings.ranges)
-            boards = boards_of(options)
+            settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
@@ -67,12 +65,13 @@ def run(options: RecalibrateOptions) -> int:
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
-        common = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
+        common = {"ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
+            prior = prior if settings.prior is options.prior else "given"
             content = _content(
                 scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
             )
@@ -114,7 +113,7 @@ def _recalibrated_all(
 
 
 def _settings_from_options(options: RecalibrateOptions) -> Settings:
-    """What the options come to, but for the boards, whose images are read later."""
+    """What the options come to."""
     values = {
         **health_options(options),
         "schedule": _schedule(options),
@@ -163,7 +162,6 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         "tolerances": asdict(settings.tolerances),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
-        "boards": options.boards,
         "odometer": options.odometer,
         "seed": options.seed,
         "fix": options.fix,
@@ -175,8 +173,7 @@ def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, A
     was solved for afterwards."""
     names = "everything" if free.everything else ", ".join(free.names)
     settings = {"free": names, "extrinsics": options.extrinsics}
-    boards = " and ".join(options.boards) if options.boards else "none"
-    return {**settings, "boards": boards, "ranges": options.ranges or "none"}
+    return {**settings, "ranges": options.ranges or "none"}
 
 
 def _saving(

@@ -1,8 +1,9 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_paths import calibration_path, paths
@@ -16,7 +17,6 @@ from stereorecal.cli._shared_options import (
     RIG,
     SEARCH,
     WRITES,
-    BoardOptions,
     DecisionOptions,
     ReachOptions,
     RecordingOptions,
@@ -49,7 +49,7 @@ class _CalibrationOutputOptions:
 
 
 @option_group
-class _FreeOptions(BoardOptions):
+class _FreeOptions:
     """What may move."""
 
     title = RIG
@@ -61,10 +61,6 @@ class _FreeOptions(BoardOptions):
         "several recordings have extrinsics of their own (each) or share them (one: no drift between them)",
         "each",
         metavar="each|one",
-    )
-    boards: tuple[str, str] | None = option(
-        "chessboard images of the initial calibration: a file, a folder or 'left/*.png' each; needs --square",
-        metavar=("LEFT", "RIGHT"),
     )
 
 
@@ -148,11 +144,15 @@ class RecalibrateOptions(
         files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
         return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html")
 
+    def known_of(self, rigs: Sequence[Any]) -> Any:
+        """The prior of the recordings with these rigs; another distribution may know more of them."""
+        return self.prior
+
     def check(self) -> None:
         self.check_recordings()
         self.check_fix(self)
-        if self.fix == "exchanged" and (self.ranges or self.boards):
-            raise InputError("--fix exchanged exchanges images alone; with --ranges or --boards, exchange the files.")
+        if self.fix == "exchanged" and self.ranges:
+            raise InputError("--fix exchanged exchanges images alone; with --ranges, exchange the files.")
         self._check_output()
         degrees_and_fraction(self.reach, "--reach")
         seed(self.seed)

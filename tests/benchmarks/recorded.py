@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import simulated_rigs
+from stereorecal_boards import Board
 
 import stereorecal as sr
 from stereorecal.comparison.judges import DepthByTruth, by_boards, depth_by_truth
@@ -147,7 +148,7 @@ class ByChessboards:
     """Boards: root mean square rows, and depth by the sides of squares."""
 
     stored: sr.StereoRig
-    boards: Sequence[sr.Board]
+    boards: Sequence[Board]
 
     def __call__(self, rig: sr.StereoRig) -> Errors:
         found = by_boards(rig, self.stored, self.boards)

@@ -29,8 +29,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import stereorecal_boards
 from recorded import ByChessboards, ByCorners, ByDepth, BySift
 from sift_rows import sift_matches, sift_rows
+from stereorecal_boards import Board
 from truth_methods import METHODS
 from truth_runs import Options, Tally, finish, rig_of, stated, table_of
 
@@ -198,10 +200,12 @@ def few(options: Options) -> None:
         finish(table, tally, f"few scenes of {rig_name}")
 
 
-def find_boards() -> list[sr.Board]:
+def find_boards() -> list[Board]:
     """The chessboards of bumblebee2; none, if they are not there."""
     folder = DATA / BOARDS
-    return sr.find_boards(sr.io.load_pairs(folder / "left*.jpg", folder / "right*.jpg"), CORNERS, SQUARE)
+    return stereorecal_boards.find_boards(
+        sr.io.load_pairs(folder / "left*.jpg", folder / "right*.jpg"), CORNERS, SQUARE
+    )
 
 
 def sequence(options: Options) -> None:

@@ -48,6 +48,7 @@ CHOICE = (
     "tests/recalibration/test_default_schedule.py",
     "tests/test_imports.py",
     "tests/test_compile_cache.py",
+    "plugins/boards",
     "plugins/compass",
     "plugins/colmap",
     "plugins/features",

@@ -14,17 +14,17 @@ def options(words: str):
 def test_what_is_not_given_has_the_default_of_its_field():
     found = options("recalibrate here")
     assert (found.scenes, found.first, found.every, found.matcher, found.motion) == (("here",), 0, 1, "sad", "auto")
-    assert (found.boards, found.calibration, found.tolerance, found.stop) == (None, None, None, None)
+    assert (found.calibration, found.tolerance, found.stop) == (None, None, None)
     assert (found.dry_run, found.traceback) == (False, False)
     assert options("compare").judge == ()
     assert options("reproduce").experiments == ("all",)
 
 
 def test_values_have_the_types_of_their_fields():
-    words = "recalibrate here there --every 2 --motion off --boards l r --calibration a b --dry-run --from 4"
+    words = "recalibrate here there --every 2 --motion off --maps m.npz --calibration a b --dry-run --from 4"
     found = options(f"{words} --tolerance 2.5 --traceback")
     assert (found.scenes, found.every, found.motion) == (("here", "there"), 2, "off")
-    assert (found.boards, found.calibration) == (("l", "r"), ("a", "b"))
+    assert (found.maps, found.calibration) == ("m.npz", ("a", "b"))
     assert (found.dry_run, found.first, found.tolerance, found.traceback) == (True, 4, 2.5, True)
     assert options("compare --judge x --judge y").judge == ("x", "y")
 
@@ -48,7 +48,7 @@ def test_help_tells_defaults_once_and_shared_options_under_their_title(command, 
         ("diff here", "the following arguments are required: B"),
         ("strategies chekc", "unknown action 'chekc' (did you mean check?)"),
         ("strategies 7", "unknown action '7' (choose one of: list, check)"),
-        ("recalibrate --boards l", "argument --boards: expected 2 arguments"),
+        ("recalibrate --maps", "argument --maps: expected one argument"),
         ("recalibrate --every some", "argument --every: invalid int value: 'some'"),
         ("recalibrate --evrey 2", "unrecognized arguments: --evrey (did you mean --every?)"),
     ],

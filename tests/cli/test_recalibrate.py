@@ -247,43 +247,6 @@ def test_what_is_free_is_checked(command, drifted_scene: Path, words, said):
     assert said in answer.err
 
 
-SQUARE = ("--square", "0.03")
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--boards", "{0}/left.png", "{0}/right.png"), "--boards needs --square"),
-        (SQUARE, "belong to --boards"),
-        (("--board-corners", "9x6"), "belong to --boards"),
-        (("--boards", "{0}/left.png", "{0}/right.png", "--square", "-1"), "give metres"),
-        (("--boards", "{0}/left.png", "{0}/right.png", "--board-corners", "9", *SQUARE), "such as 9x6"),
-        (("--boards", "{0}/left.png", "{0}/right.png", "--prior", "exact", *SQUARE), "give one"),
-        (("--boards", "{0}/no.png", "{0}/right.png", *SQUARE), "no such file"),
-        (("--boards", "{0}/left.png", "{0}/right.png", *SQUARE), "none of 1 pairs shows a chessboard"),
-    ],
-)
-def test_boards_are_checked(command, drifted_scene: Path, words, said):
-    answer = command("recalibrate", drifted_scene, *(word.format(drifted_scene) for word in words))
-    assert answer.code == 2
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
-
-
-@pytest.mark.slow
-def test_boards_of_the_calibration_join_a_repair(command, data_dir: Path, tmp_path: Path):
-    rig, target = data_dir / "boofcv_bumblebee2", tmp_path / "solution.json"
-    boards = [rig / "calibration_chess" / f"{side}0[1-4].jpg" for side in ("left", "right")]
-    words = ("--boards", *boards, "--board-corners", "4x6", *SQUARE, "--json", target)
-    answer = command("recalibrate", rig / "garden01", *words)
-    assert answer.code in (0, 1)
-    content = json.loads(target.read_text())
-    assert content["settings"]["boards"] == [str(place) for place in boards]
-    seen = content["repairs"][0]["estimate"]
-    low, high = (seen[end][seen["names"].index("left.f")] for end in ("low_95", "high_95"))
-    assert high - low < 3.0  # percent; a simulated calibration leaves 3.5
-
-
 def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
     table = tmp_path / "ranges.csv"
     table.write_text("pair,column,row,metres\nnobody,10,10,3.5\n")

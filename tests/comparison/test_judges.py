@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from lenses import WIDE_LENSES
+from stereorecal_boards import Board
 
 import stereorecal as sr
 from stereorecal.comparison.judges import (
@@ -128,7 +129,7 @@ def test_boards_know_the_right_rig_and_the_length_of_squares():
         seen = points @ turn.T + [draw.uniform(-0.3, 0.1), draw.uniform(-0.2, 0.1), draw.uniform(1.2, 1.8)]
         other = seen @ rig.rotation.T + rig.translation
         ends = (c.project(s / s[:, 2:]) for c, s in ((rig.left, seen), (rig.right, other)))
-        boards.append(sr.Board(*ends, points))
+        boards.append(Board(*ends, points))
     right = by_boards(rig, rig, boards)
     assert right.rows_rms_px < 1e-3
     assert abs(right.squares_percent) < 1e-3

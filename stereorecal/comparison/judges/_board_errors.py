@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
+from stereorecal_boards import Board
 
 from stereorecal.comparison.judges._judgement import DEPTH_WORSE, ROWS_WORSE
 from stereorecal.comparison.judges._optics import Pixels, optics
 from stereorecal.comparison.judges._rows import row_differences
 from stereorecal.geometry import StereoRig
-from stereorecal.recordings import Board
 
 _FAR = 30  # baselines, at which depth is judged
 _SIDE = 1.001  # of the shortest distance on a board: longer ones are no side of a square

@@ -5,6 +5,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
+from stereorecal_boards import Board, find_boards
+
 from stereorecal._errors import InputError
 from stereorecal.comparison._truth import DISTANCES
 from stereorecal.comparison.judges._board_errors import by_boards
@@ -20,7 +22,6 @@ from stereorecal.comparison.judges._scene_folders import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_pairs
-from stereorecal.recordings import Board, find_boards
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal.estimation._board_poses import BoardRows
+from stereorecal_boards._poses import BoardRows
 
 WIDTH = 640  # of an image, for which limits in pixels are given
 _FLOOR = 0.05  # pixels, standard deviation: no corner is found better

@@ -5,6 +5,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from real_scenes import data_dir as data_dir
+from stereorecal_boards import Board, covariance_of_boards, find_boards, find_charuco
 
 import stereorecal as sr
 
@@ -44,7 +46,7 @@ def shown(corners: tuple[int, int], turn: np.ndarray, shift: np.ndarray) -> tupl
 @pytest.mark.parametrize("about", [0.1, 2.0, -1.5])
 def test_corners_are_where_they_are_and_in_one_order(corners, about):
     pair, true = shown(corners, np.array([0.3, -0.2, about]), np.array([0.06, 0.0, 0.8]))
-    (board,) = sr.find_boards(pair, corners, SQUARE)
+    (board,) = find_boards(pair, corners, SQUARE)
     every = np.concatenate(true, axis=1)
     found = np.concatenate([board.left, board.right], axis=1)
     nearest = np.linalg.norm(found[:, None] - every, axis=2)
@@ -61,11 +63,25 @@ def test_pairs_without_a_board_in_both_images_are_skipped():
     pair, _ = shown((9, 6), np.array([0.2, 0.1, 0.0]), np.array([0.06, 0.0, 0.8]))
     empty = np.random.default_rng(0).uniform(100, 140, pair.left.shape).astype(np.float32)
     pairs = [(pair.left, empty), pair, (empty, pair.right)]
-    assert len(sr.find_boards(pairs, square=SQUARE)) == 1
+    assert len(find_boards(pairs, square=SQUARE)) == 1
     with pytest.raises(sr.InputError, match="none of 2 pairs shows a chessboard with 9x6 inner corners"):
-        sr.find_boards([pairs[0], pairs[2]], square=SQUARE)
+        find_boards([pairs[0], pairs[2]], square=SQUARE)
     with pytest.raises(sr.InputError, match="7x6"):
-        sr.find_boards(pair, (7, 6), SQUARE)
+        find_boards(pair, (7, 6), SQUARE)
+
+
+def test_charuco_boards_are_found_in_part():
+    """Drawn as two cameras see them; the right one sees what the left one lost, and less."""
+    board = cv2.aruco.CharucoBoard((8, 6), 0.03, 0.022, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50))
+    drawn = cv2.copyMakeBorder(board.generateImage((400, 300)), 90, 90, 120, 120, cv2.BORDER_CONSTANT, value=235)
+    hidden = drawn.copy()
+    hidden[:, 430:] = 235
+    (found,) = find_charuco([(drawn.astype(np.float32), np.roll(hidden, -20, axis=1).astype(np.float32))], board)
+    np.testing.assert_allclose(found.left - found.right, np.tile([20.0, 0.0], (len(found.left), 1)), atol=0.2)
+    assert 6 <= len(found.points) < 35
+    np.testing.assert_allclose(np.ptp(found.left, axis=0) / np.ptp(found.points[:, :2], axis=0), 50 / 0.03, rtol=0.01)
+    with pytest.raises(sr.InputError, match="shows the ChArUco board"):
+        find_charuco([(np.random.default_rng(0).integers(90, 150, drawn.shape, np.uint8), drawn)], board)
 
 
 @pytest.mark.parametrize(
@@ -75,20 +91,18 @@ def test_pairs_without_a_board_in_both_images_are_skipped():
 def test_what_makes_no_sense(corners, square, word):
     pair, _ = shown((9, 6), np.zeros(3), np.array([0.06, 0.0, 0.8]))
     with pytest.raises(sr.InputError, match=word):
-        sr.find_boards(pair, corners, square)
+        find_boards(pair, corners, square)
 
 
 def test_boards_of_a_real_calibration_fit_it(data_dir: Path):
     folder = data_dir / "boofcv_bumblebee2"
     names = [folder / "calibration_chess" / f"{side}0[1-4].jpg" for side in ("left", "right")]
-    boards = sr.find_boards(sr.io.load_pairs(*names), (4, 6), 0.03)
+    boards = find_boards(sr.io.load_pairs(*names), (4, 6), 0.03)
     rig = sr.io.load_scene(folder / "garden01").rig
     assert rig is not None
     assert len(boards) == 4
-    prior = sr.estimation.with_boards(None, boards, sr.estimation.rig_parameters(rig))
-    assert isinstance(prior, sr.estimation.CalibrationPrior)
-    deviations = np.sqrt(np.einsum("jab,jab->ja", prior.roots, prior.roots))
-    assert (np.abs(prior.means) < 3.5 * deviations).all()
-    large = [sr.Board(board.left, board.right, 1.2 * board.points) for board in boards]
+    said = covariance_of_boards(rig, boards)
+    assert (np.abs(said.mean) < 3.5 * np.sqrt(np.diag(said.covariance))).all()
+    large = [Board(board.left, board.right, 1.2 * board.points) for board in boards]
     with pytest.raises(sr.InputError, match=r"than the calibration says|do not fit"):
-        sr.estimation.with_boards(None, large, sr.estimation.rig_parameters(rig))
+        covariance_of_boards(rig, large)

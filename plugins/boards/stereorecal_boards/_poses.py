@@ -3,18 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._central_difference import central_differences
-from stereorecal._cv2 import cv2
-from stereorecal.estimation._jacobian import pixels_of, slopes_of
+from stereorecal.estimation import pixels_of, slopes_by_point, slopes_of
 from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
-from stereorecal.recordings import Board
+from stereorecal_boards._board import Board
 
 _FLAT = 1e-6  # of its size: a board that is no thicker is plane
-_POINT_STEP = 1e-5  # of the distance, of central differences
 _FEWEST = 4  # corners in both images: from fewer a pose is guessed
 
 
@@ -56,9 +54,7 @@ class Posed:
         """Derivatives by a turn of its board about its middle, and by a shift as a share of the distance."""
         corners, arms = self._corners, self._arms
         distance = np.linalg.norm(self.shifts, axis=1)[self.board][:, None]
-        by_point = central_differences(
-            lambda shift: pixels_of(rig, corners + distance * shift), np.zeros(3), _POINT_STEP
-        )
+        by_point = slopes_by_point(rig, corners) * distance[..., None]
         turns = np.stack([np.cross(axis, arms) for axis in np.eye(3)], axis=-1) / distance[..., None]
         return np.concatenate([by_point @ turns, by_point], axis=-1)
 

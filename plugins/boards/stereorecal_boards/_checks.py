@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import InputError
-from stereorecal.estimation._board_noise import WIDTH, corner_errors, inliers
-from stereorecal.estimation._board_poses import Posed
+from stereorecal import InputError
 from stereorecal.objectives import BASELINE, RigChart
-from stereorecal.recordings import Board
+from stereorecal_boards._board import Board
+from stereorecal_boards._noise import WIDTH, corner_errors, inliers
+from stereorecal_boards._poses import Posed
 
 _GIVEN, _FITTED = 3.0, 1.0  # pixels in an image 640 wide: medians under the given rig, and at the end
 _LEAST_KEPT = 0.5  # of the corners of a board

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from numpy.typing import ArrayLike
 
-from stereorecal._arrays import AnyArray
-from stereorecal._errors import InputError
+from stereorecal import InputError
 
-_FEWEST = 6  # corners: a pose takes three of them
+FEWEST = 6  # corners: a pose takes three of them
 _THIN = 1e-3  # of the length: what is narrower is a line, and has no pose
 _SIZES = (0.005, 20.0)  # metres, of a board
 
@@ -27,9 +27,9 @@ class Board:
             or the board is smaller than 5 mm or larger than 20 m.
     """
 
-    left: Float[AnyArray, "..."]  # as an InputError says
-    right: Float[AnyArray, "..."]
-    points: Float[AnyArray, "..."]
+    left: Float[ArrayLike, "..."]
+    right: Float[ArrayLike, "..."]
+    points: Float[ArrayLike, "..."]
 
     def __post_init__(self) -> None:
         left, right, points = (np.array(values, float) for values in (self.left, self.right, self.points))
@@ -38,8 +38,8 @@ class Board:
                 f"a board has left {left.shape}, right {right.shape} and points {points.shape}; give (n, 2), (n, 2) "
                 "and (n, 3) for the same n corners."
             )
-        if len(points) < _FEWEST:
-            raise InputError(f"a board has {len(points)} corners; give at least {_FEWEST}.")
+        if len(points) < FEWEST:
+            raise InputError(f"a board has {len(points)} corners; give at least {FEWEST}.")
         if not all(np.isfinite(values).all() for values in (left, right, points)):
             raise InputError("a board has corners that are NaN or infinite; leave out those that were not found.")
         _, lengths, _ = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)

@@ -1,16 +1,16 @@
-"""Chessboards in pairs of images."""
+"""Chessboards and ChArUco boards in pairs of images."""
 
 from collections.abc import Iterator
 
+import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._cv2 import cv2
-from stereorecal._errors import InputError
-from stereorecal.recordings._as_pairs import Pairs, as_pairs
-from stereorecal.recordings._board import Board
+from stereorecal import InputError
+from stereorecal.recordings import Pairs, as_pairs
+from stereorecal_boards._board import FEWEST, Board
 
-_FEWEST = 3  # corners in a row, as OpenCV wants them
+_IN_A_ROW = 3  # corners, as OpenCV wants them
 _OF_SQUARE, _WINDOWS = 0.25, (2, 10)  # half of the window in which a corner is refined: of a square; pixels
 _UNTIL = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 50, 1e-3)  # steps, pixels
 
@@ -26,7 +26,7 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
     Raises:
         InputError: if no pair shows such a board, or corners or square make no sense.
     """
-    if len(corners) != 2 or any(int(number) != number or number < _FEWEST for number in corners):
+    if len(corners) != 2 or any(int(number) != number or number < _IN_A_ROW for number in corners):
         raise InputError(f"corners is {corners}; give those inside of the board, such as (9, 6) for 10 by 7 squares.")
     if not 0.0 < square < np.inf:
         raise InputError(f"square is {square}; give the length of the side of a square in metres, such as 0.03.")
@@ -49,8 +49,38 @@ def find_boards(pairs: Pairs, corners: tuple[int, int] = (9, 6), square: float =
     return tuple(found)
 
 
+def find_charuco(pairs: Pairs, board: cv2.aruco.CharucoBoard) -> tuple[Board, ...]:
+    """The ChArUco boards that both images of a pair show, in part or whole; pairs without one are skipped.
+
+    Args:
+        pairs: images of the calibration, as they were taken.
+        board: OpenCV's, with lengths in metres.
+
+    Raises:
+        InputError: if no pair shows at least six of its corners in both images.
+    """
+    detector, pairs, found = cv2.aruco.CharucoDetector(board), as_pairs(pairs), []
+    points = np.asarray(board.getChessboardCorners(), float)
+    for pair in pairs:
+        seen = []
+        for image in (pair.left, pair.right):
+            corners, numbers, *_ = detector.detectBoard(_grey(image))
+            seen.append({} if numbers is None else dict(zip(numbers.ravel(), corners.reshape(-1, 2), strict=True)))
+        both = sorted(seen[0].keys() & seen[1].keys())
+        if len(both) >= FEWEST and np.ptp(points[both][:, :2], axis=0).all():
+            left, right = (np.array([one[number] for number in both], float) for one in seen)
+            found.append(Board(left, right, points[both]))
+    if not found:
+        raise InputError(f"none of {len(pairs)} pairs shows the ChArUco board in both images; check its description.")
+    return tuple(found)
+
+
+def _grey(image: Float[np.ndarray, "h w"]) -> np.ndarray:
+    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
+
+
 def _corners(image: Float[np.ndarray, "h w"], columns: int, rows: int) -> Float[np.ndarray, "rows columns 2"] | None:
-    grey = np.clip(np.rint(image), 0, 255).astype(np.uint8)
+    grey = _grey(image)
     flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
     complete, found = cv2.findChessboardCornersSB(grey, (columns, rows), flags=flags)
     if not complete:
