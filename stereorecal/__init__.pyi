@@ -71,7 +71,6 @@ from .recalibration import (
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     rescale_baseline as rescale_baseline,
-    warm_up as warm_up,
 )
 from .recordings import (
     Log as Log,

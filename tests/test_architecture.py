@@ -45,7 +45,7 @@ NOT_IN_CORE = ("nlopt", "optimistix", "equinox")
 # The second part: what they need of the commands' own helpers, which are nobody's room.
 PUBLIC_FACE_ONLY: dict[str, set[str]] = {
     "synthetic": set(),
-    "online": {"_choices", "_errors", "_json_data", "_renamed"},
+    "online": {"_choices", "_errors", "_json_data"},
     "reproduction": {"_environment", "_run_all", "_signals"},
 }
 

@@ -11,7 +11,6 @@ the answer, `_consequences` what errors of a rig do to rows and depth, `_sample_
 numbers).
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_covariances as calibration_covariances,
@@ -78,5 +77,3 @@ from stereorecal.estimation._several_recordings import (
     Recording as Recording,
     estimate_together as estimate_together,
 )
-
-__getattr__ = renamed(__name__, {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"})

@@ -3,7 +3,6 @@
 `_*_judge.py` are the judges, listed in `_judges.py`; the other modules are what they measure by.
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.comparison._truth import DISTANCES as DISTANCES
 from stereorecal.comparison.judges._board_errors import ByBoards as ByBoards, by_boards as by_boards
 from stereorecal.comparison.judges._case import AbstractRecipe as AbstractRecipe, Case as Case, case_of as case_of
@@ -21,5 +20,3 @@ from stereorecal.comparison.judges._true_disparity import (
     scene_with_truth as scene_with_truth,
 )
 from stereorecal.comparison.judges._walk_judge import walked as walked
-
-__getattr__ = renamed(__name__, {"rows": "row_error_px"})
