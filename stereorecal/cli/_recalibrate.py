@@ -149,9 +149,8 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         for stage in settings.schedule.stages
     ]
     return {
-        "frames": options.frames,
+        "pairs": options.pairs,
         "motion": options.motion,
-        "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(settings.matcher)},
         "view": options.view,
         "schedule": settings.schedule.name,

@@ -51,12 +51,7 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     if options.fix is not None:
         (scene,) = found.scenes
         found = replace(found, scenes=[_fixed(scene, options.fix)])
-    if options.readout is None:
-        return found
-    if options.readout and all(pair.time is None for one in found.scenes for pair in one.pairs):
-        raise InputError("--readout is part of the rig's motion, and no pair knows its time; leave it out.")
-    read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
-    return replace(found, scenes=read)
+    return found
 
 
 def _fixed(scene: Scene, cause: str) -> Scene:
@@ -132,13 +127,14 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
-    place = next(one for one in (options.left, options.side_by_side, options.bag) if one is not None)
-    topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
+    place = next(one for one in (options.bag, options.left, options.side_by_side) if one is not None)
+    right = None if options.bag else options.right
+    topics = {"left_topic": options.left, "right_topic": options.right} if options.bag else {}
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
 
     def pairs(sizes: tuple[tuple[int, int], tuple[int, int]] | None) -> tuple[Pair, ...]:
-        recorded = open_pairs(place, options.right, tolerance=options.tolerance, sizes=sizes, **topics)
+        recorded = open_pairs(place, right, tolerance=options.tolerance, sizes=sizes, **topics)
         absent.extend(_unpaired_frames(recorded.unpaired))
         pairing.extend([_BY_ORDER] * recorded.by_order)
         chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
@@ -146,11 +142,11 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         return chosen
 
     if options.calibration is None:
-        assert options.left_topic is not None
-        assert options.right_topic is not None
+        assert options.left is not None
+        assert options.right is not None
         if options.format or options.cameras:
             raise InputError("--format and --cameras belong to --calibration; leave them out.")
-        scene = bag_scene(place, (options.left_topic, options.right_topic), pairs, unit=options.unit)
+        scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")
     new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
@@ -164,12 +160,12 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
 def _selected(
     pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str, few: bool = False
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
-    """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
+    """The pairs that --pairs and --limit leave, read; and what to say of the others."""
     wanted = _wanted(pairs, options, about)
     limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
-        *left_out_pairs(pairs, wanted, "outside of --from, --to, --every and --frames"),
+        *left_out_pairs(pairs, wanted, "outside of --pairs"),
         *left_out_pairs(
             wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"
         ),
@@ -177,10 +173,10 @@ def _selected(
 
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
-    """The pairs that --from, --to, --every and --frames leave, not read yet."""
-    wanted = pairs[options.stretch()][: _option_values.frame_limit(options.frames)]
+    """The pairs that --pairs leaves, not read yet."""
+    wanted = pairs[options.stretch()]
     if not len(wanted):
-        raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
+        raise InputError(f"{about}: of {len(pairs)} pairs, --pairs {options.pairs} leaves none; change it.")
     return wanted
 
 

@@ -108,8 +108,10 @@ class _FixOptions:
         """
         if self.fix is not None and len(recordings.scenes) > 1:
             raise InputError("--fix corrects one recording; give one.")
-        if self.fix in ("late", "early") and (recordings.every > 1 or recordings.limit not in (None, "all")):
-            raise InputError(f"--fix {self.fix} needs pairs that follow each other; leave --every and --limit out.")
+        if self.fix in ("late", "early") and (recordings.stretch().step > 1 or recordings.limit not in (None, "all")):
+            raise InputError(
+                f"--fix {self.fix} needs pairs that follow each other; leave steps of --pairs and --limit out."
+            )
 
 
 @option_group

@@ -132,7 +132,7 @@ def test_help_begins_with_what_is_typed(command, monkeypatch: pytest.MonkeyPatch
     assert firsts == [
         ("what to write", "--output"),
         ("what to read", "SCENE"),
-        ("which pairs", "--from"),
+        ("which pairs", "--pairs"),
         ("the rig, and what may move", "--free"),
         ("depth, from motion and ranges", "--motion"),
         ("the decision", "--distances"),

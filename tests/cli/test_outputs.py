@@ -105,7 +105,7 @@ def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Pat
     bag = write_bag(tmp_path / "bag", [("/left", 10**9, noise[0]), ("/right", 10**9, noise[1])], ros1=False)
     before = state(bag)
     assert len(before) == 2
-    about = ("--bag", bag, "--left-topic", "/left", "--right-topic", "/right", "--calibration", clean_scene)
+    about = ("--bag", bag, "--left", "/left", "--right", "/right", "--calibration", clean_scene)
     for path in before:
         answer = command("score", *about, "--json", path, "--force")
         assert (answer.code, "will not be overwritten" in answer.err) == (2, True), answer.err

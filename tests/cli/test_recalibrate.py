@@ -167,7 +167,7 @@ def test_files_that_lie_anywhere(command, drifted_scene: Path, tmp_path: Path):
     assert json.loads(scene.read_text()) == json.loads(loose.read_text())
 
 
-@pytest.mark.parametrize(("words", "frames"), [((), 2), (("--frames", 1), 1)])
+@pytest.mark.parametrize(("words", "frames"), [((), 2), (("--pairs", 0), 1)])
 def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int):
     for side in ("left", "right"):
         for name in ("0", "1"):

@@ -53,7 +53,7 @@ def test_answers_at_once(words: list[str], code: int):
         "recalibrate . --output {there}",
         "recalibrate . --strategy compas",
         "recalibrate . --reach 3",
-        "score . --frames few",
+        "score . --pairs few",
         "score nowhere",
         "score . --json {there}",
         "monitor nowhere",

@@ -85,7 +85,7 @@ def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter,
 
     assert frames() == 24
     assert meter.most <= 24 + 2
-    assert frames("--to", "100") == 100
+    assert frames("--pairs", ":100") == 100
     assert frames("--limit", "all") == FRAMES
 
 

@@ -1,5 +1,8 @@
-"""The boards of a calibration: what they tell of it, as the prior of a repair."""
+"""The boards of a calibration: what they tell of it, as the prior of a repair.
 
-from stereorecal_boards._board import Board as Board
-from stereorecal_boards._covariance import covariance_of_boards as covariance_of_boards
-from stereorecal_boards._find_boards import find_boards as find_boards, find_charuco as find_charuco
+The public names stand in `__init__.pyi`; each is imported when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

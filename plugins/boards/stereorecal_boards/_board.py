@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from numpy.typing import ArrayLike
 
 from stereorecal import InputError
 
@@ -27,9 +26,9 @@ class Board:
             or the board is smaller than 5 mm or larger than 20 m.
     """
 
-    left: Float[ArrayLike, "..."]
-    right: Float[ArrayLike, "..."]
-    points: Float[ArrayLike, "..."]
+    left: Float[np.ndarray, "..."]
+    right: Float[np.ndarray, "..."]
+    points: Float[np.ndarray, "..."]
 
     def __post_init__(self) -> None:
         left, right, points = (np.array(values, float) for values in (self.left, self.right, self.points))

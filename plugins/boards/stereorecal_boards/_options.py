@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
-from stereorecal import InputError, StereoRig
+from stereorecal import InputError
 from stereorecal.cli import RIG, CommonOptions, option, option_group
 
 
@@ -40,7 +41,7 @@ class BoardOptions(_Boards, CommonOptions):
         if getattr(self, "fix", None) == "exchanged":
             raise InputError("--fix exchanged exchanges images alone; with --boards, exchange the files.")
 
-    def known_of(self, rigs: Sequence[StereoRig | None]) -> object:
+    def known_of(self, rigs: Sequence[Any]) -> Any:
         """What the boards tell of the calibration of all recordings.
 
         Raises:
