@@ -16,7 +16,6 @@ RENAMED = {
         "repairs_as_finished": "recalibrate_many, with finished=",
     },
     "stereorecal.online": {"Beside": "MonitorProcess"},
-    "stereorecal.comparison.judges": {"rows": "row_error_px"},
     "stereorecal.recalibration": {
         "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
