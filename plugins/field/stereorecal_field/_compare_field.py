@@ -14,7 +14,6 @@ from stereorecal.cli import (
     GrowingJson,
     check_page,
     check_places,
-    checked_choice,
     degrees_and_fraction,
     deliver,
     executor,
@@ -41,7 +40,6 @@ from stereorecal_field.table import (
     planned,
 )
 
-PRESETS = ("field",)
 _FRAMES = ("rendered", "simulated")  # judges that are told how many pairs
 _SPARING, _FULL = {"number": 10, "rides": 4}, {"number": 40, "rides": 20, "walk": 1000}
 _OTHERS = ("scene", "synthetic", "schedule", "scale", "budget")  # options of comparisons of strategies
@@ -103,8 +101,6 @@ def _again(options: JudgeOptions) -> str:
 
 
 def _check_options(options: JudgeOptions) -> None:
-    if options.preset is not None:
-        checked_choice(options.preset, PRESETS, "preset")
     if options.full and options.preset is None:
         raise InputError("--full belongs to --preset field; leave it out, or add that.")
     for name in _OTHERS:

@@ -1,6 +1,7 @@
 """The options that judges add to `compare`."""
 
 from importlib import import_module
+from typing import Literal
 
 from stereorecal import InputError
 from stereorecal.cli import CompareOptions, option, option_group
@@ -19,7 +20,7 @@ class _JudgeOptions:
         (),
         metavar="NAME[=PLACE]",
     )
-    preset: str | None = option(
+    preset: Literal["field"] | None = option(
         "field: all rendered judges, and those of --judge, with 10 draws and 4 drives, in an hour", metavar="NAME"
     )
     full: bool = option("of --preset field: in a night", False)

@@ -145,7 +145,7 @@ def test_help_says_what_is_in_sample(command):
     [
         (("--judge", "lidra=x"), "unknown judge 'lidra'; did you mean lidar"),
         (("--judge", "lidar=nowhere"), "nowhere: there is no such folder"),
-        (("--preset", "feild"), "unknown preset 'feild'; did you mean field"),
+        (("--preset", "feild"), "unknown --preset 'feild' (did you mean field?)"),
         (("--judge", "walk", "--strategies", "featurs"), "unknown method 'featurs'; did you mean features"),
         (("--judge", "walk", "--scene", "x"), "--scene belongs to comparisons of strategies"),
         (("--judge", "walk", "--free", "rotation"), "--free belongs to comparisons of strategies"),

@@ -10,7 +10,7 @@ from stereorecal.comparison import DISTANCES
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_pairs
 from stereorecal_field.judges._board_errors import Board, by_boards, find_boards
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import DEFAULT_PRIOR, AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._judgement import Judgement
 from stereorecal_field.judges._scene_folders import (
@@ -47,7 +47,7 @@ class Boards(AbstractRecipe):
         scene = whole_scene(self.folder)
         stored = judged_rig(scene)
         boards = _boards(self.boards, self.corners, self.square)
-        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByBoards(stored, boards))
+        return Case(self.drifted(stored), scene.pairs, DEFAULT_PRIOR, _ByBoards(stored, boards))
 
 
 @dataclass(frozen=True, eq=False)

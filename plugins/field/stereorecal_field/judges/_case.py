@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import jax
 
-from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair
 from stereorecal.synthetic import decalibrate
@@ -83,8 +82,3 @@ class AbstractRecipe(abc.ABC):
 def case_of(recipe: AbstractRecipe) -> Case:
     """The case of a recipe; methods that follow each other share it."""
     return recipe.make()
-
-
-def prior_of(exact: bool) -> str:
-    """What methods are told."""
-    return EXACT if exact else DEFAULT_PRIOR

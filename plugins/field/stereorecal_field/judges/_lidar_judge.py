@@ -10,7 +10,7 @@ from stereorecal.comparison import DISTANCES
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.recordings import Scene
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import DEFAULT_PRIOR, AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._judgement import Judgement
 from stereorecal_field.judges._scene_folders import check_rigs, judged_rig, name_of_scene, scene_folders
@@ -33,7 +33,7 @@ class Lidar(AbstractRecipe):
     def make(self) -> Case:
         scene = _true_scene(self.folder)
         stored = judged_rig(scene)
-        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByLidar(stored, scene))
+        return Case(self.drifted(stored), scene.pairs, DEFAULT_PRIOR, _ByLidar(stored, scene))
 
 
 @dataclass(frozen=True, eq=False)

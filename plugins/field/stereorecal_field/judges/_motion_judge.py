@@ -15,7 +15,7 @@ from stereorecal.comparison import DISTANCES
 from stereorecal.geometry import StereoRig, view
 from stereorecal.recordings import Pair, Scene
 from stereorecal.synthetic import photographs, plan_drive
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import DEFAULT_PRIOR, AbstractRecipe, Case
 from stereorecal_field.judges._distance_travelled import Travelled, depth_at, disparity_offset_px, travelled
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._judgement import Judgement
@@ -53,7 +53,7 @@ class Ride(AbstractRecipe):
         pairs = tuple(_timed(islice(photographs(plan), 0, None, every)))
         truth = plan.truth(number // 2)
         start = self.drifted(truth)
-        return Case(start, pairs, prior_of(exact=False), ByTrueRig(truth, view(start)))
+        return Case(start, pairs, DEFAULT_PRIOR, ByTrueRig(truth, view(start)))
 
 
 def _timed(pairs: Iterator[Pair]) -> Iterator[Pair]:
@@ -80,9 +80,7 @@ class Driven(AbstractRecipe):
         scene = whole_scene(self.folder)
         stored = judged_rig(scene)
         points = _travelled(self.folder)
-        return Case(
-            self.drifted(stored), scene.pairs[: self.frames], prior_of(exact=False), _ByPoses(stored, scene, points)
-        )
+        return Case(self.drifted(stored), scene.pairs[: self.frames], DEFAULT_PRIOR, _ByPoses(stored, scene, points))
 
 
 @dataclass(frozen=True, eq=False)

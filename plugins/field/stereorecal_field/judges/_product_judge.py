@@ -10,7 +10,7 @@ from stereorecal import InputError
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import load_scene
 from stereorecal.recordings import Scene
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import DEFAULT_PRIOR, AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._judgement import Judgement
 from stereorecal_field.judges._rows import row_error_px
@@ -38,7 +38,7 @@ class Product(AbstractRecipe):
         scene = whole_scene(self.folder)
         stored = judged_rig(scene)
         others = tuple(whole_scene(other) for other in self.others)
-        return Case(self.drifted(stored), scene.pairs, prior_of(exact=False), _ByOthers(stored, others))
+        return Case(self.drifted(stored), scene.pairs, DEFAULT_PRIOR, _ByOthers(stored, others))
 
 
 @dataclass(frozen=True, eq=False)

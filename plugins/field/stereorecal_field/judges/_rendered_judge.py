@@ -5,10 +5,11 @@ from functools import lru_cache
 from typing import ClassVar
 
 from stereorecal.cli import checked_choice
+from stereorecal.estimation import EXACT
 from stereorecal.geometry import view
 from stereorecal.recordings import Scene
 from stereorecal.synthetic import KINDS, render
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._true_rig import ByTrueRig
 
@@ -32,7 +33,7 @@ class Rendered(AbstractRecipe):
         scene = _scene(self.kind, self.seed, self.frames)
         assert scene.rig is not None
         start = self.drifted(scene.rig)
-        return Case(start, scene.pairs, prior_of(exact=True), ByTrueRig(scene.rig, view(start)))
+        return Case(start, scene.pairs, EXACT, ByTrueRig(scene.rig, view(start)))
 
 
 @lru_cache(maxsize=2)

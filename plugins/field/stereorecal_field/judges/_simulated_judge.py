@@ -6,7 +6,7 @@ from typing import ClassVar
 from stereorecal.cli import checked_choice
 from stereorecal.geometry import view
 from stereorecal.synthetic import KINDS, render
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import DEFAULT_PRIOR, AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._simulated_calibration import calibrated, true_rig
 from stereorecal_field.judges._true_rig import ByTrueRig
@@ -36,7 +36,7 @@ class Simulated(AbstractRecipe):
         start = calibrated(before, number)
         truth = self.drifted(before)
         scene = render(self.kind, number, rig=truth, frames=self.frames)
-        return Case(start, scene.pairs, prior_of(exact=False), ByTrueRig(truth, view(start)))
+        return Case(start, scene.pairs, DEFAULT_PRIOR, ByTrueRig(truth, view(start)))
 
 
 def simulated_recipes(kind: str, draws: Draws) -> tuple[Simulated, ...]:

@@ -8,9 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from stereorecal import InputError
+from stereorecal.estimation import EXACT
 from stereorecal.geometry import Camera, StereoRig, view
 from stereorecal.synthetic import Drive, photographs, plan_drive
-from stereorecal_field.judges._case import AbstractRecipe, Case, prior_of
+from stereorecal_field.judges._case import AbstractRecipe, Case
 from stereorecal_field.judges._draws import Draws
 from stereorecal_field.judges._true_rig import ByTrueRig
 
@@ -43,7 +44,7 @@ class Walk(AbstractRecipe):
     def make(self) -> Case:
         drive = walked(self.tour, self.seed, self.length)
         (pair,) = islice(photographs(drive, self.moment), 1)
-        return Case(drive.rig, (pair,), prior_of(exact=True), ByTrueRig(drive.truth(self.moment), view(drive.rig)))
+        return Case(drive.rig, (pair,), EXACT, ByTrueRig(drive.truth(self.moment), view(drive.rig)))
 
 
 def walked(tour: str, seed: int, frames: int) -> Drive:
