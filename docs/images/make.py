@@ -13,11 +13,11 @@ import jax
 import matplotlib.pyplot as plt
 import numpy as np
 from pair_figure import Panel, repair_figure, save
+from stereorecal_field.table._field_figures import coverage, error_against_seconds, harm
 
 import stereorecal as sr
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import changed_camera
-from stereorecal.report._field_figures import coverage, error_against_seconds, harm
 from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
 

@@ -1,6 +1,8 @@
 from ._commands import options_of as options_of, parser as parser
 from ._executors import executor as executor
 from ._exit_codes import BAD_INPUT as BAD_INPUT, FAILURE as FAILURE, INTERRUPTED as INTERRUPTED
+from ._experiment_commands import CompareOptions as CompareOptions
+from ._growing_json import GrowingJson as GrowingJson
 from ._html_page import check_page as check_page
 from ._main import main as main
 from ._of_the_library import (

@@ -13,7 +13,6 @@ from stereorecal.cli._shared_options import (
     READS,
     SEARCH,
     WRITES,
-    BoardOptions,
     MatcherOptions,
     ReachOptions,
     ReportOptions,
@@ -29,11 +28,7 @@ class _ComparisonOutputOptions:
     """What a comparison writes."""
 
     title = WRITES
-    json: str | None = option(
-        "the results, as JSON, after each trial (with --judge: at the end; finished trials are in FILE.trials beside "
-        "the page or the JSON)",
-        metavar="FILE|-",
-    )
+    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-")
     html: str | None = option("one page with tables and figures", metavar="FILE")
 
 
@@ -44,10 +39,7 @@ class _ComparedSceneOptions:
     title = READS
     scene: tuple[str, ...] = option("scene folder (repeatable)", (), metavar="PATH")
     synthetic: _Kind | None = option(f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
-    frames: str | None = option(
-        "pairs of each scene, used jointly (default: 1); of the judges only for rendered and simulated",
-        metavar="N|all",
-    )
+    frames: str | None = option("pairs of each scene, used jointly (default: 1)", metavar="N|all")
 
 
 @option_group
@@ -56,27 +48,11 @@ class _DriftOptions:
 
     title = "the drifts, and what may move"
     decalibrate: str = option("largest drift of each axis", "0.5,0.01", metavar="DEG,FRACTION")
-    draws: int | None = option("drifts of each scene (default: 2; of --preset field 10, and 4 drives)", metavar="N")
+    draws: int | None = option("drifts of each scene (default: 2)", metavar="N")
     reach: str | None = option(
         "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)", metavar="DEG,FRACTION"
     )
     free: str = option(FREE, "extrinsics", metavar="NAME,…")
-
-
-@option_group
-class _JudgeOptions(BoardOptions):
-    """Judges by truth."""
-
-    title = "judges: methods compared by data that none of them sees"
-    judge: tuple[str, ...] = option(
-        "lidar=FOLDER, boards=FOLDER (see --board-corners, --square), product=FOLDER, motion[=FOLDER], "
-        "rendered[=KIND], simulated[=KIND] or walk (repeatable); --strategies then names methods: count, rows, motion, "
-        "and strategies. Only rows of lidar and of motion=FOLDER are of images that methods get, too",
-        (),
-        metavar="NAME[=PLACE]",
-    )
-    preset: str | None = option("field: all rendered judges, and those of --judge, in an hour", metavar="NAME")
-    full: bool = option("of --preset field: in a night", False)
 
 
 @option_group
@@ -101,7 +77,6 @@ class CompareOptions(
     _ComparedStrategyOptions,
     MatcherOptions,
     SearchOptions,
-    _JudgeOptions,
     WorkerOptions,
     CommonOptions,
 ):
@@ -117,8 +92,6 @@ class CompareOptions(
         return places_of(self, "json", "html")
 
     def check(self) -> None:
-        if self.judge or self.preset is not None:
-            return  # other options are meant then
         for scene in self.scene:
             existing_folder(scene)
         check_places(self.places, force=self.force)

@@ -27,8 +27,6 @@ _ELSEWHERE = {
     "--preset": "field",
     "--full": "field",
     "--boards": "boards",
-    "--board-corners": "boards",
-    "--square": "boards",
 }
 
 

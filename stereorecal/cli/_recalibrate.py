@@ -46,7 +46,7 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = _settings_from_options(options)
-    check_page(options.html, "repair_page")
+    check_page(options.html, "stereorecal.report.repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
     with executor(options.executor) as pool:

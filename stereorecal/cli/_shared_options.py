@@ -21,7 +21,7 @@ FORMATS = (
     "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
     "mrcal, vins, orbslam, foundationstereo, zed, realsense, camera_info"
 )
-_LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
+_LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, or one of a plug-in"
 
 
 @option_group

@@ -33,11 +33,7 @@ import stereorecal_boards
 from recorded import ByChessboards, ByCorners, ByDepth, BySift
 from sift_rows import sift_matches, sift_rows
 from stereorecal_boards import Board
-from truth_methods import METHODS
-from truth_runs import Options, Tally, finish, rig_of, stated, table_of
-
-import stereorecal as sr
-from stereorecal.comparison.judges import (
+from stereorecal_field.judges import (
     BINS,
     ROWS_WORSE,
     ByBoards,
@@ -47,6 +43,10 @@ from stereorecal.comparison.judges import (
     row_error_px,
     scene_with_truth,
 )
+from truth_methods import METHODS
+from truth_runs import Options, Tally, finish, rig_of, stated, table_of
+
+import stereorecal as sr
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))

@@ -1,4 +1,4 @@
-"""The command line in this process, and a small scene folder to spoil."""
+"""Plug-ins that crash, and small scene folders to spoil."""
 
 import shutil
 import sys
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import Answer as Answer, command as command
+from fixtures import clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
 
 from stereorecal.io import save_scene
@@ -42,14 +42,6 @@ def moody_matcher(install) -> Callable[..., list[tuple[int, int]]]:
         return MoodyMatcher.searches
 
     return set_up
-
-
-@pytest.fixture(scope="session")
-def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A scene folder with one pair of 160x120; not to be changed."""
-    folder = tmp_path_factory.mktemp("scenes") / "clean"
-    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
-    return folder
 
 
 @pytest.fixture(scope="session")

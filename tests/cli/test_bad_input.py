@@ -233,7 +233,6 @@ def test_files_that_lie_anywhere(command, clean_scene: Path, verb: str, words: l
 
 COMMON: dict[str, tuple[list[str], str]] = {
     "matcher": (["--matcher", "sgmb"], "unknown matcher 'sgmb'; did you mean sgbm?"),
-    "pairs word": (["--pairs", "few"], "--pairs is 'few'"),
     "unknown option": (["--colour", "red"], "--colour"),
 }
 SEARCH: dict[str, tuple[list[str], str]] = {
@@ -258,6 +257,8 @@ SEARCH: dict[str, tuple[list[str], str]] = {
     "seed word": (["--seed", "x"], "--seed"),
 }
 COMPARE: dict[str, tuple[list[str], str]] = {
+    "frames": (["--frames", "0"], "--frames is '0'"),
+    "frames word": (["--frames", "few"], "--frames is 'few'"),
     "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "one of two strategies": (["--strategies", "compass,nonsense"], "unknown strategy 'nonsense'"),
     "no strategy": (["--strategies", ","], "strateg"),
@@ -268,6 +269,7 @@ COMPARE: dict[str, tuple[list[str], str]] = {
     "no draws": (["--draws", "0"], "at least one scene, one strategy and one draw"),
     "draws word": (["--draws", "two"], "--draws"),
 }
+RECORDED: dict[str, tuple[list[str], str]] = {"pairs": (["--pairs", "few"], "--pairs is 'few'")}
 RECALIBRATE: dict[str, tuple[list[str], str]] = {
     "strategy": (["--strategy", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "need not met": (["--strategy", "optimistix-levenberg-marquardt"], "needs"),
@@ -278,8 +280,8 @@ OPTIONS = {
     f"{verb}, {name}": (verb, *case)
     for verb, cases in {
         "compare": COMMON | SEARCH | COMPARE,
-        "recalibrate": COMMON | SEARCH | RECALIBRATE,
-        "score": COMMON,
+        "recalibrate": COMMON | RECORDED | SEARCH | RECALIBRATE,
+        "score": COMMON | RECORDED,
     }.items()
     for name, case in cases.items()
 }

@@ -16,7 +16,7 @@ def test_what_is_not_given_has_the_default_of_its_field():
     assert (found.scenes, found.pairs, found.matcher, found.motion) == (("here",), None, "sad", "auto")
     assert (found.calibration, found.tolerance) == (None, None)
     assert (found.dry_run, found.traceback) == (False, False)
-    assert options("compare").judge == ()
+    assert options("compare").scene == ()
     assert options("reproduce").experiments == ("all",)
 
 
@@ -26,7 +26,7 @@ def test_values_have_the_types_of_their_fields():
     assert (found.scenes, found.seed, found.motion) == (("here", "there"), 2, "off")
     assert (found.maps, found.calibration) == ("m.npz", ("a", "b"))
     assert (found.dry_run, found.pairs, found.tolerance, found.traceback) == (True, "4:", 2.5, True)
-    assert options("compare --judge x --judge y").judge == ("x", "y")
+    assert options("compare --scene x --scene y").scene == ("x", "y")
 
 
 def test_help_tells_defaults_once_and_shared_options_under_their_title(command, monkeypatch: pytest.MonkeyPatch):

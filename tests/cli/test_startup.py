@@ -111,6 +111,16 @@ def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
     assert line.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("words", "what", "distribution"),
+    [("compare --judge walk", "--judge", "field"), ("compare --preset=field", "--preset", "field")],
+)
+def test_what_comes_with_another_distribution(words: str, what: str, distribution: str, capsys, nothing_installed):
+    with pytest.raises(SystemExit):
+        options_of(words.split())
+    assert f"{what} is not installed; run: pip install stereorecal-{distribution} (in" in capsys.readouterr().err
+
+
 def help_of(verb: str, capsys) -> str:
     with pytest.raises(SystemExit):
         options_of([verb, "--help"])

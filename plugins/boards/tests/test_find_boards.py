@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from real_scenes import data_dir as data_dir
+from fixtures import data_dir as data_dir
 from stereorecal_boards import Board, covariance_of_boards, find_boards, find_charuco
 
 import stereorecal as sr

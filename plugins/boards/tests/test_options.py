@@ -4,8 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from command_line import command as command
-from real_scenes import data_dir as data_dir
+from fixtures import command as command, data_dir as data_dir
 
 import stereorecal as sr
 
