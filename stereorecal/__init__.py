@@ -11,7 +11,6 @@ import lazy_loader
 from stereorecal._renamed import renamed
 
 _MOVED = {
-    "recalibrate_sequence": 'recalibrate_many, with start="previous"',
     "repaired_together": "recalibrate_many",
     "repairs_as_finished": "recalibrate_many, with finished=",
 }

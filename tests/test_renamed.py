@@ -11,14 +11,12 @@ RENAMED = {
     "stereorecal.estimation": {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"},
     "stereorecal.objectives": {"Images": "StereoImages"},
     "stereorecal": {
-        "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
         "repairs_as_finished": "recalibrate_many, with finished=",
     },
     "stereorecal.online": {"Beside": "MonitorProcess"},
     "stereorecal.comparison.judges": {"rows": "row_error_px"},
     "stereorecal.recalibration": {
-        "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
         "repairs_as_finished": "recalibrate_many, with finished=",
         "searched": "recalibrate_case",

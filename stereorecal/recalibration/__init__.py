@@ -70,7 +70,6 @@ from stereorecal.recalibration._warm_up import warm_up as warm_up
 __getattr__ = renamed(
     __name__,
     {
-        "recalibrate_sequence": 'recalibrate_many, with start="previous"',
         "repaired_together": "recalibrate_many",
         "repairs_as_finished": "recalibrate_many, with finished=",
         "searched": "recalibrate_case",

@@ -13,14 +13,14 @@ import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.io import load_log, save_calibrations, save_mission
 from stereorecal.recordings import Log, Mission
-from stereorecal.reproduction import (
+from stereorecal_paper import (
     EXPERIMENTS,
     Extent,
     methods,
     reproduce,
     write_files,
 )
-from stereorecal.reproduction._figures import experiment_figures
+from stereorecal_paper._figures import experiment_figures
 from stereorecal.scoring.host import with_disparity_range
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)

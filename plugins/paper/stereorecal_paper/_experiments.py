@@ -11,7 +11,7 @@ from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher, name_of
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
-from stereorecal.reproduction._experiment_tasks import (
+from stereorecal_paper._experiment_tasks import (
     AxisSweep,
     Method,
     PairCounts,
@@ -20,8 +20,8 @@ from stereorecal.reproduction._experiment_tasks import (
     SequentialRepairs,
     Task,
 )
-from stereorecal.reproduction._logged_pair import LoggedPair
-from stereorecal.reproduction._pixel_counter import PixelCounter, counter_of, ideal
+from stereorecal_paper._logged_pair import LoggedPair
+from stereorecal_paper._pixel_counter import PixelCounter, counter_of, ideal
 from stereorecal.strategies import Budget, Need, strategy
 from stereorecal.synthetic import decalibrate
 
