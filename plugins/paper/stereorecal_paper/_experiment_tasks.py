@@ -1,7 +1,6 @@
 """The tasks of the experiments, of four kinds; each runs in a worker and returns a row of results."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -10,9 +9,9 @@ from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Schedule, Solution, recalibrate
+from stereorecal.strategies import Budget
 from stereorecal_paper._logged_pair import LoggedPair, Row
 from stereorecal_paper._pixel_counter import PixelCounter
-from stereorecal.strategies import Budget
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher, name_of
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
+from stereorecal.strategies import Budget, Need, strategy
+from stereorecal.synthetic import decalibrate
 from stereorecal_paper._experiment_tasks import (
     AxisSweep,
     Method,
@@ -22,8 +24,6 @@ from stereorecal_paper._experiment_tasks import (
 )
 from stereorecal_paper._logged_pair import LoggedPair
 from stereorecal_paper._pixel_counter import PixelCounter, counter_of, ideal
-from stereorecal.strategies import Budget, Need, strategy
-from stereorecal.synthetic import decalibrate
 
 _AXES = {"pitch": 0, "yaw": 1, "roll": 2, "y": 4, "z": 5}
 _UNITS_PER_ITERATION = 2 * len(EXTRINSICS)  # the paper's iteration tries a step either way along each axis

@@ -15,7 +15,9 @@ _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "missio
 _IMAGE = re.compile(r"\.(png|jpe?g|jp2|tiff?|bmp|p[gpn]m|webp)$", re.IGNORECASE)
 
 
-def save_calibrations(calibrations: Mapping[str, StereoRig], folder: str | PathLike[str], overwrite: bool = False) -> None:
+def save_calibrations(
+    calibrations: Mapping[str, StereoRig], folder: str | PathLike[str], overwrite: bool = False
+) -> None:
     """Write the calibrations of a plain log, each under its name.
 
     Args:

@@ -18,13 +18,13 @@ from stereorecal.io import json_data
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
+from stereorecal.strategies import origin_of
 from stereorecal_paper import _summaries as summaries
 from stereorecal_paper._experiment_tasks import Task
 from stereorecal_paper._experiments import EXPERIMENTS, Extent, Setting, methods
 from stereorecal_paper._logged_pair import Row
 from stereorecal_paper._published import TABLE_1, TABLE_2
 from stereorecal_paper._row_store import Store
-from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.reproduce/1"
 

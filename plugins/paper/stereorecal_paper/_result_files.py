@@ -12,9 +12,9 @@ from stereorecal.io import json_text, make_folder, write_bytes, write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
+from stereorecal.scoring.host import disparity, rectify
 from stereorecal_paper._pixel_counter import counter_of
 from stereorecal_paper._reproduce import Reproduction
-from stereorecal.scoring.host import disparity, rectify
 
 Row = Mapping[str, Any]
 _SUFFIXES = ("png", "pdf")

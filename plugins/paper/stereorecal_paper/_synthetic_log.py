@@ -62,5 +62,9 @@ def _check_plan(folder: Path, plan: dict[str, object]) -> None:
 def _edition() -> str:
     """Changes whenever the renderer, the geometry beneath it or the plan does."""
     folders = [Path(module.__file__ or "").parent for module in (synthetic, geometry)]
-    sources = [Path(__file__), Path(_missions.__file__), *(path for folder in folders for path in sorted(folder.rglob("*.py")))]
+    sources = [
+        Path(__file__),
+        Path(_missions.__file__),
+        *(path for folder in folders for path in sorted(folder.rglob("*.py"))),
+    ]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]

@@ -8,11 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from json_page import differences
-
-import stereorecal as sr
-from stereorecal import InputError
-from stereorecal.io import load_log, save_calibrations, save_mission
-from stereorecal.recordings import Log, Mission
 from stereorecal_paper import (
     EXPERIMENTS,
     Extent,
@@ -21,6 +16,11 @@ from stereorecal_paper import (
     write_files,
 )
 from stereorecal_paper._figures import experiment_figures
+
+import stereorecal as sr
+from stereorecal import InputError
+from stereorecal.io import load_log, save_calibrations, save_mission
+from stereorecal.recordings import Log, Mission
 from stereorecal.scoring.host import with_disparity_range
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)

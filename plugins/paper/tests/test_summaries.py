@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from stereorecal_paper import Reproduction
 
 

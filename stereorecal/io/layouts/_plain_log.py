@@ -8,7 +8,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io._read_files import about
 from stereorecal.io._scenes import fitting
 from stereorecal.io.formats._load_and_save import load_rig
 from stereorecal.io.formats._scene_calibration import Calibration, read_json_object
