@@ -8,7 +8,6 @@ import pytest
 
 from stereorecal.cli import options_of
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
-from stereorecal.reproduction import EXPERIMENTS
 from stereorecal.synthetic import KINDS
 
 LOADED = """
@@ -20,7 +19,7 @@ except SystemExit as end:
     code = end.code
 print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
 """
-VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "reproduce", "strategies")
+VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "strategies")
 
 
 @pytest.mark.parametrize(
@@ -60,7 +59,6 @@ def test_answers_at_once(words: list[str], code: int):
         "compare --scene nowhere",
         "compare --strategies compass,compas",
         "compare --html {there}",
-        "reproduce --log nowhere",
         "diff nothing.yaml {there}",
         "convert nothing.yaml new.yaml",
         "strategies check compas",
@@ -119,9 +117,16 @@ def help_of(verb: str, capsys) -> str:
 
 def test_help_says_what_there_is(capsys):
     assert f"render a scene: {', '.join(KINDS)}" in help_of("compare", capsys)
-    assert f"{', '.join(EXPERIMENTS)}, all" in help_of("reproduce", capsys)
     assert all(name in help_of("recalibrate", capsys) for name in SCHEDULES)
     text = help_of("score", capsys)
     limits = HEALTH_LIMITS
     assert f"within {limits['good_rows_px']} px with {100 * limits['good_surely']:.0f} %" in text
     assert f"{100 * limits['harm']:.0f} %" in help_of("recalibrate", capsys)
+
+
+def test_a_command_that_is_not_installed_says_the_install_line(nothing_installed, capsys):
+    with pytest.raises(SystemExit) as end:
+        options_of(["reproduce"])
+    assert end.value.code == 2
+    said = "reproduce is not installed; run: pip install stereorecal-paper (in a clone: pip install -e plugins/paper)"
+    assert said in capsys.readouterr().err

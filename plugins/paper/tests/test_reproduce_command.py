@@ -1,14 +1,18 @@
 """`reproduce` as a user meets it."""
 
 import json
+import os
+import shutil
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from machine import raising
+from stereorecal_paper import EXPERIMENTS, save_calibrations, save_mission
 
-from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
 from stereorecal.synthetic import default_rig, render
 
@@ -101,6 +105,7 @@ def test_failures_are_named(command, words, moody):
         (["--log", "."], "the layout is unknown"),
         (["--executor", "processes"], "number of workers"),
         (["--output", "/proc/none/x"], "cannot become a folder"),
+        (["--output", "-"], "the results are files in a folder"),
     ],
     ids=lambda value: str(value[0]) if isinstance(value, list) else "",
 )
@@ -138,3 +143,66 @@ def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, small_synth
     before = [path.stat().st_mtime_ns for path in missions]
     assert command("reproduce", "validity", *options).code == 0
     assert [path.stat().st_mtime_ns for path in missions] == before
+
+
+@pytest.mark.parametrize("force", [True, False])
+@pytest.mark.parametrize("name", ["calib.json", "left.png", "link", "hard link", "own"])
+def test_no_input_is_replaced(command, clean_scene: Path, tmp_path: Path, force: bool, name: str):
+    scene = Path(shutil.copytree(clean_scene, tmp_path / "scene"))
+    (scene / "link").symlink_to("calib.json")
+    (scene / "hard link").hardlink_to(scene / "calib.json")
+    (scene / "own").symlink_to("own")
+    before = {path: path.read_bytes() for path in scene.iterdir() if path.is_file()}
+    words = ["--log", scene, "--quick", "--output", tmp_path / "out", "--json", scene / name]
+    found = command("reproduce", *words, *(["--force"] if force else []))
+    assert (found.code, found.err.count("\n")) == (2, 1)
+    said = "cannot be written there" if name == "own" else "will not be overwritten" if force else "--force"
+    assert said in found.err
+    assert {path: path.read_bytes() for path in scene.iterdir() if path.is_file()} == before
+
+
+def test_the_rows_are_inputs(command, words, tmp_path: Path):
+    folder, other = tmp_path / "out", tmp_path / "results.json"
+    folder.mkdir()
+    (folder / "rows.jsonl").touch()
+    other.hardlink_to(folder / "rows.jsonl")
+    found = command("reproduce", *words, "--json", other, "--force")
+    assert found.code == 2
+    assert "will not be overwritten" in found.err
+
+
+def test_the_folder_takes_its_own_files_only(command, words, tmp_path: Path):
+    """Under the names of its results, the JSON would be replaced by them."""
+    found = command("reproduce", *words, "--output", tmp_path, "--json", tmp_path / "accuracy.json")
+    assert (found.code, list(tmp_path.iterdir())) == (2, [])
+    assert "takes its own files only" in found.err
+
+
+def test_a_broken_matcher_is_a_sentence(command, words, install):
+    install("stereorecal.matchers", {"shaky": "no_such_module:Matcher"})
+    found = command("reproduce", *words, "--matcher", "shaky")
+    assert (found.code, found.out, found.err.count("\n")) == (3, "", 1)
+    assert "matcher shaky of plug-in 1.2 cannot be loaded" in found.err
+
+
+LOADED = """
+import sys
+from stereorecal.cli import main
+try:
+    code = main(sys.argv[1:])
+except SystemExit as end:
+    code = end.code
+print(code, *(name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules))
+"""
+
+
+@pytest.mark.parametrize(("words", "code"), [("--help", 0), ("--log nowhere", 2)])
+def test_answers_at_once(words: str, code: int):
+    """Nothing heavy is imported; and the help, written without it, says what there is and fits 80 columns."""
+    command = [sys.executable, "-c", LOADED, "reproduce", *words.split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | {"COLUMNS": "80"})
+    *text, last = done.stdout.splitlines()
+    assert last == str(code), done.stdout + done.stderr
+    if code == 0:
+        assert f"{', '.join(EXPERIMENTS)}, all" in " ".join(" ".join(text).split())
+        assert max(map(len, text)) <= 80
