@@ -14,7 +14,7 @@ from stereorecal.cli import main
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Mission, Pair, names_of
+from stereorecal.recordings import Pair, names_of
 from stereorecal.synthetic import default_rig, render
 
 FRAMES = 120
@@ -114,11 +114,3 @@ def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_pat
     log = load_log(made)
     with pytest.raises(InputError, match="the image is truncated"):
         log.scene(log.missions[0])
-
-
-@pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
-def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
-    image = np.arange(48 * 64, dtype=np.float32).reshape(48, 64) % 256
-    pairs = [Pair(image, image, name) for name in "012"]
-    found = Mission("a", "b", tuple(pairs), frozenset(starred)).unstarred
-    assert [pair.name for pair in found] == list(left)

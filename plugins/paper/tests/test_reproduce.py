@@ -23,11 +23,12 @@ from stereorecal_paper import (
     synthetic_log,
     write_files,
 )
+from stereorecal_paper._pixel_counter import unstarred
 
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.io import load_log
-from stereorecal.recordings import LazyPairs, Log, Mission
+from stereorecal.recordings import LazyPairs, Log, Mission, Pair
 from stereorecal.scoring.host import with_disparity_range
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)
@@ -100,7 +101,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     judged = reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = with_disparity_range(sr.SAD(), rig, mission.unstarred, view, np.radians(sr.Reach().degrees))
+    ranged = with_disparity_range(sr.SAD(), rig, unstarred(mission), view, np.radians(sr.Reach().degrees))
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])
@@ -223,6 +224,13 @@ def test_another_lens_or_truth_is_another_run(log, tmp_path):
     for changed in (unknown, other):
         with pytest.raises(InputError, match="other settings"):
             reproduce(changed, ["validity"], **COUNT, output=tmp_path / "out")
+
+
+@pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
+def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
+    image = np.arange(48 * 64, dtype=np.float32).reshape(48, 64) % 256
+    found = unstarred(Mission("a", "b", tuple(Pair(image, image, name) for name in "012"), frozenset(starred)))
+    assert [pair.name for pair in found] == list(left)
 
 
 def test_a_pair_is_read_for_each_task(scene):
