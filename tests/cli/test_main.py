@@ -11,6 +11,7 @@ import pytest
 from machine import at_call, raising
 
 from stereorecal import InputError
+from stereorecal.cli._commands import COMMANDS
 
 
 def test_version(command):
@@ -103,7 +104,7 @@ def test_other_warnings_stay_pythons(command, clean_scene: Path, moody_matcher):
     assert (answer.out, answer.err) == ("", "")
 
 
-VERBS = ("recalibrate", "score", "monitor", "convert", "diff", "compare", "strategies")
+VERBS = [name for name in COMMANDS.names() if "." not in name]  # those of plug-ins, too
 
 
 @pytest.mark.parametrize("verb", VERBS)

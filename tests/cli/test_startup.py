@@ -1,25 +1,15 @@
 """Help, the version and mistyped options do not wait for JAX; and the help, written without it, says what there is."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from stereorecal.cli import options_of
+from stereorecal.cli._commands import COMMANDS
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.synthetic import KINDS
 
-LOADED = """
-import sys
-from stereorecal.cli import main
-try:
-    code = main(sys.argv[1:])
-except SystemExit as end:
-    code = end.code
-print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
-"""
-VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "strategies")
+VERBS = [name for name in COMMANDS.names() if "." not in name]  # those of plug-ins, too
 
 
 @pytest.mark.parametrize(
@@ -37,11 +27,11 @@ VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "strat
     ],
     ids=lambda value: " ".join(value) or "nothing" if isinstance(value, list) else str(value),
 )
-def test_answers_at_once(words: list[str], code: int):
-    done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=False)
-    assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
-    assert ("stereorecal" in done.stdout) == (code == 0)
-    assert ("; see stereorecal" in done.stderr) == (code == 2)
+def test_answers_at_once(words: list[str], code: int, at_once):
+    answer, loaded = at_once(*words)
+    assert (answer.code, loaded) == (code, set()), answer
+    assert ("stereorecal" in answer.out) == (code == 0)
+    assert ("; see stereorecal" in answer.err) == (code == 2)
 
 
 @pytest.mark.parametrize(
@@ -64,14 +54,11 @@ def test_answers_at_once(words: list[str], code: int):
         "strategies check compas",
     ],
 )
-def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path):
+def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_once):
     (there := tmp_path / "there.json").touch()
-    command = [sys.executable, "-c", LOADED, *words.format(there=there).split()]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    code, *loaded = done.stdout.split()
-    assert code == "2", done.stdout + done.stderr
-    assert set(loaded) <= {"numpy"}  # which the names of strategies cost
-    assert done.stderr.count("\n") == 1
+    answer, loaded = at_once(*words.format(there=there).split())
+    assert (answer.code, answer.err.count("\n")) == (2, 1), answer
+    assert loaded <= {"numpy"}  # which the names of strategies cost
 
 
 @pytest.mark.parametrize(

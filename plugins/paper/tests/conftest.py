@@ -1,7 +1,13 @@
 """What these tests share."""
 
 import pytest
-from fixtures import clean_scene as clean_scene, command as command, install as install, moody as moody, scene as scene
+from fixtures import (
+    at_once as at_once,
+    command as command,
+    install as install,
+    moody as moody,
+    scene as scene,
+)
 from stereorecal_paper import _synthetic_log
 
 

@@ -1,10 +1,6 @@
 """`reproduce` as a user meets it."""
 
 import json
-import os
-import shutil
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -145,30 +141,17 @@ def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, small_synth
     assert [path.stat().st_mtime_ns for path in missions] == before
 
 
-@pytest.mark.parametrize("force", [True, False])
-@pytest.mark.parametrize("name", ["calib.json", "left.png", "link", "hard link", "own"])
-def test_no_input_is_replaced(command, clean_scene: Path, tmp_path: Path, force: bool, name: str):
-    scene = Path(shutil.copytree(clean_scene, tmp_path / "scene"))
-    (scene / "link").symlink_to("calib.json")
-    (scene / "hard link").hardlink_to(scene / "calib.json")
-    (scene / "own").symlink_to("own")
-    before = {path: path.read_bytes() for path in scene.iterdir() if path.is_file()}
-    words = ["--log", scene, "--quick", "--output", tmp_path / "out", "--json", scene / name]
-    found = command("reproduce", *words, *(["--force"] if force else []))
-    assert (found.code, found.err.count("\n")) == (2, 1)
-    said = "cannot be written there" if name == "own" else "will not be overwritten" if force else "--force"
-    assert said in found.err
-    assert {path: path.read_bytes() for path in scene.iterdir() if path.is_file()} == before
-
-
-def test_the_rows_are_inputs(command, words, tmp_path: Path):
-    folder, other = tmp_path / "out", tmp_path / "results.json"
-    folder.mkdir()
-    (folder / "rows.jsonl").touch()
-    other.hardlink_to(folder / "rows.jsonl")
-    found = command("reproduce", *words, "--json", other, "--force")
-    assert found.code == 2
-    assert "will not be overwritten" in found.err
+def test_no_input_is_replaced(command, words, log: Path, tmp_path: Path):
+    rows, link = tmp_path / "out" / "rows.jsonl", tmp_path / "link.json"
+    rows.parent.mkdir()
+    rows.touch()
+    for path in (log / "calibrations" / "2020-01-01.json", rows):
+        before = path.read_bytes()
+        link.hardlink_to(path)
+        found = command("reproduce", *words, "--json", link, "--force")
+        link.unlink()
+        assert (found.code, path.read_bytes()) == (2, before)
+        assert "will not be overwritten" in found.err
 
 
 def test_the_folder_takes_its_own_files_only(command, words, tmp_path: Path):
@@ -185,24 +168,10 @@ def test_a_broken_matcher_is_a_sentence(command, words, install):
     assert "matcher shaky of plug-in 1.2 cannot be loaded" in found.err
 
 
-LOADED = """
-import sys
-from stereorecal.cli import main
-try:
-    code = main(sys.argv[1:])
-except SystemExit as end:
-    code = end.code
-print(code, *(name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules))
-"""
+def test_a_wrong_name_is_said_at_once(at_once):
+    answer, loaded = at_once("reproduce", "--log", "nowhere")
+    assert (answer.code, loaded) == (2, set()), answer
 
 
-@pytest.mark.parametrize(("words", "code"), [("--help", 0), ("--log nowhere", 2)])
-def test_answers_at_once(words: str, code: int):
-    """Nothing heavy is imported; and the help, written without it, says what there is and fits 80 columns."""
-    command = [sys.executable, "-c", LOADED, "reproduce", *words.split()]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | {"COLUMNS": "80"})
-    *text, last = done.stdout.splitlines()
-    assert last == str(code), done.stdout + done.stderr
-    if code == 0:
-        assert f"{', '.join(EXPERIMENTS)}, all" in " ".join(" ".join(text).split())
-        assert max(map(len, text)) <= 80
+def test_help_says_what_there_is(command):
+    assert f"{', '.join(EXPERIMENTS)}, all" in " ".join(command("reproduce", "--help").out.split())
