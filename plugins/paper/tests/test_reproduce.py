@@ -167,6 +167,8 @@ def test_an_interrupted_run_continues(log, serial, tmp_path):
             raise KeyboardInterrupt
 
     options = {**COUNT, "output": tmp_path / "out"}
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / ".settings.json.0123abcd.tmp").touch()  # of a run that was killed while it wrote
     cut = reproduce(log, ["ex-nihilo", "repair"], **options, progress=stop_after_two)
     assert cut.unfinished == 2
     assert sum(map(len, cut.rows.values())) == 2
@@ -263,42 +265,23 @@ def test_a_damaged_image_is_said(tmp_path, scene):
 LOCK = "import fcntl, sys; file = open(sys.argv[1], 'a'); fcntl.flock(file, 2); print('there', flush=True); input()"
 
 
-@pytest.fixture
-def run_in(log):
-    """run_in(folder): a run of a few tasks, whose results go there."""
-
-    def run(folder):
-        extent = Extent(missions=1, sweeps=1, points=3, matchers=())
-        return reproduce(log, ["validity"], schedules=("count",), extent=extent, output=folder)
-
-    return run
-
-
-def test_two_runs_in_one_folder(run_in, tmp_path):
+def test_two_runs_in_one_folder(log, tmp_path):
     """A killed one leaves no lock."""
-    first = run_in(tmp_path / "out")
+    first = reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
     (lock,) = (path for path in (tmp_path / "out").iterdir() if path.name.startswith("."))
     run = [sys.executable, "-c", LOCK, str(lock)]
     with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
         assert other.stdout is not None
         assert other.stdout.readline() == "there\n"
         with pytest.raises(InputError, match="another run is working there"):
-            run_in(tmp_path / "out")
+            reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
         other.kill()
-    assert run_in(tmp_path / "out").rows == first.rows
+    assert reproduce(log, ["validity"], **COUNT, output=tmp_path / "out").rows == first.rows
 
 
-def test_what_a_killed_run_has_left_is_no_obstacle(run_in, tmp_path):
-    (tmp_path / ".settings.json.0123abcd.tmp").write_text("{")
-    first = run_in(tmp_path)
-    with open(tmp_path / "rows.jsonl", "a") as rows:
-        rows.write('{"key": "l", "ro')
-    assert run_in(tmp_path).rows == first.rows
-
-
-def test_a_full_disk_stops_it_in_a_sentence(run_in, tmp_path):
+def test_a_full_disk_stops_it_in_a_sentence(log, tmp_path):
     with full_disk(nth=2), pytest.raises(InputError, match=r"rows.jsonl: cannot be written \(No space left on device"):
-        run_in(tmp_path)
+        reproduce(log, ["validity"], **COUNT, output=tmp_path)
 
 
 def test_the_loss_of_workers_leaves_tasks(log, tmp_path):

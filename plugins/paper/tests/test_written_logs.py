@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from stereorecal_paper import has_mission, save_calibrations, save_mission
 
-import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.io import load_log
 from stereorecal.recordings import Mission
@@ -15,6 +14,7 @@ from stereorecal.synthetic import default_rig, render
 
 NAMES = ["../out", "/tmp/out", "..", ".", "", "a/b", "a\\b", "a\0b"]
 RIG = default_rig().resized((160, 120))
+CALIBRATIONS = {"2020-05-01": RIG, "2021-01-01": RIG.with_extrinsics(RIG.extrinsics + 0.01 * np.eye(6)[0])}
 
 
 @pytest.fixture
@@ -25,23 +25,16 @@ def mission(scene) -> Mission:
 
 
 @pytest.fixture
-def calibrations(scene) -> dict[str, sr.StereoRig]:
-    rig = scene().rig
-    shift = np.array([0.01, 0.0, 0.0, 0.0, 0.0, 0.0])
-    return {"2020-05-01": rig, "2021-01-01": rig.with_extrinsics(rig.extrinsics + shift)}
-
-
-@pytest.fixture
-def folder(tmp_path: Path, mission: Mission, calibrations) -> Path:
-    save_calibrations(calibrations, tmp_path / "log")
+def folder(tmp_path: Path, mission: Mission) -> Path:
+    save_calibrations(CALIBRATIONS, tmp_path / "log")
     save_mission(mission, tmp_path / "log")
     return tmp_path / "log"
 
 
-def test_what_is_written_comes_back(folder: Path, mission: Mission, calibrations):
+def test_what_is_written_comes_back(folder: Path, mission: Mission):
     log = load_log(folder)
-    assert list(log.calibrations) == list(calibrations)
-    for name, rig in calibrations.items():
+    assert list(log.calibrations) == list(CALIBRATIONS)
+    for name, rig in CALIBRATIONS.items():
         np.testing.assert_allclose(log.calibrations[name].extrinsics, rig.extrinsics, atol=1e-12)
     (found,) = log.missions
     assert (found.name, found.calibration, found.starred) == (mission.name, mission.calibration, mission.starred)
@@ -66,12 +59,12 @@ def test_names_of_pairs_are_kept_apart(folder: Path, tmp_path: Path, mission: Mi
         save_mission(replace(mission, name="2020-06-02", pairs=clash, starred=frozenset()), folder)
 
 
-def test_nothing_is_overwritten_unasked(folder: Path, mission: Mission, calibrations):
+def test_nothing_is_overwritten_unasked(folder: Path, mission: Mission):
     with pytest.raises(InputError, match="is there already"):
         save_mission(mission, folder)
     with pytest.raises(InputError, match="exists already"):
-        save_calibrations(calibrations, folder)
-    save_calibrations(calibrations, folder, overwrite=True)
+        save_calibrations(CALIBRATIONS, folder)
+    save_calibrations(CALIBRATIONS, folder, overwrite=True)
 
 
 def test_a_mission_is_there_once_it_is_whole(folder: Path, mission: Mission):
