@@ -10,7 +10,6 @@ from . import (
     online as online,
     recalibration as recalibration,
     recordings as recordings,
-    reproduction as reproduction,
     scoring as scoring,
     synthetic as synthetic,
     testing as testing,
@@ -80,12 +79,6 @@ from .recordings import (
     Range as Range,
     Scene as Scene,
     make_pair as make_pair,
-)
-from .reproduction import (
-    Extent as Extent,
-    Reproduction as Reproduction,
-    reproduce as reproduce,
-    synthetic_log as synthetic_log,
 )
 from .scoring import (
     Correspondences as Correspondences,

@@ -18,8 +18,6 @@ import typechecking
 from fixtures import data_dir as data_dir, install as install, moody as moody, scene as scene
 from hypothesis import settings
 
-from stereorecal.reproduction import _synthetic_log
-
 _CACHE = "STEREORECAL_TEST_CACHE"
 _COMPILED_FAST = ["--xla_backend_optimization_level=1", "--xla_cpu_parallel_codegen_split_count=1"]
 if jaxlib.version.__version_info__ < (0, 11):  # XLA ends a process that names a flag which it no longer has
@@ -139,10 +137,3 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: there)
 
     return set_up
-
-
-@pytest.fixture
-def small_synthetic_log(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One pair of 160x120 in each of its missions."""
-    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
-    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)

@@ -3,6 +3,8 @@
 import os
 import pickle
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -91,6 +93,29 @@ def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
         finally:
             signal.signal(signal.SIGTERM, handler)
         return Answer(code, *capsys.readouterr())
+
+    return run
+
+
+_LOADED = """
+import sys
+from stereorecal.cli import main
+try:
+    code = main(sys.argv[1:])
+except SystemExit as end:
+    code = end.code
+print(code, *(name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules))
+"""
+
+
+@pytest.fixture(scope="session")
+def at_once() -> Callable[..., tuple[Answer, set[str]]]:
+    """at_once(words...): how a command answers in a process of its own, and which heavy libraries it has loaded."""
+
+    def run(*words: str) -> tuple[Answer, set[str]]:
+        done = subprocess.run([sys.executable, "-c", _LOADED, *words], capture_output=True, text=True, check=False)
+        code, *loaded = done.stdout.splitlines()[-1].split()
+        return Answer(int(code), done.stdout, done.stderr), set(loaded)
 
     return run
 

@@ -26,7 +26,6 @@ COMMANDS = Registry[CommonOptions](
         "diff": "stereorecal.cli._calibration_commands:DiffOptions",
         "convert": "stereorecal.cli._calibration_commands:ConvertOptions",
         "compare": "stereorecal.cli._experiment_commands:CompareOptions",
-        "reproduce": "stereorecal.cli._experiment_commands:ReproduceOptions",
         "strategies": "stereorecal.cli._plugin_commands:PluginOptions",
         "matchers": "stereorecal.cli._plugin_commands:PluginOptions",
     },

@@ -1,12 +1,10 @@
-"""The options of the commands that compare methods, and run the paper's experiments."""
+"""The options of the command that compares methods."""
 
 from importlib import import_module
-from pathlib import Path
 from typing import Literal, get_args
 
-from stereorecal._errors import InputError
 from stereorecal._existing_paths import existing_folder
-from stereorecal.cli._options import CommonOptions, argument, option, option_group
+from stereorecal.cli._options import CommonOptions, option, option_group
 from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
     FREE,
@@ -14,7 +12,6 @@ from stereorecal.cli._shared_options import (
     SEARCH,
     WRITES,
     MatcherOptions,
-    ReachOptions,
     ReportOptions,
     SearchOptions,
     WorkerOptions,
@@ -97,75 +94,3 @@ class CompareOptions(
         check_places(self.places, force=self.force)
         if self.strategies is not None:
             import_module("stereorecal.cli._strategy_names").strategy_names(self.strategies)
-
-
-@option_group
-class _ReproductionOutputOptions:
-    """What the experiments write."""
-
-    title = WRITES
-    output: str | None = option("folder for tables and figures (default: reproduced/LOG)", metavar="DIR")
-
-
-@option_group
-class _ExperimentOptions:
-    """The experiments, and their log."""
-
-    title = READS
-    experiments: tuple[str, ...] = argument(
-        "validity, repair, generalise, ex-nihilo, sequential, all (default: all)", ("all",), metavar="EXPERIMENT"
-    )
-    log: str | None = option("folder of missions (layouts: page Your data)", metavar="DIR")
-    frames: str | None = option("first pairs of each sequence of --log (default: 10)", metavar="N|all")
-    quick: bool = option("a small log, few pairs: does everything work?", False)
-
-
-@option_group
-class _ReproducedScheduleOptions:
-    """How the experiments search."""
-
-    title = SEARCH
-    schedule: Literal["both", "default", "count"] = option(
-        "count (the paper's way), default (coarse to fine), or both (default: both)", "both", metavar="NAME"
-    )
-    strategy: str | None = option(
-        "in place of compass, or of Levenberg-Marquardt if it needs residuals", metavar="NAME"
-    )
-
-
-@option_group
-class ReproduceOptions(
-    _ReproductionOutputOptions,
-    ReportOptions,
-    _ExperimentOptions,
-    ReachOptions,
-    _ReproducedScheduleOptions,
-    MatcherOptions,
-    WorkerOptions,
-    CommonOptions,
-):
-    """Run the paper's experiments on a log of missions: is the count highest under the right calibration (validity);
-    repair from a wrong one (repair); does a repair on one pair hold for the others (generalise); repair from the
-    baseline alone (ex-nihilo); repair pair after pair (sequential). Without a log, one is rendered. An interrupted run
-    continues where it stopped."""
-
-    summary = "run the paper's experiments"
-    module = "stereorecal.cli._reproduce"
-
-    forms = ("[EXPERIMENT …]",)
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written, but those of the folder."""
-        return places_of(self, "json")
-
-    def check(self) -> None:
-        if self.log is not None:
-            existing_folder(self.log)
-        if self.output == "-":
-            raise InputError("--output -: the results are files in a folder; give the name of one.")
-        if self.output is not None and Path(self.output).exists() and not Path(self.output).is_dir():
-            raise InputError(f"--output {self.output}: this is a file; give the name of a folder.")
-        check_places(self.places, force=self.force)
-        if self.strategy is not None:
-            import_module("stereorecal.strategies").check_installed(self.strategy)

@@ -55,6 +55,7 @@ CHOICE = (
     "plugins/levenberg-marquardt",
     "plugins/nlopt",
     "plugins/optimistix",
+    "plugins/paper",
 )
 PLAIN = "--import-mode=importlib"  # without the check of types, which older versions of its tools cannot do
 TOLD = ("jax", "numpy", "scipy", "opencv", "optimistix", "nlopt")  # in the table

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fixtures import clean_scene as clean_scene, command as command
+from fixtures import at_once as at_once, clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
 
 from stereorecal.io import save_scene

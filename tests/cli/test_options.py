@@ -17,7 +17,6 @@ def test_what_is_not_given_has_the_default_of_its_field():
     assert (found.calibration, found.tolerance) == (None, None)
     assert (found.dry_run, found.traceback) == (False, False)
     assert options("compare").scene == ()
-    assert options("reproduce").experiments == ("all",)
 
 
 def test_values_have_the_types_of_their_fields():

@@ -26,7 +26,6 @@ VERBS = {
     "diff": ("diff", "{0}", "{0}"),
     "recalibrate": ("recalibrate", "{0}", *NOTHING),
     "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
-    "reproduce": ("reproduce", "--log", "{0}", "--quick", "--output", "{1}"),
     "monitor": ("monitor", "{0}", "--once"),
 }
 OPTIONS = [(verb, "--json") for verb in VERBS] + [
@@ -37,8 +36,8 @@ OPTIONS = [(verb, "--json") for verb in VERBS] + [
 ]
 
 
-def words(verb: str, scene: Path, other: object = "") -> list[object]:
-    return [word.format(scene, other) if isinstance(word, str) else word for word in VERBS[verb]]
+def words(verb: str, scene: Path) -> list[object]:
+    return [word.format(scene) if isinstance(word, str) else word for word in VERBS[verb]]
 
 
 def state(folder: Path) -> dict[Path, bytes]:
@@ -55,12 +54,12 @@ def test_no_input_is_replaced(command, folder: Path, tmp_path: Path, verb: str, 
     (folder / "hard link").hardlink_to(folder / "calib.json")
     (folder / "own").symlink_to("own")
     before = state(tmp_path)
-    answer = command(*words(verb, folder, tmp_path / "made"), option, folder / name, *(["--force"] if force else []))
+    answer = command(*words(verb, folder), option, folder / name, *(["--force"] if force else []))
     assert answer.code == 2, answer.err
     assert answer.err.count("\n") == 1
     said = "cannot be written there" if name == "own" else "will not be overwritten" if force else "--force"
     assert said in answer.err or "maps are written as .npz" in answer.err
-    assert {path: data for path, data in state(tmp_path).items() if "made" not in path.parts} == before
+    assert state(tmp_path) == before
 
 
 @pytest.mark.parametrize("option", ["--json", "--output", "--maps"])
@@ -194,7 +193,6 @@ def test_a_link_that_leads_to_nothing_yet(command, clean_scene: Path, tmp_path: 
         ("recalibrate", "{0}", "--html", "-"),
         ("compare", "--scene", "{0}", "--html", "-"),
         ("convert", "{0}", "-"),
-        ("reproduce", "--log", "{0}", "--output", "-"),
         ("monitor", "{0}", "--output", "-"),
         ("monitor", "{0}", "--state", "-"),
     ],
@@ -212,23 +210,6 @@ def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
     answer = command("recalibrate", drifted_scene, *COUNT, "--output", os.devnull, "--maps", os.devnull)
     assert (answer.code, answer.err) == (0, "")
     assert not Path(os.devnull).is_file()
-
-
-def test_the_rows_of_a_reproduction_are_inputs(command, clean_scene: Path, tmp_path: Path):
-    folder, other = tmp_path / "out", tmp_path / "results.json"
-    folder.mkdir()
-    (folder / "rows.jsonl").touch()
-    other.hardlink_to(folder / "rows.jsonl")
-    answer = command(*words("reproduce", clean_scene, folder), "--json", other, "--force")
-    assert answer.code == 2
-    assert "will not be overwritten" in answer.err
-
-
-def test_the_folder_of_a_reproduction_takes_its_own_files_only(command, clean_scene: Path, tmp_path: Path):
-    """Under the names of its results, the JSON would be replaced by them."""
-    answer = command(*words("reproduce", clean_scene, tmp_path), "--json", tmp_path / "accuracy.json")
-    assert (answer.code, list(tmp_path.iterdir())) == (2, [])
-    assert "takes its own files only" in answer.err
 
 
 # --- what cannot be written ---------------------------------------------------------------------------------

@@ -1,9 +1,8 @@
-"""Ctrl-C, SIGTERM and SIGHUP from the first second on: one line and 130; one run in a folder of `reproduce`."""
+"""Ctrl-C, SIGTERM and SIGHUP from the first second on: one line and 130."""
 
 import os
 import signal
 import subprocess
-import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
@@ -11,12 +10,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
-from machine import full_disk
 from slow import terminal
 
-from stereorecal import InputError, Log, Mission, _signals, recalibrate_many
+from stereorecal import InputError, _signals, recalibrate_many
 from stereorecal.io import load_scene
-from stereorecal.reproduction import Extent, reproduce
 
 NUMBERS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 
@@ -162,52 +159,6 @@ def test_a_swallowed_signal_comes_again():
 
     with pytest.raises(KeyboardInterrupt):
         swallow()
-
-
-# --- one run in a folder ------------------------------------------------------------------------------------
-
-
-LOCK = "import fcntl, sys; file = open(sys.argv[1], 'a'); fcntl.flock(file, 2); print('there', flush=True); input()"
-
-
-@pytest.fixture
-def run_in(clean_scene: Path):
-    """run_in(folder): a reproduction of two tasks, whose results go there."""
-    scene = load_scene(clean_scene)
-    log = Log("log", {"2020-01-01": scene.rig}, (Mission("2020-01-02", "2020-01-01", scene.pairs),))
-
-    def run(folder: Path):
-        extent = Extent(sweeps=1, points=3, matchers=())
-        return reproduce(log, ["validity"], schedules=("count",), extent=extent, output=folder)
-
-    return run
-
-
-def test_two_runs_in_one_folder(run_in, tmp_path: Path):
-    """A killed one leaves no lock."""
-    first = run_in(tmp_path / "out")
-    (lock,) = (path for path in (tmp_path / "out").iterdir() if path.name.startswith("."))
-    run = [sys.executable, "-c", LOCK, str(lock)]
-    with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
-        assert other.stdout is not None
-        assert other.stdout.readline() == "there\n"
-        with pytest.raises(InputError, match="another run is working there"):
-            run_in(tmp_path / "out")
-        other.kill()
-    assert run_in(tmp_path / "out").rows == first.rows
-
-
-def test_what_a_killed_run_has_left_is_no_obstacle(run_in, tmp_path: Path):
-    (tmp_path / ".settings.json.0123abcd.tmp").write_text("{")
-    first = run_in(tmp_path)
-    with open(tmp_path / "rows.jsonl", "a") as rows:
-        rows.write('{"key": "l", "ro')
-    assert run_in(tmp_path).rows == first.rows
-
-
-def test_a_full_disk_stops_a_reproduction_in_a_sentence(run_in, tmp_path: Path):
-    with full_disk(nth=2), pytest.raises(InputError, match=r"rows.jsonl: cannot be written \(No space left on device"):
-        run_in(tmp_path)
 
 
 # --- workers ------------------------------------------------------------------------------------------------

@@ -11,8 +11,7 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Mission
-from stereorecal.synthetic._default_rig import default_rig
-from stereorecal.synthetic._render import render
+from stereorecal.synthetic import default_rig, render
 
 # The paper's identifiers of calibrations (tables 1 and 2), and how many pairs the sequence taken after each one has.
 _CALIBRATIONS = (57, 60, 65, 67, 71, 90, 94, 96, 99, 103, 104)

@@ -6,10 +6,13 @@ from pathlib import Path
 from platformdirs import user_cache_path
 
 from stereorecal import InputError, geometry, synthetic
-from stereorecal._run_all import Progress
-from stereorecal.io import has_mission, json_line, load_log, make_folder, save_calibrations, save_mission, write_text
+from stereorecal.cli import Progress
+from stereorecal.io import json_line, load_log, make_folder, write_text
 from stereorecal.recordings import Log
-from stereorecal.synthetic import default_rig, plan_missions
+from stereorecal.synthetic import default_rig
+from stereorecal_paper import _missions
+from stereorecal_paper._missions import plan_missions
+from stereorecal_paper._plain_log import has_mission, save_calibrations, save_mission
 
 _QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (256, 192), 3, 2
 
@@ -17,7 +20,7 @@ _QUICK_SIZE, _QUICK_PAIRS, _QUICK_MISSIONS = (256, 192), 3, 2
 def synthetic_log(
     seed: int = 0, *, quick: bool = False, folder: Path | None = None, progress: Progress | None = None
 ) -> Log:
-    """The log of `synthetic.plan_missions`, as a plain log on the disk; existing sequences are not rendered again.
+    """The log of `plan_missions`, as a plain log on the disk; existing sequences are not rendered again.
 
     Args:
         seed: draws drift and scenes.
@@ -59,5 +62,9 @@ def _check_plan(folder: Path, plan: dict[str, object]) -> None:
 def _edition() -> str:
     """Changes whenever the renderer, the geometry beneath it or the plan does."""
     folders = [Path(module.__file__ or "").parent for module in (synthetic, geometry)]
-    sources = [Path(__file__), *(path for folder in folders for path in sorted(folder.rglob("*.py")))]
+    sources = [
+        Path(__file__),
+        Path(_missions.__file__),
+        *(path for folder in folders for path in sorted(folder.rglob("*.py"))),
+    ]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]

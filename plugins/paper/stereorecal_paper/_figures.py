@@ -12,14 +12,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter
 
-from stereorecal.report.disparity_map import draw_disparity, largest_disparity
-from stereorecal.reproduction._summaries import grouped_by
+from stereorecal.report.disparity_map import colour_range
+from stereorecal_paper._summaries import grouped_by
 
 Row = Mapping[str, Any]
 Image = Float[np.ndarray, "h w"]
 
 # Okabe and Ito: told apart by people who see fewer colours.
 _COLOURS: tuple[str, ...] = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_INVALID = "#202020"
 _UNIT = {"pitch": "pitch [°]", "yaw": "yaw [°]", "roll": "roll [°]", "y": "y [% of B]", "z": "z [% of B]"}
 _METHOD = {"count": "count at one scale (the paper's way)", "default": "default schedule"}
 _COST = "cost [matcher runs on a full-size frame]"
@@ -32,7 +33,7 @@ def experiment_figures(rows: Mapping[str, Sequence[Row]]) -> dict[str, Figure]:
 
 def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np.ndarray, "h w"]]]) -> Figure:
     """The left image and disparities (values, valid) under several calibrations, on one scale (paper, section 4.4)."""
-    largest = largest_disparity(disparities.values())
+    _, largest = colour_range(disparities.values())
     columns = (len(disparities) + 2) // 2
     height, width = left.shape
     figure = Figure(figsize=(3.6 * columns + 0.8, 7.2 * height / width + 0.4), layout="constrained")
@@ -41,7 +42,8 @@ def disparity_figure(left: Image, disparities: Mapping[str, tuple[Image, Bool[np
     axes[0].set_title("left image", fontsize=9, loc="left")
     image = None
     for axis, (name, (values, found)) in zip(axes[1:], disparities.items(), strict=False):
-        image = draw_disparity(axis, values, found, largest)
+        axis.set_facecolor(_INVALID)
+        image = axis.imshow(np.ma.masked_where(~found, values), cmap="viridis", vmin=0.0, vmax=largest)
         axis.set_title(f"{name}: {100 * found.mean():.0f} % of the pixels", fontsize=9, loc="left")
     for axis in axes:
         axis.set_xticks([])

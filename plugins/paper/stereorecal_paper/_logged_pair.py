@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair, PairSequence, names_of
-from stereorecal.reproduction._pixel_counter import PixelCounter
+from stereorecal_paper._pixel_counter import PixelCounter
 
 _WHEN = ("score_initial", "score_final", "score_reference")
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from stereorecal.reproduction import Reproduction
+from stereorecal_paper import Reproduction
 
 
 def summary(name: str, rows=()) -> list[dict]:

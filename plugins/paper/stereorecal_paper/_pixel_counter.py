@@ -9,7 +9,7 @@ from stereorecal.geometry import StereoRig, View, axis_errors, view, with_unit_b
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
-from stereorecal.recordings import Log, Mission, Pair
+from stereorecal.recordings import Log, Mission, Pair, PairSequence, names_of, picked
 from stereorecal.scoring import host, prepare, select_frames
 from stereorecal.scoring.host import with_disparity_range
 
@@ -73,9 +73,15 @@ def counter_of(log: Log, mission: Mission, reach: Reach, matcher: AbstractMatche
     """
     rig = log.calibration_of(mission)
     neutral = view(ideal(rig, float(rig.baseline)))
-    pairs = select_frames(mission.unstarred, _SURVEYED)
+    pairs = select_frames(unstarred(mission), _SURVEYED)
     ranged = with_disparity_range(matcher, rig, pairs, neutral, np.radians(reach.degrees))
     return PixelCounter(rig, ranged, neutral, mission.truth)
+
+
+def unstarred(mission: Mission) -> PairSequence:
+    """The pairs without a star; all of them, if all are starred."""
+    bright = [index for index, name in enumerate(names_of(mission.pairs)) if name not in mission.starred]
+    return picked(mission.pairs, bright) if bright else mission.pairs
 
 
 def ideal(rig: StereoRig, baseline: float) -> StereoRig:

@@ -11,7 +11,9 @@ from stereorecal.matching import BM, SAD, SGBM, AbstractMatcher, name_of
 from stereorecal.objectives import EXTRINSICS, Reach
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Log, Mission, PairSequence, names_of, picked
-from stereorecal.reproduction._experiment_tasks import (
+from stereorecal.strategies import Budget, Need, strategy
+from stereorecal.synthetic import decalibrate
+from stereorecal_paper._experiment_tasks import (
     AxisSweep,
     Method,
     PairCounts,
@@ -20,10 +22,8 @@ from stereorecal.reproduction._experiment_tasks import (
     SequentialRepairs,
     Task,
 )
-from stereorecal.reproduction._logged_pair import LoggedPair
-from stereorecal.reproduction._pixel_counter import PixelCounter, counter_of, ideal
-from stereorecal.strategies import Budget, Need, strategy
-from stereorecal.synthetic import decalibrate
+from stereorecal_paper._logged_pair import LoggedPair
+from stereorecal_paper._pixel_counter import PixelCounter, counter_of, ideal, unstarred
 
 _AXES = {"pitch": 0, "yaw": 1, "roll": 2, "y": 4, "z": 5}
 _UNITS_PER_ITERATION = 2 * len(EXTRINSICS)  # the paper's iteration tries a step either way along each axis
@@ -165,7 +165,7 @@ def sweeps(setting: Setting) -> Iterator[Task]:
     even = np.linspace(-1.0, 1.0, extent.points)
     offsets = tuple((_FAR * np.sign(even) * even**2).tolist())
     for mission in setting.missions[: extent.sweeps]:
-        (logged_pair,) = setting.logged_pairs(mission, mission.unstarred[:1])
+        (logged_pair,) = setting.logged_pairs(mission, unstarred(mission)[:1])
         for axis in _AXES.values():
             for name, matcher in named:
                 yield AxisSweep(logged_pair, axis, name, matcher, offsets)
@@ -184,7 +184,7 @@ def repair(setting: Setting) -> Iterator[Task]:
 def generalise(setting: Setting) -> Iterator[Task]:
     """One pair of the last sequence from several calibrations, judged on all others (section 4.3)."""
     mission = max(reversed(setting.missions), key=lambda mission: len(mission.pairs) > 1)
-    (logged_pair,), wrong = setting.logged_pairs(mission, mission.unstarred[:1]), setting.wrong(mission)
+    (logged_pair,), wrong = setting.logged_pairs(mission, unstarred(mission)[:1]), setting.wrong(mission)
     others = tuple(other for other in setting.logged_pairs(mission, mission.pairs) if other.image != logged_pair.image)
     for name in setting.draw(3).permutation(list(wrong))[: setting.extent.starts]:
         yield from _repairs(setting, logged_pair, str(name), wrong[str(name)], others)
@@ -201,7 +201,7 @@ def sequential(setting: Setting) -> Iterator[Task]:
     """The pairs of the fullest sequence one after the other, from no calibration: in random order, the better half by
     their first score twice over, and all of them twice (section 4.5)."""
     extent = setting.extent
-    mission = max(setting.missions, key=lambda mission: len(mission.unstarred))
+    mission = max(setting.missions, key=lambda mission: len(unstarred(mission)))
     start, counter = setting.from_nothing(mission), setting.counter(mission)
     order = setting.draw(5).permutation(len(mission.pairs))[: extent.steps]
     shuffled = setting.logged_pairs(mission, picked(mission.pairs, order.tolist()))

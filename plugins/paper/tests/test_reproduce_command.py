@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from machine import raising
+from stereorecal_paper import EXPERIMENTS, save_calibrations, save_mission
 
-from stereorecal.io import save_calibrations, save_mission
 from stereorecal.recordings import Mission
 from stereorecal.synthetic import default_rig, render
 
@@ -101,6 +101,7 @@ def test_failures_are_named(command, words, moody):
         (["--log", "."], "the layout is unknown"),
         (["--executor", "processes"], "number of workers"),
         (["--output", "/proc/none/x"], "cannot become a folder"),
+        (["--output", "-"], "the results are files in a folder"),
     ],
     ids=lambda value: str(value[0]) if isinstance(value, list) else "",
 )
@@ -138,3 +139,39 @@ def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, small_synth
     before = [path.stat().st_mtime_ns for path in missions]
     assert command("reproduce", "validity", *options).code == 0
     assert [path.stat().st_mtime_ns for path in missions] == before
+
+
+def test_no_input_is_replaced(command, words, log: Path, tmp_path: Path):
+    rows, link = tmp_path / "out" / "rows.jsonl", tmp_path / "link.json"
+    rows.parent.mkdir()
+    rows.touch()
+    for path in (log / "calibrations" / "2020-01-01.json", rows):
+        before = path.read_bytes()
+        link.hardlink_to(path)
+        found = command("reproduce", *words, "--json", link, "--force")
+        link.unlink()
+        assert (found.code, path.read_bytes()) == (2, before)
+        assert "will not be overwritten" in found.err
+
+
+def test_the_folder_takes_its_own_files_only(command, words, tmp_path: Path):
+    """Under the names of its results, the JSON would be replaced by them."""
+    found = command("reproduce", *words, "--output", tmp_path, "--json", tmp_path / "accuracy.json")
+    assert (found.code, list(tmp_path.iterdir())) == (2, [])
+    assert "takes its own files only" in found.err
+
+
+def test_a_broken_matcher_is_a_sentence(command, words, install):
+    install("stereorecal.matchers", {"shaky": "no_such_module:Matcher"})
+    found = command("reproduce", *words, "--matcher", "shaky")
+    assert (found.code, found.out, found.err.count("\n")) == (3, "", 1)
+    assert "matcher shaky of plug-in 1.2 cannot be loaded" in found.err
+
+
+def test_a_wrong_name_is_said_at_once(at_once):
+    answer, loaded = at_once("reproduce", "--log", "nowhere")
+    assert (answer.code, loaded) == (2, set()), answer
+
+
+def test_help_says_what_there_is(command):
+    assert f"{', '.join(EXPERIMENTS)}, all" in " ".join(command("reproduce", "--help").out.split())

@@ -1,7 +1,6 @@
 """The tasks of the experiments, of four kinds; each runs in a worker and returns a row of results."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -9,11 +8,10 @@ from stereorecal.estimation import EXACT
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
-from stereorecal.recalibration import Repair, Schedule, Solution, recalibrate, recalibrate_many
-from stereorecal.recordings import Scene
-from stereorecal.reproduction._logged_pair import LoggedPair, Row
-from stereorecal.reproduction._pixel_counter import PixelCounter
+from stereorecal.recalibration import Schedule, Solution, recalibrate
 from stereorecal.strategies import Budget
+from stereorecal_paper._logged_pair import LoggedPair, Row
+from stereorecal_paper._pixel_counter import PixelCounter
 
 
 @dataclass(frozen=True)
@@ -41,16 +39,20 @@ class Search:
     budget: Budget
     seed: int
 
-    def arguments(self, counter: PixelCounter) -> dict[str, Any]:
-        """Those of `recalibrate`; everything is scored in the counter's view."""
-        return {
-            "matcher": counter.matcher if self.method.ranged else replace(counter.matcher, num_disparities=None),
-            "schedule": self.method.schedule,
-            "reach": self.reach,
-            "budget": self.budget,
-            "view": counter.view,
-            "seed": self.seed,
-        }
+    def repaired(self, rig: StereoRig, logged_pair: LoggedPair) -> Solution:
+        """The repair of a pair from a rig whose intrinsics are exact; everything is scored in the counter's view."""
+        counter = logged_pair.counter
+        return recalibrate(
+            rig,
+            [logged_pair.pair],
+            matcher=counter.matcher if self.method.ranged else replace(counter.matcher, num_disparities=None),
+            schedule=self.method.schedule,
+            reach=self.reach,
+            budget=self.budget,
+            view=counter.view,
+            seed=self.seed,
+            prior=EXACT,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,9 +138,7 @@ class PairRepair:
     def run(self) -> Row:
         """Repair and count."""
         logged_pair = self.logged_pair
-        solution = recalibrate(
-            self.start, [logged_pair.pair], prior=EXACT, **self.search.arguments(logged_pair.counter)
-        )
+        solution = self.search.repaired(self.start, logged_pair)
         return {
             **logged_pair.about,
             "calibration": self.start_name,
@@ -174,9 +174,10 @@ class SequentialRepairs:
     def run(self) -> Row:
         """Repair and count."""
         counter = self.logged_pairs[0].counter
-        scenes = [Scene(pair.key, self.start, (pair.pair,)) for pair in self.logged_pairs]
-        repairs = recalibrate_many(scenes, start="previous", **self.search.arguments(counter))
-        solutions = [_solution(repair) for repair in repairs]
+        solutions, rig = [], self.start
+        for logged_pair in self.logged_pairs:
+            solutions.append(self.search.repaired(rig, logged_pair))
+            rig = solutions[-1].rig
         return {
             "sequence": self.logged_pairs[0].sequence,
             "order": self.order,
@@ -191,12 +192,6 @@ class SequentialRepairs:
 
 
 Task = PairCounts | AxisSweep | PairRepair | SequentialRepairs
-
-
-def _solution(repair: Repair) -> Solution:
-    if repair.solution is None:
-        raise RuntimeError(f"{repair.name}: {repair.error}")
-    return repair.solution
 
 
 def _found(logged_pair: LoggedPair, solution: Solution) -> Row:

@@ -12,21 +12,19 @@ import jax
 import numpy as np
 
 from stereorecal import InputError
-from stereorecal._environment import versions
-from stereorecal._run_all import Progress, run_all
-from stereorecal._signals import hold
+from stereorecal.cli import Progress, hold, run_all, versions
 from stereorecal.geometry import StereoRig
 from stereorecal.io import json_data
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
-from stereorecal.reproduction import _summaries as summaries
-from stereorecal.reproduction._experiment_tasks import Task
-from stereorecal.reproduction._experiments import EXPERIMENTS, Extent, Setting, methods
-from stereorecal.reproduction._logged_pair import Row
-from stereorecal.reproduction._published import TABLE_1, TABLE_2
-from stereorecal.reproduction._row_store import Store
 from stereorecal.strategies import origin_of
+from stereorecal_paper import _summaries as summaries
+from stereorecal_paper._experiment_tasks import Task
+from stereorecal_paper._experiments import EXPERIMENTS, Extent, Setting, methods
+from stereorecal_paper._logged_pair import Row
+from stereorecal_paper._published import TABLE_1, TABLE_2
+from stereorecal_paper._row_store import Store
 
 SCHEMA = "stereorecal.reproduce/1"
 

@@ -1,6 +1,9 @@
 """The paper's experiments: what they look at, that rows are right, that an interrupted run continues."""
 
 import json
+import subprocess
+import sys
+import weakref
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
@@ -8,19 +11,24 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from json_page import differences
+from machine import full_disk
+from stereorecal_paper import (
+    EXPERIMENTS,
+    Extent,
+    experiment_figures,
+    methods,
+    reproduce,
+    save_calibrations,
+    save_mission,
+    synthetic_log,
+    write_files,
+)
+from stereorecal_paper._pixel_counter import unstarred
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.io import load_log, save_calibrations, save_mission
-from stereorecal.recordings import Log, Mission
-from stereorecal.reproduction import (
-    EXPERIMENTS,
-    Extent,
-    methods,
-    reproduce,
-    write_files,
-)
-from stereorecal.reproduction._figures import experiment_figures
+from stereorecal.io import load_log
+from stereorecal.recordings import LazyPairs, Log, Mission, Pair
 from stereorecal.scoring.host import with_disparity_range
 
 TINY = Extent(images=1, starts=2, sweeps=1, points=7, matchers=(sr.SAD(), sr.BM()), steps=2, iterations=3)
@@ -90,10 +98,10 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     start = rig.with_extrinsics(np.array([0, 0, 0, -baseline, 0, 0]))
     np.testing.assert_allclose(row["extrinsics"]["start"], start.extrinsics)
     view = sr.view(rig.with_extrinsics(np.array([0, 0, 0, -float(rig.baseline), 0, 0])))
-    judged = sr.reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
+    judged = reproduce(log, ["ex-nihilo"], **COUNT)  # the same row once more
     assert timeless(judged)["ex_nihilo"] == timeless(serial)["ex_nihilo"]
     found = rig.with_extrinsics(np.array(row["extrinsics"]["found"]))
-    ranged = with_disparity_range(sr.SAD(), rig, mission.unstarred, view, np.radians(sr.Reach().degrees))
+    ranged = with_disparity_range(sr.SAD(), rig, unstarred(mission), view, np.radians(sr.Reach().degrees))
     for one, key in ((start, "score_initial"), (found, "score_final"), (rig, "score_reference")):
         assert sr.score(one, mission.pairs[:1], matcher=ranged, view=view).count == row[key]
     error = np.degrees(np.abs(found.extrinsics - rig.extrinsics)[:3])
@@ -159,6 +167,8 @@ def test_an_interrupted_run_continues(log, serial, tmp_path):
             raise KeyboardInterrupt
 
     options = {**COUNT, "output": tmp_path / "out"}
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / ".settings.json.0123abcd.tmp").touch()  # of a run that was killed while it wrote
     cut = reproduce(log, ["ex-nihilo", "repair"], **options, progress=stop_after_two)
     assert cut.unfinished == 2
     assert sum(map(len, cut.rows.values())) == 2
@@ -218,6 +228,62 @@ def test_another_lens_or_truth_is_another_run(log, tmp_path):
             reproduce(changed, ["validity"], **COUNT, output=tmp_path / "out")
 
 
+@pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
+def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
+    image = np.arange(48 * 64, dtype=np.float32).reshape(48, 64) % 256
+    found = unstarred(Mission("a", "b", tuple(Pair(image, image, name) for name in "012"), frozenset(starred)))
+    assert [pair.name for pair in found] == list(left)
+
+
+def test_a_pair_is_read_for_each_task(scene):
+    """A log may be larger than the memory."""
+    taken, alive, most = scene(size=(64, 48)), weakref.WeakSet(), []
+
+    def read():
+        pair = replace(taken.pairs[0])
+        alive.add(pair)
+        most.append(len(alive))
+        return pair
+
+    pairs = LazyPairs([read] * 20, [f"{number}.png" for number in range(20)])
+    log = Log("long", {"2020-01-01": taken.rig}, (Mission("2020-01-02", "2020-01-01", pairs),))
+    extent = Extent(sweeps=1, points=3, matchers=())
+    found = reproduce(log, ["validity"], schedules=("count",), extent=extent, matcher=sr.BM(num_disparities=16))
+    assert found.errors == {}
+    assert len(found.rows["validity"]) == 20
+    assert max(most) <= 4 + 2  # the survey of the disparity range looks at four together
+
+
+def test_a_damaged_image_is_said(tmp_path, scene):
+    sr.io.save_scene(scene(frames=2), tmp_path / "scene")
+    path = max((tmp_path / "scene" / "left").iterdir())
+    path.write_bytes(path.read_bytes()[:100])
+    with pytest.raises(InputError, match="the image is truncated"):
+        reproduce(load_log(tmp_path / "scene"), ["ex-nihilo"], schedules=("count",))
+
+
+LOCK = "import fcntl, sys; file = open(sys.argv[1], 'a'); fcntl.flock(file, 2); print('there', flush=True); input()"
+
+
+def test_two_runs_in_one_folder(log, tmp_path):
+    """A killed one leaves no lock."""
+    first = reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
+    (lock,) = (path for path in (tmp_path / "out").iterdir() if path.name.startswith("."))
+    run = [sys.executable, "-c", LOCK, str(lock)]
+    with subprocess.Popen(run, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "there\n"
+        with pytest.raises(InputError, match="another run is working there"):
+            reproduce(log, ["validity"], **COUNT, output=tmp_path / "out")
+        other.kill()
+    assert reproduce(log, ["validity"], **COUNT, output=tmp_path / "out").rows == first.rows
+
+
+def test_a_full_disk_stops_it_in_a_sentence(log, tmp_path):
+    with full_disk(nth=2), pytest.raises(InputError, match=r"rows.jsonl: cannot be written \(No space left on device"):
+        reproduce(log, ["validity"], **COUNT, output=tmp_path)
+
+
 def test_the_loss_of_workers_leaves_tasks(log, tmp_path):
     class Dying(ThreadPoolExecutor):
         def submit(self, function, *arguments):
@@ -263,14 +329,14 @@ def test_a_log_of_rectified_images_gets_wrong_calibrations_too(log):
 
 @pytest.mark.slow
 def test_a_rendered_log_does_not_mix_with_another(tmp_path, small_synthetic_log):
-    log = sr.synthetic_log(0, quick=True, folder=tmp_path / "log")
+    log = synthetic_log(0, quick=True, folder=tmp_path / "log")
     assert [len(mission.pairs) for mission in log.missions] == [1, 1]
     before = sorted(path.stat().st_mtime_ns for path in (tmp_path / "log").rglob("*.png"))
-    assert sr.synthetic_log(0, quick=True, folder=tmp_path / "log").missions[0].pairs[0].size == (160, 120)
+    assert synthetic_log(0, quick=True, folder=tmp_path / "log").missions[0].pairs[0].size == (160, 120)
     assert sorted(path.stat().st_mtime_ns for path in (tmp_path / "log").rglob("*.png")) == before
     for other in ({"seed": 1, "quick": True}, {"seed": 0}):
         with pytest.raises(InputError, match="other than this log"):
-            sr.synthetic_log(**other, folder=tmp_path / "log")
+            synthetic_log(**other, folder=tmp_path / "log")
 
 
 def test_a_task_that_fails_is_said_and_tried_again(log, tmp_path, moody):

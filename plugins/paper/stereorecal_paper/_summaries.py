@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal.reproduction._published import Published
+from stereorecal_paper._published import Published
 
 Row = Mapping[str, Any]
 

@@ -12,9 +12,9 @@ from stereorecal.io import json_text, make_folder, write_bytes, write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Log, names_of
-from stereorecal.reproduction._pixel_counter import counter_of
-from stereorecal.reproduction._reproduce import Reproduction
 from stereorecal.scoring.host import disparity, rectify
+from stereorecal_paper._pixel_counter import counter_of
+from stereorecal_paper._reproduce import Reproduction
 
 Row = Mapping[str, Any]
 _SUFFIXES = ("png", "pdf")
@@ -28,7 +28,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
     Raises:
         InputError: if the place cannot be written to.
     """
-    from stereorecal.reproduction._figures import experiment_figures
+    from stereorecal_paper._figures import experiment_figures
 
     data, texts = found.as_dict(), {}
     for name, rows in data["rows"].items():
@@ -51,7 +51,7 @@ def write_files(found: Reproduction, log: Log, folder: Path) -> list[Path]:
 
 def _disparities(data: Mapping[str, Any], log: Log, matcher: AbstractMatcher) -> dict[str, Any]:
     """The figure of disparities before and after, of the first pair without a star (paper, figure 7)."""
-    from stereorecal.reproduction._figures import disparity_figure
+    from stereorecal_paper._figures import disparity_figure
 
     rows = [row for row in data["rows"].get("ex_nihilo", ()) if not row["starred"]]
     if not rows:

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from stereorecal_paper import plan_missions
 
-from stereorecal.synthetic import default_rig, plan_missions
+from stereorecal.synthetic import default_rig
 
 PLANS = [plan_missions(seed) for seed in range(30)]
 

@@ -3,33 +3,34 @@
 from pathlib import Path
 from typing import Any
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
-from stereorecal._extras import extra
-from stereorecal.cli import _option_values
-from stereorecal.cli._executors import executor
-from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
-from stereorecal.cli._experiment_commands import ReproduceOptions
-from stereorecal.cli._output_files import deliver, write_json
-from stereorecal.cli._output_places import refuse_replacing_inputs
-from stereorecal.cli._streams import say
-from stereorecal.cli._terminal import progress_bar, table_console
+from stereorecal import InputError
+from stereorecal.cli import (
+    FAILURE,
+    INTERRUPTED,
+    checked_choice,
+    degrees_and_fraction,
+    deliver,
+    executor,
+    frame_limit,
+    progress_bar,
+    refuse_replacing_inputs,
+    say,
+    seed as as_seed,
+    table_console,
+    write_json,
+)
 from stereorecal.io import files_read, load_log
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import SCHEDULES
 from stereorecal.recordings import Log
-from stereorecal.reproduction import (
-    EXPERIMENTS,
-    QUICK,
-    Extent,
-    experiment_tables,
-    methods,
-    reproduce,
-    store_files,
-    synthetic_log,
-    write_files,
-)
+from stereorecal_paper._experiments import EXPERIMENTS, QUICK, Extent, methods
+from stereorecal_paper._options import ReproduceOptions
+from stereorecal_paper._reproduce import reproduce
+from stereorecal_paper._result_files import write_files
+from stereorecal_paper._row_store import store_files
+from stereorecal_paper._synthetic_log import synthetic_log
+from stereorecal_paper._tables import experiment_tables
 
 _ALL = "all"
 _WIDE = 150  # columns of the widest table
@@ -39,18 +40,13 @@ def run(options: ReproduceOptions) -> int:
     """Run, save, print; returns the exit code."""
     chosen = [checked_choice(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
-    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach"))
-    seed, limit = (
-        _option_values.seed(options.seed),
-        _option_values.frame_limit(options.frames, "10"),
-    )
+    reach = Reach(*degrees_and_fraction(options.reach, "--reach"))
+    seed, limit = as_seed(options.seed), frame_limit(options.frames, "10")
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if options.schedule == "both" else (options.schedule,)
     matcher = as_matcher(options.matcher)
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
-    with extra("figures", "reproduce"):
-        import matplotlib  # noqa: F401  before the work is done
     with executor(options.executor) as workers:
         with files_read() as read:
             log = _log(options, seed, limit)
