@@ -25,7 +25,7 @@ from stereorecal.cli._output_places import (
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._streams import leave_stdout, say, stdout_error, stdout_reader_closed
+from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
@@ -59,13 +59,11 @@ def run(options: MonitorOptions) -> int:
         try:
             if what not in failed:
                 step()
-        except (InputError, OSError) as error:
-            if isinstance(error, BrokenPipeError) and stdout_reader_closed():
-                if options.output is None and options.state is None:
-                    raise  # nothing is left to be done
-                leave_stdout()
-            else:
-                failed[what] = error if isinstance(error, InputError) else _write_error(error, what, options)
+        except OSError as error:
+            reason = f"cannot be written ({error.strerror}); make room."
+            failed[what] = InputError(f"{what} {options.json}: {reason}")
+        except InputError as error:
+            failed[what] = error
 
     try:
         with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
@@ -73,7 +71,9 @@ def run(options: MonitorOptions) -> int:
                 state, unread = stepped.state, unread + (stepped.pair is None)
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
-                attempt(partial(show, stepped), "stdout")
+                show(stepped)
+                if stdout_reader_gone() and options.output is None and options.state is None:
+                    return 0  # nothing is left to be done
             hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -134,12 +134,6 @@ def _reason(found: Reading) -> str:
         return " (another calibration is better on average; later pairs decide)"
     low, high = max(found.rows_px.low, 0.0), found.rows_px.high
     return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; more pairs, with texture and in motion, would tell)"
-
-
-def _write_error(error: OSError, what: str, options: MonitorOptions) -> InputError:
-    if what == "stdout" or options.json == "-":
-        return stdout_error(error)
-    return InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
 
 
 def _raise(error: Exception) -> None:
