@@ -15,17 +15,17 @@ def test_what_is_not_given_has_the_default_of_its_field():
     found = options("recalibrate here")
     assert (found.scenes, found.first, found.every, found.matcher, found.motion) == (("here",), 0, 1, "sad", "auto")
     assert (found.boards, found.calibration, found.tolerance, found.stop) == (None, None, None, None)
-    assert (found.dry_run, found.traceback) == (False, False)
+    assert (found.in_place, found.traceback) == (False, False)
     assert options("compare").judge == ()
     assert options("reproduce").experiments == ("all",)
 
 
 def test_values_have_the_types_of_their_fields():
-    words = "recalibrate here there --every 2 --motion off --boards l r --calibration a b --dry-run --from 4"
+    words = "recalibrate here there --every 2 --motion off --boards l r --calibration a b --in-place --from 4"
     found = options(f"{words} --tolerance 2.5 --traceback")
     assert (found.scenes, found.every, found.motion) == (("here", "there"), 2, "off")
     assert (found.boards, found.calibration) == (("l", "r"), ("a", "b"))
-    assert (found.dry_run, found.first, found.tolerance, found.traceback) == (True, 4, 2.5, True)
+    assert (found.in_place, found.first, found.tolerance, found.traceback) == (True, 4, 2.5, True)
     assert options("compare --judge x --judge y").judge == ("x", "y")
 
 
@@ -38,7 +38,7 @@ def test_help_tells_defaults_once_and_shared_options_under_their_title(command, 
     assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
     assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
     assert "--calibration FILE …  " in text
-    assert text.index("--dry-run") < text.index("SCENE  ") < text.index("--left FILES")
+    assert text.index("--in-place") < text.index("SCENE  ") < text.index("--left FILES")
     assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
 
 
