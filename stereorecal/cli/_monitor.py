@@ -33,15 +33,13 @@ from stereorecal.online import EVENTS_SCHEMA, Config, Reading, State, Stepped, i
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
-_TAIL = 1 << 16  # bytes of a log, in which its last line is
 _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL}
 
 
 def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
     goes_on = options.state is not None and Path(options.state).exists()
-    log_goes_on = options.json if goes_on and _is_log(options.json) else None
-    appended = log_goes_on is not None
+    appended = goes_on and _is_log(options.json)
     places = _check_places(options, appended)
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
@@ -51,8 +49,6 @@ def run(options: MonitorOptions) -> int:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
     began, unread = state.frame, 0
-    if log_goes_on is not None:
-        _check_follows(log_goes_on, state)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
     def attempt(step: Callable[[], None], what: str) -> None:
@@ -182,23 +178,6 @@ def _is_log(path: str | None) -> bool:
     return False
 
 
-def _check_follows(path: str, state: State) -> None:
-    """Refuse to append to what another watch has told: of pairs that this one has not come to."""
-    frames = [0]
-    for line in _tail(path).splitlines():
-        with suppress(ValueError, TypeError, KeyError):  # cut short
-            frames.append(int(json.loads(line)["frame"]))
-    if frames[-1] >= max(state.frame, 1):
-        raise InputError(f"--json {path}: contains pairs that the state in --state has not seen; choose another file.")
-
-
-def _tail(path: str) -> bytes:
-    """Of a log that may be long."""
-    with open(path, "rb") as file:
-        file.seek(max(0, file.seek(0, 2) - _TAIL))
-        return file.read()
-
-
 @contextmanager
 def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | None]:
     target = options.json
@@ -208,8 +187,11 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | N
     # What was not there before the work began is nobody else's; a device is.
     mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
-    if appended and not _tail(target).endswith(b"\n"):
-        file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
+    if appended:
+        with open(target, "rb") as before:
+            before.seek(-1, 2)
+            if before.read() != b"\n":
+                file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
     try:
         yield file
     finally:

@@ -104,7 +104,7 @@ def _check(content: Any, key: str = "the file", levels: int = _DEEPEST) -> None:
         raise RecursionError
     if isinstance(content, float) and not math.isfinite(content):
         limit = "put a finite number (at most 1.8e308), or null where none is known."
-        raise InputError(f"{key} contains {content}; {limit}")
+        raise InputError(f"{key} contains {json.dumps(content)}; {limit}")
     for name, value in content.items() if isinstance(content, dict) else ():
         _check(value, name, levels - 1)
     for value in content if isinstance(content, list) else ():
