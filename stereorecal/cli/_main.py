@@ -4,7 +4,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -13,7 +13,7 @@ from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._streams import flush, leave_stdout, say, spell_out, stdout_reader_closed
+from stereorecal.cli._streams import say, spell_out, stdout_error
 
 _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
@@ -25,11 +25,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = options_of(sys.argv[1:] if arguments is None else arguments)
     except (InputError, PluginError) as error:  # of a plug-in's command
         return _report_error(error)
-    try:
-        return _run(options)
-    finally:
-        with suppress(InputError):
-            flush()
+    code = _run(options)
+    sys.stdout.flush()
+    error = stdout_error()
+    return code if error is None or code == INTERRUPTED else _report_error(error)
 
 
 def _run(options: CommonOptions) -> int:
@@ -43,16 +42,11 @@ def _run(options: CommonOptions) -> int:
             if trouble:
                 say(trouble)
         with _warnings_as_lines(), interruptible():
-            code = options.run()
-            flush()
-            return code
+            return options.run()
     except Exception as error:
-        if isinstance(error, BrokenPipeError) and stdout_reader_closed():  # what had to be saved is saved
-            leave_stdout()
-            return 0
         if options.traceback:
             traceback.print_exception(error)
-        code = _report_error(error)  # after a signal, perhaps since the terminal has gone
+        code = _report_error(error)
         return INTERRUPTED if interrupted() else code
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)

@@ -22,7 +22,7 @@ from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.estimation import DEFAULT, SAVED
-from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
+from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, save_maps
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
@@ -58,7 +58,7 @@ def run(options: RecalibrateOptions) -> int:
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, options, settings)
+        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, settings)
         settings = replace(settings, free=held)
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared
@@ -179,44 +179,36 @@ def _saving(
     scenes: Sequence[Scene], repairs: Sequence[Repair], options: RecalibrateOptions, output: _calibration_output.Output
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
-    first = repairs[0].solution
-    prints = options.prints
+    first, maps = repairs[0].solution, options.maps
+    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
 
-    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path]], note: str) -> None:
-        """`save` returns the copies of what it replaced."""
-        notes = [note] * len(names)
-        if names and first is not None and wanted and not options.dry_run:
-            found, backups = first, []
+    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path] | None], note: str) -> None:
+        """`save` returns the copies of what it replaced, if there are any."""
+        copies: list[Path] = []
+        if first is not None and wanted:
+            found = first
             written_or_printed(
-                lambda: backups.extend(save(found)),
+                lambda: copies.extend(save(found) or ()),
                 lambda: calibration_json(found.rig, found.prior),
                 to_stdout=options.json != "-",
             )
-            notes = [f"{note}; the old one is {copy}" for copy in backups] or notes
-        elif options.dry_run and output.replaced and names == output.files:
-            notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]
-        done = "would be written" if options.dry_run else "written"
-        for name, more in zip(names, notes, strict=True) if prints else ():
-            print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
-        if prints and wanted and output.prior_path is not None and names == output.files:
-            print(f"{output.prior_path}: {done}, what is known of it")
+        notes = [f"written{note}; the old one is {copy}" for copy in copies] or [f"written{note}"] * len(names)
+        for name, done in zip(names, notes, strict=True) if options.prints else ():
+            print(f"{name}: {done if wanted else 'not written, since the initial calibration stays'}")
 
-    def maps(solution: Solution) -> list[Path]:
-        for path in output.maps_files:
-            save_maps(solution.rig, path, options.force, _library_arguments.view(options))
-        return []
+    def save_calibration() -> None:
+        wanted = accepted or (good and options.fix == "scaled")
+        how = (output, scenes[0], options)
+        step(output.files, wanted, lambda found: _calibration_output.save(found, *how), output.note)
+        if options.prints and wanted and output.prior_path is not None:
+            print(f"{output.prior_path}: written, what is known of it")
 
-    def calibration(solution: Solution) -> list[Path]:
-        return _calibration_output.save(output, solution, scenes[0], options)
+    def save_seen(maps: str) -> None:
+        how = (maps, options.force, _library_arguments.view(options))
+        initial = "" if accepted else " for the initial calibration"
+        step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
 
-    if options.dry_run and prints and not (output.files or output.maps_files):
-        return [lambda: print("no calibration would be written: no --output, --in-place or --maps names a place")]
-    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
-    initial = "" if accepted else " for the initial calibration"
-    return [
-        lambda: step(output.files, accepted or (good and options.fix == "scaled"), calibration, output.unit_note),
-        lambda: step(output.maps_files, good, maps, initial),
-    ]
+    return [save_calibration] * bool(output.files) + ([lambda: save_seen(maps)] if maps else [])
 
 
 def _content(

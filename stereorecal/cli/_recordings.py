@@ -7,12 +7,11 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
-from stereorecal.cli._calibration_files import unit_of
 from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs, unsaid_unit
+from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
@@ -108,8 +107,7 @@ def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str]
 
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
-    of_output = isinstance(options, RecalibrateOptions) and options.output_format is not None
-    if options.format or options.cameras or (options.unit and not of_output):
+    if options.format or options.cameras or options.unit:
         raise InputError("--format, --unit and --cameras belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(
@@ -149,10 +147,7 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")
-    new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
-    new_says_none = new is not None and unsaid_unit(None, Path(str(new.output)), format=new.output_format) is not None
-    unit = unit_of(calibration, options, other_says_none=new_says_none)
-    how = {"format": options.format, "unit": unit, "cameras": _option_values.camera_pair(options.cameras)}
+    how = {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
     scene = calibrated_scene(str(place), pairs, calibration, **how)
     return Recordings([scene], tuple(absent), *pairing)
 

@@ -38,13 +38,11 @@ class _CalibrationOutputOptions:
         "each camera has a file)",
         metavar="FILE",
     )
-    output_format: str | None = option("of --output, if it is another one (see --format)", metavar="FORMAT")
     in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
     maps: str | None = option(
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
     )
-    dry_run: bool = option("write no calibration and no maps; say what would be written", False)
     html: str | None = option("one page with pictures", metavar="FILE")
 
 
@@ -162,12 +160,8 @@ class RecalibrateOptions(
             import_module("stereorecal.strategies").check_installed(self.strategy)
 
     def _check_output(self) -> None:
-        if self.in_place and (self.output is not None or self.output_format is not None):
-            raise InputError(
-                "--in-place writes the file that the calibration came from; leave --output and --output-format out."
-            )
-        if self.output_format is not None and self.output is None:
-            raise InputError("--output-format belongs to --output; give a file there.")
+        if self.in_place and self.output is not None:
+            raise InputError("--in-place writes the file that the calibration came from; leave --output out.")
         wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
         wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
         if wanted and len(self.scenes) > 1 and self.extrinsics != "one":

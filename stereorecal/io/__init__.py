@@ -14,7 +14,7 @@ from stereorecal.io._atomic import (
     write_files as write_files,
     write_text as write_text,
 )
-from stereorecal.io._backup_copies import back_up as back_up, is_copy as is_copy, next_copy as next_copy
+from stereorecal.io._backup_copies import back_up as back_up, next_copy as next_copy
 from stereorecal.io._load_odometer import load_odometer as load_odometer
 from stereorecal.io._load_ranges import load_ranges as load_ranges
 from stereorecal.io._read_files import about as about, files_read as files_read

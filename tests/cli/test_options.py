@@ -15,16 +15,16 @@ def test_what_is_not_given_has_the_default_of_its_field():
     found = options("recalibrate here")
     assert (found.scenes, found.pairs, found.matcher, found.motion) == (("here",), None, "sad", "auto")
     assert (found.calibration, found.tolerance) == (None, None)
-    assert (found.dry_run, found.traceback) == (False, False)
+    assert (found.in_place, found.traceback) == (False, False)
     assert options("compare").scene == ()
 
 
 def test_values_have_the_types_of_their_fields():
-    words = "recalibrate here there --seed 2 --motion off --maps m.npz --calibration a b --dry-run --pairs 4:"
+    words = "recalibrate here there --seed 2 --motion off --maps m.npz --calibration a b --in-place --pairs 4:"
     found = options(f"{words} --tolerance 2.5 --traceback")
     assert (found.scenes, found.seed, found.motion) == (("here", "there"), 2, "off")
     assert (found.maps, found.calibration) == ("m.npz", ("a", "b"))
-    assert (found.dry_run, found.pairs, found.tolerance, found.traceback) == (True, "4:", 2.5, True)
+    assert (found.in_place, found.pairs, found.tolerance, found.traceback) == (True, "4:", 2.5, True)
     assert options("compare --scene x --scene y").scene == ("x", "y")
 
 
@@ -37,7 +37,7 @@ def test_help_tells_defaults_once_and_shared_options_under_their_title(command, 
     assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
     assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
     assert "--calibration FILE …  " in text
-    assert text.index("--dry-run") < text.index("SCENE  ") < text.index("--left FILES")
+    assert text.index("--in-place") < text.index("SCENE  ") < text.index("--left FILES")
     assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
 
 
