@@ -13,7 +13,6 @@ from stereorecal.cli._shared_options import (
     WRITES,
     MatcherOptions,
     ReportOptions,
-    SearchOptions,
     WorkerOptions,
 )
 
@@ -66,6 +65,17 @@ class _ComparedStrategyOptions:
 
 
 @option_group
+class _SearchOptions:
+    """How a search is done."""
+
+    title = SEARCH
+    scale: float | None = option("image scale of --schedule count (default: 1)", metavar="SCALE")
+    budget: float | None = option(
+        "of each trial, in matcher runs on full-size frames (default: no limit)", metavar="UNITS"
+    )
+
+
+@option_group
 class CompareOptions(
     _ComparisonOutputOptions,
     ReportOptions,
@@ -73,7 +83,7 @@ class CompareOptions(
     _DriftOptions,
     _ComparedStrategyOptions,
     MatcherOptions,
-    SearchOptions,
+    _SearchOptions,
     WorkerOptions,
     CommonOptions,
 ):

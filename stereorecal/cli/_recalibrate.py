@@ -60,12 +60,12 @@ def run(options: RecalibrateOptions) -> int:
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
         held = _calibration_output.what_it_holds(output, found.scenes[0].rig, settings)
         settings = replace(settings, free=held)
-        shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
+        shared = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
         scenes, ranges = shared
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
-        common = {"ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
+        common = {"ranges": ranges, "executor": pool}
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
@@ -118,7 +118,6 @@ def _settings_from_options(options: RecalibrateOptions) -> Settings:
         **health_options(options),
         "schedule": _schedule(options),
         "reach": _option_values.degrees_and_fraction(options.reach, "--reach"),
-        "budget": options.budget,
         "seed": _option_values.seed(options.seed),
         "ranges": load_ranges(options.ranges) if options.ranges is not None else (),
         "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
@@ -130,9 +129,7 @@ def _settings_from_options(options: RecalibrateOptions) -> Settings:
 def _schedule(options: RecalibrateOptions) -> Schedule:
     chosen = None if options.strategy is None else strategy(options.strategy)
     if options.schedule == "count":
-        return Schedule.count(chosen or strategy("compass"), 1.0 if options.scale is None else options.scale)
-    if options.scale is not None:
-        raise InputError("--scale belongs to --schedule count; leave it out.")
+        return Schedule.count(chosen or strategy("compass"), 1.0)
     return Schedule.default() if chosen is None else Schedule.default().using(chosen)
 
 
@@ -159,7 +156,6 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         "budget": asdict(settings.budget),
         "free": ("everything",) if settings.free.everything else settings.free.names,
         "tolerances": asdict(settings.tolerances),
-        "extrinsics": options.extrinsics,
         "ranges": options.ranges,
         "odometer": options.odometer,
         "seed": options.seed,
@@ -171,7 +167,7 @@ def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, A
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     names = "everything" if free.everything else ", ".join(free.names)
-    settings = {"free": names, "extrinsics": options.extrinsics}
+    settings = {"free": names}
     return {**settings, "ranges": options.ranges or "none"}
 
 

@@ -9,8 +9,9 @@ from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
 from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
-from stereorecal.cli._shared_options import RecordingOptions
+from stereorecal.cli._shared_options import RecordingOptions, folders_of
 from stereorecal.cli._streams import say
+from stereorecal.geometry import same_rig
 from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
@@ -120,8 +121,27 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
         absent.extend(left_out)
         return found
 
-    found = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in options.scenes]
+    found = []
+    for scene in options.scenes:
+        parts = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in folders_of(scene)]
+        found.append(_as_one(scene, parts))
     return Recordings(found, tuple(absent))
+
+
+def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
+    """The folders of a recording as one scene, with the calibration of the first.
+
+    Raises:
+        InputError: if another one has another calibration.
+    """
+    first = parts[0]
+    if len(parts) == 1:
+        return first
+    for one in parts[1:]:
+        if one.rig is None or first.rig is None or not same_rig(one.rig, first.rig):
+            raise InputError(f"{one.name} has another calibration than {first.name}; repair them as two recordings.")
+    pairs = tuple(replace(pair, name=f"{one.name}/{pair.name}") for one in parts for pair in one.pairs)
+    return replace(first, name=name, pairs=pairs)
 
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:

@@ -21,7 +21,6 @@ from stereorecal.cli._shared_options import (
     ReachOptions,
     RecordingOptions,
     ReportOptions,
-    SearchOptions,
     ToleranceOptions,
     ViewOptions,
     WorkerOptions,
@@ -54,11 +53,6 @@ class _FreeOptions:
     free: str | None = option(
         f"{FREE} (default: all that the calibration file can hold)",
         metavar="NAME,…",
-    )
-    extrinsics: str = option(
-        "several recordings have extrinsics of their own (each) or share them (one: no drift between them)",
-        "each",
-        metavar="each|one",
     )
 
 
@@ -123,7 +117,6 @@ class RecalibrateOptions(
     DecisionOptions,
     _RangeOptions,
     _ScheduleOptions,
-    SearchOptions,
     WorkerOptions,
     CommonOptions,
 ):
@@ -164,7 +157,7 @@ class RecalibrateOptions(
             raise InputError("--in-place writes the file that the calibration came from; leave --output out.")
         wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
         wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
-        if wanted and len(self.scenes) > 1 and self.extrinsics != "one":
+        if wanted and len(self.scenes) > 1:
             hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
             raise InputError(
                 f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."

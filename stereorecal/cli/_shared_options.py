@@ -124,8 +124,16 @@ class _SceneOptions:
 
     title = READS
     scenes: tuple[str, ...] = argument(
-        f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data)", (), metavar="SCENE"
+        f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data); A+B: two folders, or more, "
+        "of one rig that did not drift in between, as one recording",
+        (),
+        metavar="SCENE",
     )
+
+
+def folders_of(scene: str) -> list[str]:
+    """The folders that one recording consists of."""
+    return [scene] if Path(scene).exists() else scene.split("+")
 
 
 @option_group
@@ -162,8 +170,8 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
             raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
         self.check_pairs()
-        for scene in self.scenes:
-            existing_folder(scene)
+        for folder in (folder for scene in self.scenes for folder in folders_of(scene)):
+            existing_folder(folder)
         for place in (self.bag,) if self.bag else (self.left, self.right, self.side_by_side):
             if place is not None:
                 check_exists(place, "file or folder")
@@ -241,17 +249,6 @@ class ReachOptions:
 
     title = RIG
     reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION")
-
-
-@option_group
-class SearchOptions:
-    """How a search is done."""
-
-    title = SEARCH
-    scale: float | None = option("image scale of --schedule count (default: 1)", metavar="SCALE")
-    budget: float | None = option(
-        "of each recording or trial, in matcher runs on full-size frames (default: no limit)", metavar="UNITS"
-    )
 
 
 @option_group

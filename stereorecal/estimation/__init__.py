@@ -42,7 +42,6 @@ from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, Match
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
-    windows_of_all as windows_of_all,
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread

@@ -4,8 +4,7 @@ They determine what epipolar errors do not: the length of the baseline, and the 
 principal points and focal lengths share.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -126,14 +125,6 @@ class MatchedRanges:
             return False
         bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
         return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
-
-    @staticmethod
-    def of_all(several: Sequence["MatchedRanges"]) -> "MatchedRanges":
-        """The matched ranges of several recordings or frames as one."""
-        every = (NO_RANGES, *several)
-        return MatchedRanges(
-            *(np.concatenate([getattr(one, part.name) for one in every]) for part in fields(MatchedRanges))
-        )
 
     @staticmethod
     def _scale(residuals: Float[np.ndarray, "b"]) -> float:

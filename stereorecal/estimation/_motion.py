@@ -46,14 +46,13 @@ class Windows:
     seconds: tuple[float, ...] = ()
     ways: tuple[tuple[float, float] | None, ...] = ()
 
-    def numbered(self, used: Sequence[int], first: int = 0) -> "Windows":
+    def numbered(self, used: Sequence[int]) -> "Windows":
         """The windows of the frames that are used, which are numbered anew.
 
         Args:
             used: numbers of these frames, in their new order.
-            first: number of the first of them.
         """
-        new = {frame: first + number for number, frame in enumerate(used)}
+        new = {frame: number for number, frame in enumerate(used)}
         some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
         return Windows(
             tuple(self.tracks[number] for number in some),
@@ -118,12 +117,6 @@ def of_ways(windows: Sequence[Window]) -> Normal:
 
 
 NO_WINDOWS = Windows()
-
-
-def windows_of_all(several: Sequence[Windows]) -> Windows:
-    """The windows of several recordings, no two of which have a frame number in common."""
-    parts = [sum((getattr(one, name) for one in several), ()) for name in ("tracks", "frames", "seconds", "all_ways")]
-    return Windows(*parts)
 
 
 def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:

@@ -19,7 +19,6 @@ from stereorecal.estimation import (
     as_prior,
     estimate_together,
     rig_parameters,
-    windows_of_all,
     with_free_together,
 )
 from stereorecal.geometry import StereoRig
@@ -40,8 +39,8 @@ class JointEstimate:
     Attributes:
         recordings: those that take part.
         free: own and shared parameters.
-        estimated_from: the matches of each recording, or of all where they have the same extrinsics.
-        estimates, decisions: one for each of these; candidates have the same shared parameters.
+        estimated_from: the matches of each recording.
+        estimates, decisions: of each recording; candidates have the same shared parameters.
         ranges: the ranges of each recording that have a reliable match.
     """
 
@@ -52,19 +51,9 @@ class JointEstimate:
     decisions: tuple[Decision, ...]
     ranges: tuple[MatchedRanges, ...]
 
-    @property
-    def one(self) -> bool:
-        """Whether several recordings have the same extrinsics."""
-        return len(self.estimated_from) < len(self.recordings)
-
-    def of(self, index: int) -> int:
-        """Which of the estimates is a recording's."""
-        return 0 if len(self.estimated_from) == 1 else index
-
     def rig(self, index: int) -> StereoRig:
         """The rig that a recording gets: at the candidate of its estimate."""
-        at = self.of(index)
-        return self.estimates[at].chart.rig_at(self.decisions[at].theta)
+        return self.estimates[index].chart.rig_at(self.decisions[index].theta)
 
     def rows(self, at: int, theta: Float[np.ndarray, "n"]) -> RowResiduals:
         """What is left at a θ of an estimate, and under the initial rig."""
@@ -92,14 +81,11 @@ class JointEstimate:
         return reason_of(self.decisions[at], seen)
 
 
-def joint_estimate(
-    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
-) -> JointEstimate:
+def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> JointEstimate:
     """The joint estimate of recordings: solved, matched again, solved again.
 
     Args:
         free: own and shared.
-        one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
     ranges = (NO_RANGES,) * len(recordings)
@@ -110,28 +96,21 @@ def joint_estimate(
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
     tolerances = recordings[0].repair.tolerances
-    estimates = _estimates(_together(estimated_from, one=one), tolerances, each)
+    estimates = _estimates(estimated_from, tolerances, each)
     likely = with_free_together(estimates, free.names)
-    of_estimates = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
-    rigs = of_estimates * len(recordings) if one else of_estimates
+    rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
     estimated_from = [
         replace(before, found=_as_initially_read(found, rig, r), start=_start(r, rig))
         for before, r, found, rig in zip(estimated_from, recordings, again, rigs, strict=True)
     ]
-    several = _together(estimated_from, one=one)
-    estimates = _estimates(several, tolerances, each)
+    estimates = _estimates(estimated_from, tolerances, each)
     decisions = tuple(decide_together(estimates, free.names, tolerances))
-    return JointEstimate(recordings, free, several, estimates, decisions, ranges)
+    return JointEstimate(recordings, free, tuple(estimated_from), estimates, decisions, ranges)
 
 
 def _estimates(several: Sequence[Recording], tolerances: Tolerances, each: Each) -> tuple[Estimate, ...]:
     return tuple(one.judged_by(tolerances.matters) for one in estimate_together(several, each=each))
-
-
-def _together(several: Sequence[Recording], *, one: bool) -> tuple[Recording, ...]:
-    """What is estimated from: each recording, or all as one."""
-    return (_merged(several),) if one else tuple(several)
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
@@ -160,25 +139,3 @@ def _as_initially_read(found: Correspondences, matched_rig: StereoRig, recording
         if found.found >= ENOUGH.matches
         else recording.found
     )
-
-
-def _merged(several: Sequence[Recording]) -> Recording:
-    """All as one recording, from the middle of their solutions."""
-    found = [one.found for one in several]
-    first = np.cumsum([0, *(len(one.weight) for one in found)]).tolist()
-
-    def all_of(name: str) -> Float[np.ndarray, "..."]:
-        return np.concatenate([np.asarray(getattr(one, name)) for one in found])
-
-    tiles = [np.asarray(one.tile) + before * TILES_OF_A_FRAME for one, before in zip(found, first, strict=False)]
-    rays = {name: all_of(name) for name in ("left", "right", "weight")}
-    middle = np.median([one.start for one in several if one.start is not None], axis=0)
-    every = replace(found[0], **rays, tile=np.concatenate(tiles))
-    windows = windows_of_all(
-        [
-            one.windows.numbered(range(len(one.found.weight)), before)
-            for one, before in zip(several, first, strict=False)
-        ]
-    )
-    ranges = MatchedRanges.of_all([one.ranges for one in several])
-    return replace(several[0], found=every, start=middle, ranges=ranges, windows=windows)

@@ -8,9 +8,6 @@ from functools import partial
 from traceback import format_exception
 from typing import Any, Unpack
 
-import numpy as np
-
-from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
 from stereorecal.geometry import same_camera
@@ -69,7 +66,6 @@ class Repair:
 def recalibrate_many(
     scenes: Scene | Sequence[Scene],
     *,
-    extrinsics: str = "each",
     executor: Executor | None = None,
     progress: Progress | None = None,
     finished: Callable[[int, Repair], None] | None = None,
@@ -77,18 +73,17 @@ def recalibrate_many(
 ) -> tuple[Repair, ...]:
     """Repair the calibration of many recordings, each on its own; the answers come in the order of the recordings.
 
-    Recordings of one rig share what is found of its intrinsics: once each is repaired, all are estimated together
-    (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of different rigs are
-    repaired apart. Ranges free the length of the baseline, which all share. Where the joint solution fails, the repairs
-    stand, each with an error that says so.
+    Each recording has extrinsics of its own, as a rig that drifts between missions; where it did not drift, give all
+    pairs as one recording. Recordings of one rig share what is found of its intrinsics: once each is repaired, all are
+    estimated together (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of
+    different rigs are repaired apart. Ranges free the length of the baseline, which all share. Where the joint solution
+    fails, the repairs stand, each with an error that says so.
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes
     each answer with `finished` has those that are there by then.
 
     Args:
         scenes: each with a rig and its pairs. Pairs that came from files travel to the workers as paths.
-        extrinsics: where more than these is shared: "each" recording has its own, as a rig that drifts between
-            missions; or "one" for all.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
         progress: called with (finished, total) after each recording.
         finished: called with the number of a recording and its repair as soon as that is there, in the order in which
@@ -105,7 +100,7 @@ def recalibrate_many(
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     free = _shared_by(scenes, settings)
-    scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
+    scenes, ranges = sharing(scenes, free, settings.ranges, settings.schedule)
     if len(scenes) == 1:
         alone = replace(settings, ranges=tuple(replace(one, pair=_number(one, scenes[0].pairs)) for one in ranges))
     else:
@@ -120,7 +115,7 @@ def recalibrate_many(
     repairs = tuple(done[index] for index in range(len(scenes)))
     if len(repairs) == 1:
         return repairs
-    return _repaired_together(scenes, repairs, free, extrinsics=extrinsics, ranges=ranges, executor=executor)
+    return _repaired_together(scenes, repairs, free, ranges=ranges, executor=executor)
 
 
 def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
@@ -136,7 +131,7 @@ def _number(one: Range, pairs: Sequence[Pair]) -> int:
 
 
 def sharing(
-    scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range], extrinsics: str, schedule: Schedule
+    scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range], schedule: Schedule
 ) -> tuple[tuple[Scene, ...], tuple[Range, ...]]:
     """The recordings with the frames that are looked at, and the ranges with the pairs that they mean, checked before
     any work is done.
@@ -144,7 +139,7 @@ def sharing(
     Raises:
         InputError: if they cannot share what is free, or a range belongs to no pair of them.
     """
-    check_shared(scenes, free, extrinsics)
+    check_shared(scenes, free)
     check_schedule(schedule, free)
     ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
     if not free.shared:
@@ -155,13 +150,12 @@ def sharing(
     ), ranges
 
 
-def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> None:
+def check_shared(scenes: Sequence[Scene], free: Parameters) -> None:
     """Refuse recordings that cannot share parameters.
 
     Raises:
         InputError: says which, and what to do.
     """
-    checked_choice(extrinsics, ["each", "one"], "kind of extrinsics")
     rigs = [scene.rig for scene in scenes if scene.rig is not None]
     if not free.shared or not rigs:
         return
@@ -174,11 +168,6 @@ def check_shared(scenes: Sequence[Scene], free: Parameters, extrinsics: str) -> 
                 f"{scene.name} has other intrinsics than {scenes[0].name}; recordings of one rig can share them: "
                 "repair those of different rigs apart."
             )
-        if rig is not None and extrinsics == "one" and not np.array_equal(rig.extrinsics, first.extrinsics):
-            raise InputError(
-                f"{scene.name} starts from other extrinsics than {scenes[0].name}; give all the same calibration, or "
-                'write extrinsics="each".'
-            )
 
 
 def _repaired_together(
@@ -186,7 +175,6 @@ def _repaired_together(
     repairs: Sequence[Repair],
     free: Parameters,
     *,
-    extrinsics: str,
     ranges: Sequence[Range],
     executor: Executor | None,
 ) -> tuple[Repair, ...]:
@@ -212,7 +200,7 @@ def _repaired_together(
         )
     ]
     try:
-        found = solve_jointly(recordings, free, one=extrinsics == "one", each=each)
+        found = solve_jointly(recordings, free, each)
     except Exception as error:
         failed = _failed("", error)
         message = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"

@@ -24,28 +24,25 @@ from stereorecal.recalibration._worker_tasks import counted
 from stereorecal.scoring.host import Score
 
 
-def solve_jointly(
-    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
-) -> tuple[Solution, ...]:
+def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> tuple[Solution, ...]:
     """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
     how long the baseline is, whether intrinsics are taken or not.
 
     Args:
-        one: all recordings have the same extrinsics.
         each: runs a task for each recording.
     """
     intrinsics_free = bool(free.intrinsics)
     part = [recording for recording in recordings if recording.usable(intrinsics_free=intrinsics_free)]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
-    solved = joint_estimate(part, free, one=one, each=each)
+    solved = joint_estimate(part, free, each)
     answers, intrinsics = _answers(solved, each), None
     if solved.free.intrinsics:
         intrinsics = _intrinsics(solved, answers)
         if not intrinsics.taken:
-            solutions = _with_intrinsics_held(recordings, free, one=one, each=each)
+            solutions = _with_intrinsics_held(recordings, free, each)
             return tuple(solution.with_findings(intrinsics=intrinsics) for solution in solutions)
-    results = iter(_solutions(solved, answers, intrinsics, each))
+    results = iter(_solutions(solved, answers, intrinsics))
     return tuple(
         next(results)
         if r.usable(intrinsics_free=intrinsics_free)
@@ -57,11 +54,11 @@ def solve_jointly(
 
 
 def _with_intrinsics_held(
-    recordings: Sequence[RepairedRecording], free: Parameters, *, one: bool, each: Each
+    recordings: Sequence[RepairedRecording], free: Parameters, each: Each
 ) -> tuple[Solution, ...]:
     held = _held(free)
-    if held.shared or (one and len(recordings) > 1):
-        return solve_jointly(recordings, held, one=one, each=each)
+    if held.shared:
+        return solve_jointly(recordings, held, each)
     return tuple(recording.repair for recording in recordings)
 
 
@@ -71,23 +68,21 @@ def _held(free: Parameters) -> Parameters:
 
 
 def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
-    """With the shared parameters taken, or found and not taken; where all have the same extrinsics, with one reason."""
+    """With the shared parameters taken, or found and not taken."""
     recordings = solved.recordings
     rigs = [solved.rig(index) for index in range(len(recordings))]
     counts = each(counted, [r.task(r.repair.initial, g) for g, r in zip(rigs, recordings, strict=True)])
-    joined = [np.concatenate(counts, axis=1)] if solved.one else counts
-    reasons = [solved.reason(at, tiles) for at, tiles in enumerate(joined)]
-    rows_by_solution = [solved.rows(at, decision.theta) for at, decision in enumerate(solved.decisions)]
     found = []
     for index, (rig, recording, tiles) in enumerate(zip(rigs, recordings, counts, strict=True)):
-        repair, at = recording.repair, solved.of(index)
-        estimated, decision, reason = solved.estimates[at], solved.decisions[at], reasons[at]
+        repair, reason = recording.repair, solved.reason(index, tiles)
+        estimated, decision = solved.estimates[index], solved.decisions[index]
+        rows = solved.rows(index, decision.theta)
         disagreeing = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
         findings = replace(
             repair.findings,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
-            row_errors=row_errors(rows_by_solution[at]),
-            misfit=misfit(rows_by_solution[at], late=estimated.is_late),
+            row_errors=row_errors(rows),
+            misfit=misfit(rows, late=estimated.is_late),
             uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=estimated,
             decision=decision,
@@ -142,27 +137,21 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsic
     )
 
 
-def _solutions(
-    solved: JointEstimate, answers: Sequence[Solution], intrinsics: Intrinsics | None, each: Each
-) -> list[Solution]:
+def _solutions(solved: JointEstimate, answers: Sequence[Solution], intrinsics: Intrinsics | None) -> list[Solution]:
     """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
     baseline_measured = BASELINE in solved.free.names and any(
         answer.accepted and (some.agree(answer.rig) or recording.windows.measured)
         for answer, some, recording in zip(answers, solved.ranges, solved.recordings, strict=True)
     )
-    if solved.one and solved.free.shared and not answers[0].accepted:
-        without_ranges = [replace(recording, ranges=()) for recording in solved.recordings]
-        alone = solve_jointly(without_ranges, solved.free.extrinsics, one=True, each=each)
-    else:
-        alone = tuple(recording.repair for recording in solved.recordings)
     found = []
     for index, answer in enumerate(answers):
         if answer.accepted or not solved.free.shared:
             found.append(answer.with_findings(intrinsics=intrinsics))
             continue
-        scaled = baseline_measured and alone[index].reason.healthy and not solved.ranges[index]
-        own = _scaled(alone[index], answer) if scaled else alone[index]
+        own = solved.recordings[index].repair
+        scaled = baseline_measured and own.reason.healthy and not solved.ranges[index]
+        own = _scaled(own, answer) if scaled else own
         of_ranges = _range_report(solved, index, own.rig, answer.reason)
         matched_ranges = NO_RANGES if of_ranges is None else answer.findings.matched_ranges
         own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
@@ -188,12 +177,9 @@ def _length(rig: StereoRig) -> float:
 
 
 def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Reason) -> RangesSeen | None:
-    """What became of the ranges of a recording, or of all where they have the same extrinsics, with the rig to use."""
-    recordings = solved.recordings if solved.one else [solved.recordings[index]]
-    estimated, found = solved.estimates[solved.of(index)], solved.rig(index)
-    report = ranges_seen(
-        sum(len(one.ranges) for one in recordings), estimated.matched_ranges, estimated.chart.rig, found, reason
-    )
+    """What became of the ranges of a recording, with the rig to use."""
+    estimated, found, given = solved.estimates[index], solved.rig(index), len(solved.recordings[index].ranges)
+    report = ranges_seen(given, estimated.matched_ranges, estimated.chart.rig, found, reason)
     return report and replace(report, contradict=int(estimated.matched_ranges.contradict(used).sum()))
 
 

@@ -62,16 +62,13 @@ def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str)
     """Of the rig in use: rows where lenses are held, rows where they are free, depth at 10 and 30 baselines, whether
     the intrinsics were taken, harm."""
     ranges = some_ranges(KINDS[0], 10, given[0].pairs[0], 10, seed) if part == "ranges" else []
-    how = "each" if part == "each" else "one"
-    some = [replace(s, rig=rig) for s in given]
-    held = (
-        [sr.recalibrate(rig, [s.pairs[0] for s in given])]
-        if how == "one"
-        else [repair.solution for repair in sr.recalibrate_many(some)]
-    )
-    found = sr.recalibrate_many(some, free=BOTH, extrinsics=how, ranges=ranges)
-    for fixed, repair in zip(held, found, strict=False):
-        solution = repair.solution
+    if part == "each":
+        some = [replace(s, rig=rig) for s in given]
+        held, found = ([r.solution for r in sr.recalibrate_many(some, **more)] for more in ({}, {"free": BOTH}))
+    else:
+        pairs = [s.pairs[0] for s in given]
+        held, found = [sr.recalibrate(rig, pairs)], [sr.recalibrate(rig, pairs, free=BOTH, ranges=ranges)]
+    for fixed, solution in zip(held, found, strict=True):
         assert fixed is not None
         assert solution is not None
         assert solution.intrinsics is not None
@@ -161,9 +158,7 @@ def expectations(rigs: int) -> None:
         for seed in range(rigs // 2):
             chosen = np.random.default_rng([seed, number]).choice(len(given), number, replace=False)
             start = sr.synthetic.decalibrate(wrong(1000 + seed), jax.random.key(seed), 1.0, 0.01)
-            some = [replace(given[i], rig=start) for i in chosen]
-            solution = sr.recalibrate_many(some, free=free, extrinsics="one")[0].solution
-            assert solution is not None
+            solution = sr.recalibrate(start, [pair for i in chosen for pair in given[i].pairs], free=free)
             if solution.expected is None or not solution.reason.healthy:
                 continue
             taken += bool(solution.intrinsics and solution.intrinsics.taken)

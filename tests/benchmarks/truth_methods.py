@@ -1,7 +1,7 @@
 """Methods to judge: what each makes of recordings of one rig."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -65,15 +65,6 @@ def library(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
 def library_free(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
     """The same with intrinsics freed."""
     return _answer(sr.recalibrate(rig, [pair for scene in scenes for pair in scene.pairs], free=_BOTH))
-
-
-def library_joint(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
-    """Recordings that share intrinsics and extrinsics, by `sr.recalibrate_many`."""
-    given = [replace(scene, rig=rig) for scene in scenes]
-    repairs = sr.recalibrate_many(given, free=_BOTH, extrinsics="one")
-    found = [repair.solution for repair in repairs if repair.solution is not None]
-    best = next((solution for solution in found if solution.accepted), found[0] if found else None)
-    return Answer(f"error: {repairs[0].error}") if best is None else _answer(best)
 
 
 def estimate(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:

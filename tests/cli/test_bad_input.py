@@ -119,7 +119,7 @@ SCENES: dict[str, tuple[Spoil, str]] = {
 
 FAST = {
     "compare": ("--draws=1", "--budget=1"),
-    "recalibrate": ("--schedule=count", "--budget=1"),
+    "recalibrate": ("--schedule=count",),
     "score": (),
 }
 each_verb = pytest.mark.parametrize("verb", FAST)
@@ -240,23 +240,23 @@ SEARCH: dict[str, tuple[list[str], str]] = {
     "executor": (["--executor", "thread:2"], "unknown executor"),
     "workers": (["--executor", "threads:0"], "--executor is 'threads:0'"),
     "no workers": (["--executor", "processes"], "give the number of workers"),
-    "budget zero": (["--budget", "0"], "the budget of 0.0 evaluations makes no sense"),
-    "budget negative": (["--budget", "-5"], "the budget of -5.0 evaluations makes no sense"),
-    "budget NaN": (["--budget", "nan"], "the budget of nan evaluations makes no sense"),
-    "budget word": (["--budget", "much"], "--budget"),
     "reach zero": (["--reach", "0,0.03"], "a reach of 0.0 degrees"),
     "reach huge": (["--reach", "90,0.03"], "a reach of 90.0 degrees"),
     "reach NaN": (["--reach", "nan,0.03"], "a reach of nan degrees"),
     "reach of one number": (["--reach", "3"], "--reach is '3'; give degrees and a fraction"),
     "reach empty": (["--reach", ""], "--reach"),
-    "scale zero": (["--scale", "0"], "scale"),
-    "scale above one": (["--scale", "1.5"], "scale"),
-    "scale NaN": (["--scale", "nan"], "scale"),
-    "scale too small": (["--scale", "0.05"], "at least 16 pixels"),
     "seed": (["--seed", "-1"], "--seed is -1"),
     "seed word": (["--seed", "x"], "--seed"),
 }
 COMPARE: dict[str, tuple[list[str], str]] = {
+    "budget zero": (["--budget", "0"], "the budget of 0.0 evaluations makes no sense"),
+    "budget negative": (["--budget", "-5"], "the budget of -5.0 evaluations makes no sense"),
+    "budget NaN": (["--budget", "nan"], "the budget of nan evaluations makes no sense"),
+    "budget word": (["--budget", "much"], "--budget"),
+    "scale zero": (["--scale", "0"], "scale"),
+    "scale above one": (["--scale", "1.5"], "scale"),
+    "scale NaN": (["--scale", "nan"], "scale"),
+    "scale too small": (["--scale", "0.05"], "at least 16 pixels"),
     "frames": (["--frames", "0"], "--frames is '0'"),
     "frames word": (["--frames", "few"], "--frames is 'few'"),
     "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
@@ -273,7 +273,6 @@ RECORDED: dict[str, tuple[list[str], str]] = {"pairs": (["--pairs", "few"], "--p
 RECALIBRATE: dict[str, tuple[list[str], str]] = {
     "strategy": (["--strategy", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "need not met": (["--strategy", "optimistix-levenberg-marquardt"], "needs"),
-    "scale of another schedule": (["--schedule", "default", "--scale", "0.5"], "--scale belongs to --schedule count"),
     "output in no folder": (["--output", "/nowhere/at/all/calib.json"], "--output /nowhere/at/all/calib.json: cannot"),
 }
 OPTIONS = {

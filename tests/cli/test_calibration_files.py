@@ -12,7 +12,7 @@ from machine import write_protected
 import stereorecal as sr
 from stereorecal.io import load_rig, load_scene, save_rig
 
-COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+COUNT = ("--schedule", "count")  # improves the drifted scene
 
 
 def test_help_names_every_format(command):

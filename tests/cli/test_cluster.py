@@ -15,7 +15,7 @@ from distributed import LocalCluster
 from stereorecal.cli import _cluster
 
 SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
-COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 5)
+COUNT = ("--schedule", "count")
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,7 @@ def test_a_page_that_another_run_has_written_meanwhile(
 ):
     """It stays, and the rest of the result is not lost; with --force it is replaced."""
     target = tmp_path / "out.html"
-    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--budget", 5]
+    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--schedule", "count"]
     with at_call("fsync", lambda _: target.write_text("theirs")):
         answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
     assert {"compare": "compass", "recalibrate": "before  "}[verb] in answer.out
@@ -102,8 +102,6 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
         scene,
         "--html",
         tmp_path / "out page.html",
-        "--budget",
-        3,
         "--seed",
         5,
         "--reach",
@@ -114,6 +112,6 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
     (shown,) = re.findall(r'<pre class="command"[^>]*>(.*?)</pre>', page, flags=re.DOTALL)
     assert shlex.split(html.unescape(shown)) == ["python", "-m", "stereorecal", *map(str, words)]
     rows = dict(re.findall(r'<tr><td class="name">([^<]*)</td><td class="name">([^<]*)</td></tr>', page))
-    assert (rows["budget units"], rows["seed"], rows["reach"]) == ("3", "5", "2°, 0.02 of the baseline")
-    assert (rows["extrinsics"], rows["ranges"], rows["free"]) == ("each", "none", "everything")
+    assert (rows["seed"], rows["reach"]) == ("5", "2°, 0.02 of the baseline")
+    assert (rows["ranges"], rows["free"]) == ("none", "everything")
     assert "stereorecal-compass" in rows["versions plug-ins"]

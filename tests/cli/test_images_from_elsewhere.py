@@ -201,7 +201,7 @@ def test_an_orientation_that_the_sizes_settle(command, seen, right_one, tmp_path
 def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
     """Names with spaces and percent signs are names like others."""
     left, right = image_files(tmp_path, seen, (["shot 1", "shot 2"], ["x 10%", "x 100%"]))
-    words = ("--left", left, "--right", right, "--calibration", calibration, "--budget", 40)
+    words = ("--left", left, "--right", right, "--calibration", calibration, "--schedule", "count")
     answer = command("recalibrate", *words, "--html", tmp_path / "out.html")
     assert answer.err == (
         f"stereorecal: {left}/shot 1.png: no name on the left has a partner on the right, so 2 pairs are made in the "

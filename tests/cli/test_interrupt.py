@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from slow import plant, sleeping, terminal
 
-SLOWLY = ("--schedule", "count", "--scale", "0.5", "--strategy", "slow")
+SLOWLY = ("--schedule", "count", "--strategy", "slow")
 
 
 @pytest.fixture

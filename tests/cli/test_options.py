@@ -33,7 +33,6 @@ def test_help_tells_defaults_once_and_shared_options_under_their_title(command, 
     text, _, titled = command("recalibrate", "--help").out.partition("which pairs:")
     assert "same seed, same result (default: 0)" in titled
     assert "every fifth (default: all)" in titled  # which its text says
-    assert "image scale of --schedule count (default: 1)" in titled
     assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
     assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
     assert "--calibration FILE …  " in text

@@ -19,12 +19,12 @@ from stereorecal.cli import main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
-NOTHING = ("--schedule", "count", "--budget", 1)
-COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)  # improves the drifted scene
+NOTHING = ("--schedule", "count", "--strategy", "moody")
+COUNT = ("--schedule", "count")  # improves the drifted scene
 VERBS = {
     "score": ("score", "{0}"),
     "diff": ("diff", "{0}", "{0}"),
-    "recalibrate": ("recalibrate", "{0}", *NOTHING),
+    "recalibrate": ("recalibrate", "{0}", *COUNT),
     "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
     "monitor": ("monitor", "{0}", "--once"),
 }
@@ -63,7 +63,7 @@ def test_no_input_is_replaced(command, folder: Path, tmp_path: Path, verb: str, 
 
 
 @pytest.mark.parametrize("option", ["--json", "--output", "--maps"])
-def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: str):
+def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: str, moody):
     """A table of ranges and a calibration that lies elsewhere are inputs as well."""
     ranges, calibration = tmp_path / "ranges.npz", tmp_path / "calibration.json"
     ranges.write_text("pair,column,row,metres,sigma\nleft.png,80,60,10,\n")
@@ -77,7 +77,7 @@ def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: s
     assert state(tmp_path) == before
 
 
-def test_the_copy_that_in_place_keeps_is_reserved(command, folder: Path):
+def test_the_copy_that_in_place_keeps_is_reserved(command, folder: Path, moody):
     before = state(folder)
     asked = ("recalibrate", folder, *NOTHING, "--in-place", "--json", folder / "calib.json.bak", "--force")
     answer = command(*asked)
@@ -124,7 +124,7 @@ def test_no_earlier_copy_is_replaced(tmp_path: Path):
     assert [(tmp_path / f"calib.json.bak{number}").read_text() for number in ("", "2")] == ["first", "second"]
 
 
-def test_both_cameras_in_one_file(command, folder: Path, tmp_path: Path):
+def test_both_cameras_in_one_file(command, folder: Path, tmp_path: Path, moody):
     answer = command("recalibrate", folder, *NOTHING, "--output", f"{tmp_path}/a.yaml,{tmp_path}/./a.yaml")
     assert (answer.code, answer.out) == (2, "")
     assert "name the same file" in answer.err
@@ -312,7 +312,7 @@ def ascii_only() -> Iterator[io.BytesIO]:
         yield told
 
 
-def test_a_terminal_that_writes_ascii_only(drifted_scene: Path, tmp_path: Path):
+def test_a_terminal_that_writes_ascii_only(drifted_scene: Path, tmp_path: Path, moody):
     target = tmp_path / "0.1° ± 0.02 ☃.json"
     with ascii_only() as told:
         assert main(["recalibrate", str(drifted_scene), *map(str, NOTHING), "--output", str(target)]) == 1

@@ -8,7 +8,7 @@ from machine import full_disk
 
 from stereorecal.io import load_scene, save_rig
 
-COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
+COUNT = ("--schedule", "count")
 
 
 @pytest.fixture(scope="module")

@@ -56,16 +56,6 @@ def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
         assert solution.score_after == sr.score(solution.candidate, kept, **how)
 
 
-@pytest.mark.slow
-def test_counts_of_a_joint_repair_are_of_the_frames_that_take_part(street, scene):
-    late, other = one_late(street), scene("street", 1, (320, 240))
-    scenes = [late, replace(other, rig=late.rig)]
-    repairs = sr.recalibrate_many(scenes, extrinsics="one", free="extrinsics")
-    solution = repairs[0].solution
-    assert solution.accepted
-    assert_counts_of_kept(solution, late.pairs)
-
-
 def assert_of_different_rigs(rig: sr.StereoRig, pairs) -> None:
     """A repair and a look say so, and the rig stays."""
     solution, looked = sr.recalibrate(rig, pairs), sr.health(rig, pairs)

@@ -207,9 +207,7 @@ def test_names_that_several_pairs_have(harbour):
     with pytest.raises(sr.InputError, match="no such pair was given"):
         sr.recalibrate_many(scenes, ranges=[sr.Range(0, (50.0, 50.0), 3.0)])
     named = [sr.Range(f"{harbour.name}/left.png", r.left_pixel, r.metres) for r in some()]
-    one, other = sr.recalibrate_many(scenes, ranges=named, extrinsics="one")
-    assert len(one.solution.findings.matched_ranges.metres) == len(other.solution.findings.matched_ranges.metres) <= 60
-    for repair in (one, other):
+    for repair in sr.recalibrate_many(scenes, ranges=named):
         assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
 
 

@@ -33,11 +33,11 @@ def reported(solution: sr.Solution, pairs, **settings) -> RepairReport:
 
 
 def test_all_that_repeats_a_repair(repaired, harbour):
-    said = reported(repaired, harbour, extrinsics="one").settings
+    said = reported(repaired, harbour).settings
     assert said["free"].startswith("pitch, yaw, roll, y, z, left.f, left.cx")
     assert said["reach"] == "3°, 0.03 of the baseline"
     assert said["budget"] == {"units": "200", "seconds": "no limit"}
-    assert (said["seed"], said["schedule"], said["extrinsics"]) == (7, "default", "one")
+    assert (said["seed"], said["schedule"]) == (7, "default")
     assert said["matcher"].startswith("SAD(min_disparity=0, num_disparities=64, block_size=11")
     assert list(said["stage"]) == ["1", "2", "3"]
     assert "compass(step=0.125, min_step=0.0625" in said["stage"]["1"]

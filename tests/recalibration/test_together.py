@@ -41,27 +41,6 @@ def given_wrong(scenes) -> list[sr.Scene]:
     return [replace(scene, rig=WRONG) for scene in scenes]
 
 
-@pytest.mark.slow  # in tutorial 8 they share the extrinsics, too
-def test_one_rig(given_wrong):
-    """All recordings share the extrinsics too: rows come right where no correspondence was."""
-    repairs = sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="one")
-    found = [repair.solution for repair in repairs]
-    assert all(solution.accepted for solution in found)
-    assert {solution.intrinsics.outcome for solution in found} == {IntrinsicsOutcome.REFINED}
-    assert over_the_view(WRONG) > 0.4
-    shown = sum(len(scene.pairs) for scene in given_wrong)
-    assert {len(set(solution.prior.images)) for solution in found} == {shown}  # none of them counts again
-    for solution in found:
-        np.testing.assert_array_equal(solution.rig.extrinsics, found[0].rig.extrinsics)
-        assert over_the_view(solution.rig) < 0.5 * over_the_view(WRONG)
-        assert solution.intrinsics.freed_px < 0.7 * solution.intrinsics.fixed_px
-        assert np.abs(sr.difference(solution.rig, TRUE).depth_error_percent[30]) < 2.0  # nobody knows it better
-    assert {"left.f", "right.f"} <= set(found[0].intrinsics.undetermined)  # against each other, and against depth
-    text = str(found[0])
-    assert "left.k1" in text
-    assert "the intrinsics were refined" in text
-
-
 @pytest.mark.slow
 def test_each_its_own_extrinsics_on_any_executor(given_wrong):
     alone = sr.recalibrate_many(given_wrong[:3], free=BOTH)
@@ -80,24 +59,13 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
 
 
 @pytest.mark.slow
-def test_right_intrinsics_come_to_no_harm(scenes):
-    """They may change, by what the images cannot tell; rows over the view stay right."""
-    off = TRUE.with_extrinsics(TRUE.extrinsics + np.radians([0.5, 0.3, -0.4, 0, 0, 0]))
-    repairs = sr.recalibrate_many([replace(s, rig=off) for s in scenes[:3]], extrinsics="one")
-    for repair in repairs:
-        assert repair.solution.accepted
-        np.testing.assert_array_equal(repair.solution.rig.extrinsics, repairs[0].solution.rig.extrinsics)
-        assert over_the_view(repair.solution.rig) < 0.1
-
-
-@pytest.mark.slow
 def test_fog_takes_no_part(given_wrong):
     noise = np.random.default_rng(0)
     left, right = (noise.normal(128, 0.5, SIZE[::-1]).round() for _ in "lr")
     fog = sr.Scene("fog", WRONG, (sr.make_pair(left, right),))
     (alone,) = sr.recalibrate_many(fog, free=BOTH)
     assert alone.solution.intrinsics is None
-    *others, last = sr.recalibrate_many([*given_wrong, fog], free=BOTH, extrinsics="one")
+    *others, last = sr.recalibrate_many([*given_wrong, fog], free=BOTH)
     assert not last.solution.accepted
     assert last.solution.intrinsics.outcome is IntrinsicsOutcome.NOT_HERE
     assert not last.solution.intrinsics.taken
@@ -123,11 +91,6 @@ def test_what_was_saved_counts_for_recordings_that_share(given_wrong):
 def test_rigs_that_differ_share_nothing(given_wrong):
     with pytest.raises(sr.InputError, match="other intrinsics"):
         sr.recalibrate_many([given_wrong[0], replace(given_wrong[1], rig=TRUE)], free=BOTH)
-    moved = replace(given_wrong[1], rig=WRONG.with_extrinsics(WRONG.extrinsics * 1.001))
-    with pytest.raises(sr.InputError, match="other extrinsics"):
-        sr.recalibrate_many([given_wrong[0], moved], free=BOTH, extrinsics="one")
-    with pytest.raises(sr.InputError, match="did you mean each"):
-        sr.recalibrate_many(given_wrong, free=BOTH, extrinsics="eac")
 
 
 def long(number: int = 100) -> sr.Scene:
@@ -143,17 +106,17 @@ def long(number: int = 100) -> sr.Scene:
 def test_long_recordings_are_looked_at_in_part():
     """Of each stretch the frame with the most texture; and those that ranges name."""
     scene = long()
-    ((some,), _) = sharing([scene], Parameters(BOTH), (), "each", sr.Schedule.default())
+    ((some,), _) = sharing([scene], Parameters(BOTH), (), sr.Schedule.default())
     numbers = [int(pair.name) for pair in some.pairs]
     assert len(numbers) == MOST_FRAMES
     assert numbers == sorted(numbers)
     assert max(np.diff(numbers)) < 10
     assert sum(number % 7 == 5 for number in numbers) >= 13  # of 14 that there are, two in one stretch
     named = [sr.Range("1", (5.0, 5.0), 3.0)]
-    ((ranged,), (found,)) = sharing([scene], Parameters((*BOTH, "baseline")), named, "each", sr.Schedule.default())
+    ((ranged,), (found,)) = sharing([scene], Parameters((*BOTH, "baseline")), named, sr.Schedule.default())
     assert [int(pair.name) for pair in ranged.pairs] == sorted({1, *numbers})
     assert found.pair is ranged.pairs[[pair.name for pair in ranged.pairs].index("1")]
-    ((again,), _) = sharing([ranged], Parameters((*BOTH, "baseline")), named, "each", sr.Schedule.default())
+    ((again,), _) = sharing([ranged], Parameters((*BOTH, "baseline")), named, sr.Schedule.default())
     assert again.pairs == ranged.pairs  # what was chosen stays chosen
     ((every,), _) = sharing([scene], Parameters(), (), "each", sr.Schedule.default())
     assert len(every.pairs) == 100
@@ -209,13 +172,9 @@ def test_intrinsics_without_extrinsics(scenes):
 
 @pytest.mark.slow
 def test_motion_counts_in_what_is_shared(tmp_path):
-    """Of each recording's own windows, whether extrinsics are one or not."""
+    """Of each recording's own windows."""
     drive = plan_drive("street", 0, 10, weather=False, moving=False)
     pairs = list(photographs(drive, folder=tmp_path))[::3]
     scenes = [sr.Scene("first", drive.rig, pairs[:2]), sr.Scene("second", drive.rig, pairs[2:])]
-    found = sr.recalibrate_many(scenes, free=BOTH, extrinsics="one", motion=True)
-    seen = found[0].solution.estimate
-    assert seen.windows.frames == ((0, 1), (2, 3))
-    assert all(one.motion is not None for one in seen.motions)
     each = sr.recalibrate_many(scenes, free=BOTH, motion=True)
     assert [repair.solution.estimate.windows.frames for repair in each] == [((0, 1),), ((0, 1),)]

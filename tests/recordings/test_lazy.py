@@ -75,7 +75,7 @@ def test_of_a_scene_only_what_is_chosen_stays(folder: Path, meter: Meter):
 @pytest.mark.slow
 def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter, capsys):
     """As of a video, and not where all were asked for."""
-    quickly = ("--schedule", "count", "--budget", "1", "--matcher", "bm", "--json", "-")
+    quickly = ("--schedule", "count", "--matcher", "bm", "--json", "-")
 
     def frames(*words: str) -> int:
         main(["recalibrate", str(folder), *quickly, *words])
