@@ -19,6 +19,7 @@ from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._posterior import root
 from stereorecal.estimation._prior_choice import DEFAULT, Prior, as_prior, check_prior, is_exact
 from stereorecal.estimation._prior_conversions import updated
+from stereorecal.geometry import turned_pixels
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal.recordings import Board
 
@@ -43,6 +44,15 @@ def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -
     check_boards(boards, prior)
     if boards is None:
         return prior
+    left, right = chart.rig.turns
+    boards = [
+        replace(
+            board,
+            left=turned_pixels(board.left, chart.rig.sizes_taken[0], left),
+            right=turned_pixels(board.right, chart.rig.sizes_taken[1], right),
+        )
+        for board in boards
+    ]
     known_before = physical_prior(chart) if prior is None or prior == DEFAULT else as_prior(prior, chart)
     return prior_of_boards(chart, boards, known_before)
 

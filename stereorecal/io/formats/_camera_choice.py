@@ -1,13 +1,16 @@
-"""Which two cameras of a file are the left and the right one: the first and the second, unless others are chosen."""
+"""Which two cameras of a file are the left and the right one, the first and the second unless others are chosen; and
+which of their images are turned, since they stand one above the other, or one is upside down."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from stereorecal._errors import InputError
-from stereorecal.geometry import AS_IN_FILE, StereoRig, euler_from_rotation
+from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal.geometry import AS_IN_FILE, StereoRig, described_turns, euler_from_rotation, turns_of
+from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
 
 _SIDES = ("left", "right")  # names of the first two cameras in every format
@@ -63,7 +66,7 @@ def checked_cameras(given: object) -> tuple[str, str] | None:
 
 
 def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> StereoRig:
-    """A rig as its file has it, with the left camera first.
+    """A rig as its file has it, with the left camera first, and its images turned so that it is side by side.
 
     Args:
         exchanged: whether the second one of the file is the left one.
@@ -73,6 +76,7 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
         InputError: if the first camera is the right one then, or the two stand otherwise.
     """
     rig = _exchanged(rig) if exchanged else rig
+    rig = rig.turned(turns_of(rig.rotation, rig.translation))
     x, y, z = np.asarray(rig.translation)
     if x >= max(abs(y), abs(z)):
         raise InputError(
@@ -83,7 +87,18 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
 
 def as_in_file(rig: StereoRig, exchanged: bool) -> StereoRig:
     """The inverse of `left_first`."""
+    rig = rig.upright()
     return _exchanged(replace(rig, source=AS_IN_FILE)) if exchanged else rig
+
+
+def warn_of_turns(path: AnyPath, *rigs: StereoRig | None) -> None:
+    """Say once, of what `path` holds, that images are turned.
+
+    Warns:
+        CalibrationWarning: if they are.
+    """
+    for turns in {rig.turns for rig in rigs if rig is not None and any(rig.turns)}:
+        warnings.warn(f"{path}: {described_turns(turns)}", CalibrationWarning, stacklevel=3)
 
 
 def _way(hints: Hints, files: int) -> str:
@@ -96,7 +111,7 @@ def _way(hints: Hints, files: int) -> str:
         )
     return (
         'if the first camera of the file is the right one, give cameras=("right", "left"), on the command line '
-        "--cameras right,left."
+        "--cameras right,left; if both are upside down, turn images and calibration by 180 degrees."
     )
 
 

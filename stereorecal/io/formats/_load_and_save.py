@@ -12,7 +12,7 @@ from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
-from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras, warn_of_turns
 from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
@@ -54,8 +54,9 @@ def load_rig(
 
     Warns:
         CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
-            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of images whose
-            size the file does not say.
+            than 5 mm, as of a rig in other units; if the cameras stand one above the other, or one is upside down: then
+            their images are turned, see `StereoRig.turns`; or if the principal points are far from the middle of
+            images whose size the file does not say.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
     if not 1 <= len(paths) <= _MOST_FILES:
@@ -63,14 +64,16 @@ def load_rig(
     if len(paths) > 2 and len(set(paths)) < len(paths):
         raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
     rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
-    if size is not None and rig.left.size != (size := whole_size(size)):
-        wide, high = rig.left.size
+    own = rig.sizes_taken[0]
+    if size is not None and own != (size := whole_size(size)):
+        wide, high = own
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
-            f"leave size out, and {fitted_to(rig.left.size, size)}."
+            f"leave size out, and {fitted_to(own, size)}."
         )
     warn_of_size(" and ".join(map(str, paths)), rig)
     warn_of_units(" and ".join(map(str, paths)), rig)
+    warn_of_turns(" and ".join(map(str, paths)), rig)
     return rig
 
 
@@ -172,7 +175,8 @@ def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: s
 
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     """A rig as a calib.json, with what is known of it."""
-    text = calibration_text(calibration_of(rig, rig.left.size))
+    taken = as_in_file(rig, exchanged=False)
+    text = calibration_text(calibration_of(taken, taken.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
 
 
@@ -197,7 +201,7 @@ def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 
 def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
     """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
-    paths, hints, own = _paths(template), Hints(size=rig.left.size), file_of(rig)
+    paths, hints, own = _paths(template), Hints(size=rig.sizes_taken[0]), file_of(rig)
     template_rig = read_files(paths, unit=unit, hints=hints)
     found = file_of(template_rig)
     if own is not None and found is not None and found.inferred and found.format == own.format:

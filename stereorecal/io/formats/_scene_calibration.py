@@ -24,7 +24,7 @@ class Calibration:
     """The content of a calibration file.
 
     Attributes:
-        size: (width, height) of the images in pixels.
+        size: (width, height) of the images in pixels, as they were taken.
         rig: None if both camera matrices of a calib.json are null.
         reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
         info: the keys of a calib.json that do not describe the rig, unchanged.
@@ -52,8 +52,8 @@ def load_calibration(
     rig = read_files(paths, format, unit, hints, _IF_MISSING)
     source = file_of(rig)
     if source is None or source.format != _stereorecal.NAME:
-        return _of(rig.left.size, rig, {})
-    return _of(rig.left.size, rig, source.documents[0].content)
+        return _of(rig.sizes_taken[0], rig, {})
+    return _of(rig.sizes_taken[0], rig, source.documents[0].content)
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:

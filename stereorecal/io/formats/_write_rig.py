@@ -96,6 +96,11 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
 def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
     before = rig_in(source.documents, format, source.unit, source.hints)
+    if before.turns != rig.turns:
+        raise InputError(
+            "the cameras of the file stand otherwise than those of the rig (one above the other, or one upside down); "
+            "write a new file: `dataclasses.replace(rig, source=None)`, no template."
+        )
     for old, new in ((before.left, rig.left), (before.right, rig.right)):
         if old.size != new.size:
             wide, high = old.size
@@ -119,8 +124,9 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
 
 def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
     """The texts of new files."""
-    blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), unit)
+    taken = as_in_file(rig, exchanged=False)
+    blanks = tuple(document("a new file", text, syntax) for text in format.blank(taken, syntax))
+    return _checked(rig, format, Target(blanks, hints=Hints(size=taken.left.size, rectified=False)), unit)
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:

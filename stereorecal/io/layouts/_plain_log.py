@@ -70,7 +70,7 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     name = calibration or _latest(folder.name, list(calibrations))
     rig = calibrations.get(name)  # the log says if there is none
     if rig is not None:
-        pairs = fitting(folder, Calibration(rig.left.size, rig), pairs)
+        pairs = fitting(folder, Calibration(rig.sizes_taken[0], rig), pairs)
     return Mission(folder.name, name, pairs, starred, truth)
 
 
@@ -128,7 +128,8 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
     if len(set(names.values())) < len(mission.pairs):
         raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
     for pair in mission.pairs:
-        for side, image in (("left", pair.left), ("right", pair.right)):
+        taken = pair.upright()
+        for side, image in (("left", taken.left), ("right", taken.right)):
             write_png(place / side / names[pair.name], image)
     if mission.truth is not None:
         save_rig(replace(mission.truth, source=None), place / _TRUTH, overwrite=True, format="stereorecal")
