@@ -68,7 +68,8 @@ def turns_of(rotation: Mat3, translation: Vec3) -> Turns:
 
 def described_turns(turns: Turns) -> str:
     """Why images are turned, and by how much."""
-    sides = [(side, turn) for side, turn in zip(("left", "right"), turns, strict=True) if turn]
+    sides = [(side, turn) for side, turn in zip(("the left", "the right"), turns, strict=True) if turn]
+    sides = [("both", turns[0])] if turns[0] == turns[1] else sides
     done = ", ".join(f"{side} images are turned by {_SAID[turn]}" for side, turn in sides)
     why = "the cameras stand one above the other" if turns[0] == turns[1] else "one camera is upside down"
-    return f"{why}: {done} when they are read, and the calibration with them; files stay as they are."
+    return f"{why}: {done}"

@@ -142,7 +142,8 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
         view: default: `sr.view(rig)`, which has a focal length of its own, and is no pinhole where lenses are wider;
             `solution.view` for that of a repair; also the arguments of `sr.view` by name.
     """
-    view = as_view(view, checked_rig(rig))
+    rig = checked_rig(rig)
+    view = as_view(view, rig)
     R1, R2 = (
         np.asarray(r, float) @ turn_of(turn)
         for r, turn in zip(rectifying_rotations(rig.rotation, rig.translation), rig.turns, strict=True)

@@ -12,7 +12,7 @@ from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal._pytree import register_pytree
 from stereorecal._units import METRES, checked_unit, doubt_of_length
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._quarter_turns import UPRIGHT, Turns, turn_of, turned_size
+from stereorecal.geometry._quarter_turns import UPRIGHT, Turns, turn_of, turned_size, turns_of
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
 
 _FROM_ROTATION = (
@@ -35,13 +35,13 @@ class StereoRig:
         extrinsics: (6,) float64: pitch, yaw, roll [rad], x, y, z [m];
             `R = Rz(roll) Ry(yaw) Rx(pitch)`, `T = (x, y, z)`. Kept exactly as given.
         turns: by how many quarters, counter-clockwise, left and right images are turned before they are images of these
-            cameras, as `sr.io.load_rig` says of a rig one above the other, or with a camera upside down. What takes a
-            rig and pairs turns pairs that are not turned yet.
+            cameras: not (0, 0) in what `side_by_side` makes of a rig one above the other, or with a camera upside down.
+            What takes a rig and pairs turns both.
         source: what the reader of a file keeps for the writer; None otherwise, and in what JAX makes of a rig.
 
     Raises:
         InputError: if the extrinsics are not finite, the baseline is zero, the cameras are swapped
-            (x > 0) or stand one above or behind the other.
+            (x > 0) or stand one behind the other.
     """
 
     left: Camera
@@ -66,19 +66,19 @@ class StereoRig:
                 f"you have a rotation and a translation: {_FROM_ROTATION}"
             )
         object.__setattr__(self, "extrinsics", extrinsics)
-        x, y, z = extrinsics[3:]
         if not np.any(extrinsics[3:]):
             raise InputError("the baseline is zero: the translation T from left to right must not vanish; correct it.")
         if self.source is AS_IN_FILE:
             return
+        x, y, z = turn_of(self.turns_wanted[1]) @ extrinsics[3:]
         if x >= 0 and abs(x) >= max(abs(y), abs(z)):
             raise InputError(
                 "left and right are swapped: T[0] must be negative (x_right = R x_left + T); exchange the cameras."
             )
         if abs(x) <= max(abs(y), abs(z)):
             raise InputError(
-                "the cameras stand above or behind each other, and a rig is side by side (|T[0]| largest); "
-                "sr.io.load_rig turns the rig of a file whose cameras stand one above the other."
+                "the cameras stand behind each other; only rigs side by side (|T[0]| largest), or one above the other "
+                "(|T[1]|), are supported."
             )
 
     @staticmethod
@@ -200,8 +200,21 @@ class StereoRig:
             turns=((self.turns[0] + turns[0]) % 4, (self.turns[1] + turns[1]) % 4),
         )
 
-    def upright(self) -> "StereoRig":
-        """The rig of the images as they were taken, before `turns`; side by side or not, for the writers of files."""
+    @property
+    def turns_wanted(self) -> Turns:
+        """By how many quarters the images must be turned to be those of a left and a right camera."""
+        x, y, z = np.abs(self.extrinsics[3:])
+        if self.extrinsics[3] < 0.0 and x > max(y, z) and abs(self.extrinsics[2]) < np.pi / 2.0:
+            return UPRIGHT
+        return turns_of(self.rotation, self.translation)
+
+    def side_by_side(self) -> "StereoRig":
+        """The rig whose images are turned so that they are those of a left and a right camera, of which all that
+        matches images knows; itself, if it stands so."""
+        return self.turned(self.turns_wanted) if is_host(self.extrinsics) else self
+
+    def as_taken(self) -> "StereoRig":
+        """The rig of the images as they were taken, before `turns`; the inverse of `side_by_side`."""
         left, right = self.turns
         return self if self.turns == UPRIGHT else replace(self, source=AS_IN_FILE).turned((-left, -right))
 

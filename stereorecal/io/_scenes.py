@@ -105,7 +105,8 @@ def bag_scene(
     rig = rig_in(documents, named("ros"), unit, Hints())
     sizes = rig.sizes_taken
     read = pairs(sizes)
-    rig = rig_in(documents, named("ros"), unit, Hints(size=read[0].size if read else None, common_size=True))
+    hints = Hints(size=read[0].size if read else None, common_size=True)
+    rig = rig_in(documents, named("ros"), unit, hints).side_by_side()
     with about(place):
         scene = scene_of(str(place), Calibration(rig.sizes_taken[0], replace(rig, source=None)), read)
     remark_sizes(str(place), sizes)

@@ -110,6 +110,7 @@ def recalibrate_many(
     settings, scenes = as_settings(options), (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
+    scenes = tuple(one if one.rig is None else replace(one, rig=one.rig.side_by_side()) for one in scenes)
     if start == "previous" and settings.free.everything:  # one after the other, recordings share no intrinsics
         settings = replace(settings, free=replace(settings.free, everything=False))
     free = _shared_by(scenes, settings)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import UPRIGHT, StereoRig, checked_rig, fitted_to
+from stereorecal.geometry import UPRIGHT, StereoRig, checked_rig, described_turns, fitted_to
 from stereorecal.recordings._as_pairs import Pairs, as_pairs
 from stereorecal.recordings._pair import Pair
 
@@ -15,7 +15,8 @@ def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
     Raises:
         InputError: otherwise.
     """
-    checked_rig(rig)
+    if checked_rig(rig) is not rig:
+        raise InputError(f"{described_turns(rig.turns_wanted)}; give rig.side_by_side(), which turns pairs, too.")
     pairs = as_pairs(pairs)
     if not pairs:
         raise InputError("no image pair was given; give at least one.")
@@ -26,7 +27,7 @@ def _fitting(rig: StereoRig, pair: Pair) -> Pair:
     if pair.turns not in (UPRIGHT, rig.turns):
         raise InputError(
             f"{pair.name}: the images are turned for a rig that stands otherwise; give them as they were taken, "
-            "pair.upright()."
+            "pair.as_taken()."
         )
     pair = pair.turned(rig.turns) if pair.turns == UPRIGHT else pair
     if not rig.left.size == rig.right.size == pair.size:

@@ -145,7 +145,7 @@ class Pair:
         both = np.ascontiguousarray(left), np.ascontiguousarray(right)
         return replace(self, left=both[0], right=both[1], origin=origin, turns=now)
 
-    def upright(self) -> "Pair":
+    def as_taken(self) -> "Pair":
         """The pair as it was taken."""
         return self.turned((-self.turns[0] % 4, -self.turns[1] % 4))
 

@@ -1,5 +1,4 @@
-"""Which two cameras of a file are the left and the right one, the first and the second unless others are chosen; and
-which of their images are turned, since they stand one above the other, or one is upside down."""
+"""Which two cameras of a file are the left and the right one: the first and the second, unless others are chosen."""
 
 import warnings
 from collections.abc import Sequence
@@ -9,7 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from stereorecal._errors import CalibrationWarning, InputError
-from stereorecal.geometry import AS_IN_FILE, StereoRig, described_turns, euler_from_rotation, turns_of
+from stereorecal.geometry import AS_IN_FILE, StereoRig, described_turns, euler_from_rotation
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
 
@@ -66,7 +65,7 @@ def checked_cameras(given: object) -> tuple[str, str] | None:
 
 
 def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> StereoRig:
-    """A rig as its file has it, with the left camera first, and its images turned so that it is side by side.
+    """A rig as its file has it, with the left camera first.
 
     Args:
         exchanged: whether the second one of the file is the left one.
@@ -76,8 +75,7 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
         InputError: if the first camera is the right one then, or the two stand otherwise.
     """
     rig = _exchanged(rig) if exchanged else rig
-    rig = rig.turned(turns_of(rig.rotation, rig.translation))
-    x, y, z = np.asarray(rig.translation)
+    x, y, z = np.asarray(rig.side_by_side().translation)
     if x >= max(abs(y), abs(z)):
         raise InputError(
             f"left and right are swapped: T[0] must be negative (x_right = R x_left + T); {_way(hints, files)}"
@@ -86,8 +84,8 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
 
 
 def as_in_file(rig: StereoRig, exchanged: bool) -> StereoRig:
-    """The inverse of `left_first`."""
-    rig = rig.upright()
+    """The inverse of `left_first`, of images as they were taken."""
+    rig = rig.as_taken()
     return _exchanged(replace(rig, source=AS_IN_FILE)) if exchanged else rig
 
 
@@ -98,7 +96,8 @@ def warn_of_turns(path: AnyPath, *rigs: StereoRig | None) -> None:
         CalibrationWarning: if they are.
     """
     for turns in {rig.turns for rig in rigs if rig is not None and any(rig.turns)}:
-        warnings.warn(f"{path}: {described_turns(turns)}", CalibrationWarning, stacklevel=3)
+        done = f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
+        warnings.warn(f"{path}: {done}", CalibrationWarning, stacklevel=3)
 
 
 def _way(hints: Hints, files: int) -> str:

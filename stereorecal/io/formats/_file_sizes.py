@@ -47,4 +47,4 @@ def _states_size(source: RigFile) -> bool:
         rig = rig_in(source.documents, named(source.format), source.unit, replace(source.hints, size=other))
     except InputError:
         return True
-    return rig.sizes_taken[0] != other
+    return rig.left.size != other

@@ -12,7 +12,7 @@ from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
-from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras, warn_of_turns
+from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
 from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
@@ -34,7 +34,9 @@ def load_rig(
     size: tuple[int, int] | None = None,
     cameras: tuple[str, str] | None = None,
 ) -> StereoRig:
-    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
+    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`. Where its
+    cameras stand one above the other, or one is upside down, what matches images turns it, and them:
+    `StereoRig.side_by_side`.
 
     Args:
         path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
@@ -54,8 +56,7 @@ def load_rig(
 
     Warns:
         CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
-            than 5 mm, as of a rig in other units; if the cameras stand one above the other, or one is upside down: then
-            their images are turned, see `StereoRig.turns`; or if the principal points are far from the middle of
+            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of
             images whose size the file does not say.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
@@ -64,16 +65,14 @@ def load_rig(
     if len(paths) > 2 and len(set(paths)) < len(paths):
         raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
     rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
-    own = rig.sizes_taken[0]
-    if size is not None and own != (size := whole_size(size)):
-        wide, high = own
+    if size is not None and rig.left.size != (size := whole_size(size)):
+        wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
-            f"leave size out, and {fitted_to(own, size)}."
+            f"leave size out, and {fitted_to(rig.left.size, size)}."
         )
     warn_of_size(" and ".join(map(str, paths)), rig)
     warn_of_units(" and ".join(map(str, paths)), rig)
-    warn_of_turns(" and ".join(map(str, paths)), rig)
     return rig
 
 

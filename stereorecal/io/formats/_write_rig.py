@@ -40,7 +40,8 @@ def texts_of(
     checked_unit(unit)
     if source is not None and source.hints.common_size:
         source = replace(source, hints=replace(source.hints, common_size=False))
-        rig = at_own_sizes(rig, rig_in(source.documents, named(source.format), source.unit, source.hints))
+        own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
+        rig = at_own_sizes(rig, own_sizes.turned(rig.turns))
     syntax = syntax_for(paths, chosen, source)
     own = source if source is not None and source.format == chosen.NAME else None
     into = own if own is not None and own.documents[0].syntax is syntax else None
@@ -95,12 +96,7 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
 
 def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
-    before = rig_in(source.documents, format, source.unit, source.hints)
-    if before.turns != rig.turns:
-        raise InputError(
-            "the cameras of the file stand otherwise than those of the rig (one above the other, or one upside down); "
-            "write a new file: `dataclasses.replace(rig, source=None)`, no template."
-        )
+    before = rig_in(source.documents, format, source.unit, source.hints).turned(rig.turns)
     for old, new in ((before.left, rig.left), (before.right, rig.right)):
         if old.size != new.size:
             wide, high = old.size

@@ -51,7 +51,9 @@ def read(folder: Path, limit: int | None) -> Log:
     """
     one = not _is_log(folder)
     root = _around(folder) if one else folder
-    calibrations = {path.stem: load_rig(path) for path in natural_order((root / _CALIBRATIONS).glob("*.json"))}
+    calibrations = {
+        path.stem: load_rig(path).side_by_side() for path in natural_order((root / _CALIBRATIONS).glob("*.json"))
+    }
     places = (root / _SEQUENCES).iterdir() if not one else [Path(os.path.abspath(folder))]
     sequences = natural_order(path for path in places if path.is_dir())
     with about(folder):
@@ -60,7 +62,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
     facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
-    truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
+    truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
         calibration, starred = _mission_facts(facts)
@@ -128,7 +130,7 @@ def save_mission(mission: Mission, folder: AnyPath) -> None:
     if len(set(names.values())) < len(mission.pairs):
         raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
     for pair in mission.pairs:
-        taken = pair.upright()
+        taken = pair.as_taken()
         for side, image in (("left", taken.left), ("right", taken.right)):
             write_png(place / side / names[pair.name], image)
     if mission.truth is not None:

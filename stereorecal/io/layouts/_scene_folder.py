@@ -103,7 +103,7 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     folder = Path(folder)
     if not scene.pairs:
         raise InputError(f"the scene {scene.name!r} has no image pair; give at least one.")
-    pairs = tuple(pair.upright() for pair in scene.pairs)
+    pairs = tuple(pair.as_taken() for pair in scene.pairs)
     if scene.rig is not None:
         check_pairs(scene.rig, scene.pairs)
     facts = calibration_of(None if scene.rig is None else as_in_file(scene.rig, exchanged=False), pairs[0].size)
