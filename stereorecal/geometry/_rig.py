@@ -77,8 +77,8 @@ class StereoRig:
             )
         if abs(x) <= max(abs(y), abs(z)):
             raise InputError(
-                "the cameras stand behind each other; only rigs side by side (|T[0]| largest), or one above the other "
-                "(|T[1]|), are supported."
+                "the cameras stand neither side by side (|T[0]| largest) nor one above the other (|T[1]| largest); "
+                "other rigs are not supported."
             )
 
     @staticmethod
