@@ -48,8 +48,8 @@ def with_boards(prior: Prior, boards: Sequence[Board] | None, chart: RigChart) -
     boards = [
         replace(
             board,
-            left=turned_pixels(board.left, chart.rig.sizes_taken[0], left),
-            right=turned_pixels(board.right, chart.rig.sizes_taken[1], right),
+            left=turned_pixels(np.asarray(board.left), chart.rig.sizes_taken[0], left),
+            right=turned_pixels(np.asarray(board.right), chart.rig.sizes_taken[1], right),
         )
         for board in boards
     ]

@@ -124,8 +124,8 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
         InputError: if calibration and images do not say how.
     """
     if name == "turned":
-        upside_down = [(np.rot90(pair.left, 2), np.rot90(pair.right, 2)) for pair in pairs]
-        both = zip(pairs, upside_down, strict=True)
+        images = [[np.ascontiguousarray(image[::-1, ::-1]) for image in (pair.left, pair.right)] for pair in pairs]
+        both = zip(pairs, images, strict=True)
         return rig, tuple(replace(pair, left=left, right=right, origin=None) for pair, (left, right) in both)
     found = [(rig, pairs) for cause, rig, pairs in _causes(rig, pairs) if cause.name == name]
     if not found:

@@ -16,6 +16,12 @@ from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, changed_camera, distort, same_camera, turn_of, turned_pixels, undistort
 
 SIZE = (96, 64)
+WIDE = {
+    "equidistant": [0.1, 0.01, -0.01, 0.001],
+    "ds": [-0.2, 0.6],
+    "eucm": [0.6, 1.1],
+    "omni": [1.0, -0.1, 0.05, 0.01, 0.02],
+}
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
 
 
@@ -212,16 +218,10 @@ def test_a_lens_model_grows_only_for_what_changes():
 
 
 @pytest.mark.parametrize("quarters", [-1, 1, 2, 3])
-@pytest.mark.parametrize("name", [*LENSES, "equidistant", "ds", "eucm", "omni"])
+@pytest.mark.parametrize("name", [*LENSES, *WIDE])
 def test_a_camera_of_a_turned_image(name: int | str, quarters: int):
     """Tilts about both axes turn by 180 degrees only."""
-    wide = {
-        "equidistant": [0.1, 0.01, -0.01, 0.001],
-        "ds": [-0.2, 0.6],
-        "eucm": [0.6, 1.1],
-        "omni": [1, -0.1, 0.05, 0.01, 0.02],
-    }
-    lens = np.array(LENSES[name] if isinstance(name, int) else wide[name], float)
+    lens = np.array(LENSES[name] if isinstance(name, int) else WIDE[name], float)
     one = Camera(SIZE, MATRIX, lens, model="radtan" if isinstance(name, int) else name)
     if lens.size > 12 and quarters != 2:
         with pytest.raises(InputError, match="tilted about both axes"):
