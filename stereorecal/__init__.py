@@ -8,19 +8,9 @@ from typing import Any
 
 import lazy_loader
 
-from stereorecal._renamed import renamed
-
-_MOVED = {
-    "recalibrate_sequence": 'recalibrate_many, with start="previous"',
-    "repaired_together": "recalibrate_many",
-    "repairs_as_finished": "recalibrate_many, with finished=",
-}
-_answer = renamed(__name__, _MOVED)
 _named_in_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _MOVED:
-        _answer(name)
     # A function and a package have this name: the package, which can be called, is both.
     return import_module(f"{__name__}.{name}") if name == "strategies" else _named_in_stub(name)

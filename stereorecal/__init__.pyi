@@ -10,7 +10,6 @@ from . import (
     online as online,
     recalibration as recalibration,
     recordings as recordings,
-    reproduction as reproduction,
     scoring as scoring,
     synthetic as synthetic,
     testing as testing,
@@ -71,24 +70,15 @@ from .recalibration import (
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
     rescale_baseline as rescale_baseline,
-    warm_up as warm_up,
 )
 from .recordings import (
-    Board as Board,
     Log as Log,
     Mission as Mission,
     Odometer as Odometer,
     Pair as Pair,
     Range as Range,
     Scene as Scene,
-    find_boards as find_boards,
     make_pair as make_pair,
-)
-from .reproduction import (
-    Extent as Extent,
-    Reproduction as Reproduction,
-    reproduce as reproduce,
-    synthetic_log as synthetic_log,
 )
 from .scoring import (
     Correspondences as Correspondences,

@@ -12,7 +12,7 @@ import os
 import threading
 import uuid
 from collections.abc import Callable
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, update_wrapper
 from importlib.metadata import version
@@ -24,13 +24,16 @@ import jax.export
 import numpy as np
 
 from stereorecal._arrays import AnyArray
-from stereorecal._background import in_background
 from stereorecal._version import __version__
 
 LOG = logging.getLogger("stereorecal")
 _FOLDER = "stereorecal-traced"
 _SETTINGS = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision")
 Leaves = tuple[AnyArray, ...]
+
+_BACKGROUND = ThreadPoolExecutor(1, "compile")
+# A process that ends waits for nothing that has not begun; what `atexit` calls would come after the waiting.
+threading._register_atexit(_BACKGROUND.shutdown, wait=False, cancel_futures=True)  # pyright: ignore
 
 
 class CachedProgram:
@@ -50,7 +53,7 @@ class CachedProgram:
             return self.compiled(*arguments, **statics)
         key = _key(arguments, statics)
         if compiling := self._compiling.get(key):
-            compiling.result()
+            compiling.exception()  # waits; what has failed is tried again
         return self._run(key, folder, arguments, statics)
 
     def compile_in_background(self, *arguments: Any, **statics: Any) -> None:
@@ -62,7 +65,7 @@ class CachedProgram:
                 self._run(key, _folder_of(statics), arguments, statics)
 
         if key not in self._programs and key not in self._compiling:
-            self._compiling[key] = in_background(work)
+            self._compiling[key] = _BACKGROUND.submit(work)
 
     def _run(self, key: Any, folder: Path | None, arguments: tuple[Any, ...], statics: dict[str, Any]) -> Leaves:
         if folder is None:

@@ -2,10 +2,9 @@
 
 import os
 import pickle
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, TypeVar
 
 from stereorecal._errors import InputError
 
@@ -19,9 +18,9 @@ def run_all(
 ) -> Iterator[tuple[int, Result | BaseException]]:
     """The index of each task with what `function` makes of it, as they finish; an exception where the executor lost it.
 
-    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
-    once what is finished by then has been handed out: Ctrl-C reaches workers as well, and is no result of a task.
-    Closing the iterator, or an exception of its consumer, cancels the tasks that wait.
+    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too:
+    Ctrl-C reaches workers as well, and is no result of a task. Closing the iterator, or an exception of its consumer,
+    cancels the tasks that wait.
 
     Raises:
         InputError: if the executor forks its workers.
@@ -29,17 +28,17 @@ def run_all(
     if executor is None:
         yield from ((index, function(task)) for index, task in enumerate(tasks))
         return
-    futures = {_submitted(executor, _Parcel(function, task)): index for index, task in enumerate(tasks)}
-    unfinished = dict(futures)
+    futures: dict[Future[Result], int] = {}
     try:
+        for index, task in enumerate(tasks):
+            try:
+                future = executor.submit(run_task, _Parcel((function, task)))
+            except BrokenExecutor as error:
+                future = Future()
+                future.set_exception(error)
+            futures[future] = index
         for future in as_completed(futures):
-            found = _outcome(future)
-            if isinstance(found, ForkedError):
-                raise found
-            if isinstance(found, KeyboardInterrupt):
-                yield from _completed(unfinished)
-                raise found
-            yield unfinished.pop(future), found
+            yield futures[future], _outcome(future)
     finally:
         for future in futures:
             future.cancel()
@@ -56,35 +55,21 @@ _FORKED = (
 )
 
 
-@dataclass(frozen=True)
-class _Parcel(Generic[Task, Result]):
+class _Parcel:
     """A function and its task, which travel as bytes and are unpickled only where they are opened.
 
     Otherwise those who hand them on unpickle them too: Dask's scheduler would read and keep the images of every task,
     and a process that misses an image would break the pool instead of saying so.
     """
 
-    function: Callable[[Task], Result]
-    task: Task
-
-    def opened(self) -> tuple[Callable[[Task], Result], Task]:
-        return self.function, self.task
+    def __init__(self, content: tuple[Callable, Any] | bytes) -> None:
+        self.content = content
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _Packed, (pickle.dumps(self.opened()),)
+        return _Parcel, (self.content if isinstance(self.content, bytes) else pickle.dumps(self.content),)
 
 
-@dataclass(frozen=True)
-class _Packed:
-    """A parcel that has travelled."""
-
-    content: bytes
-
-    def opened(self) -> Any:
-        return pickle.loads(self.content)
-
-
-def run_task(parcel: _Parcel[Task, Result] | _Packed) -> Result:
+def run_task(parcel: _Parcel) -> Any:
     """In a worker: open the parcel and do what it says. Its name is what clusters call the task.
 
     Raises:
@@ -92,28 +77,17 @@ def run_task(parcel: _Parcel[Task, Result] | _Packed) -> Result:
     """
     if os.getpid() != _PROCESS:
         raise ForkedError(_FORKED)
-    function, task = parcel.opened()
+    content = parcel.content
+    function, task = pickle.loads(content) if isinstance(content, bytes) else content
     return function(task)
-
-
-def _submitted(executor: Executor, parcel: _Parcel[Task, Result]) -> Future[Result]:
-    try:
-        return executor.submit(run_task, parcel)
-    except BrokenExecutor as error:
-        lost: Future[Result] = Future()
-        lost.set_exception(error)
-        return lost
-
-
-def _completed(futures: Mapping[Future[Result], int]) -> Iterator[tuple[int, Result | BaseException]]:
-    for future, index in futures.items():
-        if future.done() and not isinstance(found := _outcome(future), KeyboardInterrupt):
-            yield index, found
 
 
 def _outcome(future: Future[Result]) -> Result | BaseException:
     try:
-        error = future.exception()
+        return future.result()
+    except (ForkedError, KeyboardInterrupt):
+        raise
     except CancelledError:
-        error = CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
-    return future.result() if error is None else error
+        return CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
+    except BaseException as error:
+        return error

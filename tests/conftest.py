@@ -3,13 +3,11 @@
 import gc
 import importlib.metadata
 import os
-import pickle
 import shutil
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable
-from functools import cache
 from importlib.metadata import EntryPoints
 from pathlib import Path
 
@@ -17,12 +15,8 @@ import jax
 import jaxlib.version
 import pytest
 import typechecking
+from fixtures import data_dir as data_dir, install as install, moody as moody, scene as scene
 from hypothesis import settings
-from moody import Moody
-
-from stereorecal.recordings import Scene
-from stereorecal.reproduction import _synthetic_log
-from stereorecal.synthetic import default_rig, render
 
 _CACHE = "STEREORECAL_TEST_CACHE"
 _COMPILED_FAST = ["--xla_backend_optimization_level=1", "--xla_cpu_parallel_codegen_split_count=1"]
@@ -118,53 +112,6 @@ settings.load_profile("stereorecal")
 settings.register_profile("quick", settings.default, max_examples=20)  # what takes long has a share of these
 
 
-@pytest.fixture(scope="session")
-def data_dir() -> Path:
-    """The folder of real scenes that the environment variable STEREORECAL_DATA names; skips without it."""
-    name = os.environ.get("STEREORECAL_DATA")
-    if not name:
-        pytest.skip("set STEREORECAL_DATA to the folder of real scenes to run this test")
-    if not Path(name).is_dir():
-        pytest.skip(f"STEREORECAL_DATA={name} is no folder")
-    return Path(name)
-
-
-@pytest.fixture(scope="session")
-def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
-    """scene(kind, seed, size, frames): a rendered scene, kept for all workers; 160x120 unless a size is given."""
-    of_process = tmp_path_factory.getbasetemp()
-    folder = of_process.parent if _is_worker(request.config) else of_process
-
-    @cache
-    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
-        file = folder / f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}.pickle"
-        if not file.exists():
-            rendered = render(kind, seed, rig=default_rig().resized(size), frames=frames)
-            whole = file.with_suffix(f".{os.getpid()}")
-            whole.write_bytes(pickle.dumps(rendered))
-            whole.replace(file)
-        return pickle.loads(file.read_bytes())
-
-    return make
-
-
-@pytest.fixture
-def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
-    """install(group, {name: "module:Class"}, distribution): a distribution (of version 1.2) more, by its metadata in a
-    folder of sys.path, as pip leaves it."""
-
-    def one_more(group: str, plugins: dict[str, str], distribution: str = "plug-in") -> None:
-        folder = tmp_path_factory.mktemp("site-packages")
-        info = folder / f"{distribution.replace('-', '_')}-1.2.dist-info"
-        info.mkdir()
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.2\n")
-        lines = (f"{name} = {value}\n" for name, value in plugins.items())
-        (info / "entry_points.txt").write_text(f"[{group}]\n{''.join(lines)}")
-        monkeypatch.syspath_prepend(folder)
-
-    return one_more
-
-
 @pytest.fixture
 def nothing_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[dict[str, str]]:
     """No plug-in but those that `install` adds from now on, and what lies in `tmp_path`; and each look at them."""
@@ -190,25 +137,3 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr(getattr(sys, stream), "isatty", lambda: there)
 
     return set_up
-
-
-@pytest.fixture
-def moody(install) -> Callable[..., list[int]]:
-    """moody(mood): what the installed strategy "moody" does from now on, told the number of its run; and the seeds of
-    its runs. Without a mood it stays where it starts."""
-    install("stereorecal.strategies", {"moody": "moody:Moody"})
-
-    def set_up(mood: Callable[[int], None] = lambda run: None) -> list[int]:
-        Moody.runs.clear()
-        Moody.mood = mood
-        return Moody.runs
-
-    set_up()
-    return set_up
-
-
-@pytest.fixture
-def small_synthetic_log(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One pair of 160x120 in each of its missions."""
-    monkeypatch.setattr(_synthetic_log, "_QUICK_SIZE", (160, 120))
-    monkeypatch.setattr(_synthetic_log, "_QUICK_PAIRS", 1)

@@ -37,16 +37,14 @@ for above in ("cli", "comparison", "recalibration", "decision", "estimation", "o
 MAY_IMPORT["testing"] = MAY_IMPORT["objectives"] | {"objectives", "synthetic"}
 MAY_IMPORT["recalibration"] |= {"report", "io"}  # how numbers read, and a page: a solution shows itself
 MAY_IMPORT["comparison"] |= {"report", "io", "synthetic"}
-MAY_IMPORT["reproduction"] = MAY_IMPORT["comparison"]
 MAY_IMPORT["online"] = MAY_IMPORT["recalibration"] | {"recalibration", "io"} - {"report"}
-MAY_IMPORT["cli"] |= {"online", "reproduction", "report", "io", "synthetic", "testing"}
+MAY_IMPORT["cli"] |= {"online", "report", "io", "synthetic", "testing"}
 NOT_IN_CORE = ("nlopt", "optimistix", "equinox")
 # Rooms that use the core as anybody could: what their files import from other rooms are public names of these rooms.
 # The second part: what they need of the commands' own helpers, which are nobody's room.
 PUBLIC_FACE_ONLY: dict[str, set[str]] = {
     "synthetic": set(),
-    "online": {"_choices", "_errors", "_json_data", "_renamed"},
-    "reproduction": {"_environment", "_run_all", "_signals"},
+    "online": {"_choices", "_errors", "_json_data"},
 }
 
 
@@ -161,6 +159,7 @@ def test_private_modules_stay_in_their_package(package: str):
 def public_names(package: str) -> set[str]:
     """What the `__init__` of a package re-exports; a package that has only public modules offers those."""
     init = CORE.joinpath(*package.split(".")[1:]) / "__init__.py"
+    init = init if not init.with_suffix(".pyi").exists() else init.with_suffix(".pyi")
     exported = {
         alias.asname
         for node in ast.walk(ast.parse(init.read_text()))

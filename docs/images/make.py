@@ -12,13 +12,13 @@ import cv2
 import jax
 import matplotlib.pyplot as plt
 import numpy as np
+import stereorecal_paper as paper
 from pair_figure import Panel, repair_figure, save
+from stereorecal_field.table._field_figures import coverage, error_against_seconds, harm
 
 import stereorecal as sr
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import changed_camera
-from stereorecal.report._field_figures import coverage, error_against_seconds, harm
-from stereorecal.reproduction import write_files
 from stereorecal.synthetic import Knock
 
 HERE = Path(__file__).parent
@@ -212,9 +212,9 @@ def yaw_and_centre() -> None:
 
 def experiments() -> None:
     """The figures of the paper's experiments on the synthetic log; ten minutes, unless it was done before."""
-    log, folder = sr.synthetic_log(), HERE.parents[1] / "reproduced" / "for-docs"
-    found = sr.reproduce(log, output=folder)
-    for path in write_files(found, log, folder):
+    log, folder = paper.synthetic_log(), HERE.parents[1] / "reproduced" / "for-docs"
+    found = paper.reproduce(log, output=folder)
+    for path in paper.write_files(found, log, folder):
         if path.suffix == ".png":
             shutil.copy(path, HERE / f"experiments-{path.name}")
 

@@ -1,4 +1,8 @@
-"""The command line."""
+"""The command line, and what commands are made of: those of plug-ins come as entry points `stereorecal.commands`.
 
-from stereorecal.cli._commands import options_of as options_of, parser as parser
-from stereorecal.cli._main import main as main
+The public names stand in `__init__.pyi`; each is imported when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -23,6 +23,9 @@ class DiffOptions(_ComparedCalibrations, CalibrationOptions, ReportOptions, Comm
 
     Exit code: 0 done; 2 bad input; 3 internal failure."""
 
+    summary = "what one calibration changes against another"
+    module = "stereorecal.cli._diff"
+
     forms = ("A B",)
     json: str | None = option("everything, as JSON, with a map of the epipolar error", metavar="FILE|-")
 
@@ -66,6 +69,9 @@ class ConvertOptions(_ConvertedCalibration, CalibrationOptions, _NewCalibration,
 
     Exit code: 0 done; 2 bad input, or the format cannot hold the calibration (nothing is written); 3 internal
     failure."""
+
+    summary = "write a calibration in another format"
+    module = "stereorecal.cli._convert"
 
     forms = ("A B",)
     quiet: bool = option("print nothing", False)

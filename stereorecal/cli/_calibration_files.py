@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
+from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._option_values import camera_pair
-from stereorecal.cli._shared_options import CalibrationFormatOptions, CalibrationOptions
+from stereorecal.cli._shared_options import CalibrationOptions
 from stereorecal.geometry import StereoRig
 from stereorecal.io import has_own_unit, is_data_set, load_rig, load_scene
 
@@ -25,17 +25,6 @@ def image_size(text: str | None) -> tuple[int, int] | None:
     return int(found[1]), int(found[2])
 
 
-def unit_of(where: CalibrationPath, options: CalibrationFormatOptions, *, other_says_none: bool) -> str | None:
-    """The unit in which a calibration is read: --unit, unless the format of this one has a unit, and that of the other
-    file of the command has none.
-
-    Raises:
-        InputError: if the format is not recognised.
-    """
-    asked = options.unit is not None and other_says_none
-    return None if asked and has_own_unit(paths(where), options.format) else options.unit
-
-
 def says_no_unit(words: str, options: CalibrationOptions) -> bool:
     """Whether the format of a calibration has no unit; False for one that cannot be read, which its reader says."""
     try:
@@ -49,7 +38,7 @@ def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = F
     its own.
 
     Args:
-        other_says_none: see `unit_of`.
+        other_says_none: whether the format of the command's other file has no unit: --unit may be of that one.
 
     Raises:
         InputError: if there is none.
@@ -61,5 +50,6 @@ def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = F
             raise InputError(f"{where}: there is no calibration in it; give one that has.")
         return rig
     size, cameras = image_size(options.size), camera_pair(options.cameras)
-    unit = unit_of(where, options, other_says_none=other_says_none)
+    of_other = options.unit is not None and other_says_none and has_own_unit(paths(where), options.format)
+    unit = None if of_other else options.unit
     return load_rig(*paths(where), format=options.format, unit=unit, size=size, cameras=cameras)

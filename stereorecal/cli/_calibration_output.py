@@ -1,6 +1,5 @@
 """The calibration that `recalibrate` gives back: where it goes, in which form, and what it may replace."""
 
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,17 +8,10 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
-from stereorecal.cli._output_places import (
-    Place,
-    check_places,
-    check_writable,
-    image_inputs,
-    refuse_replacing_inputs,
-)
-from stereorecal.cli._output_unit import output_unit
+from stereorecal.cli._output_places import Place, check_places, image_inputs, refuse_replacing_inputs
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
-from stereorecal.io import back_up, calibration_files, check_savable, is_copy, next_copy, prior_beside, save_rig
+from stereorecal.io import back_up, calibration_files, check_savable, next_copy, prior_beside, save_rig, unsaid_unit
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import Settings, Solution, what_may_change
 from stereorecal.recordings import Scene
@@ -32,28 +24,19 @@ class Output:
     Attributes:
         place: the file of the calibration, or those of the left and the right camera; None: nowhere.
         replaced: whether it is the calibration that the repair started from.
-        maps: the file of rectifying maps, if they were asked for.
-        unit: of lengths in the file, if it was said, and the format says none.
-        unit_note: what to add of the unit once the file is written.
         prior_path: the file for what is known of it, where its format has no place for that.
+        note: what to add of its unit once it is written.
     """
 
-    place: CalibrationPath | None
-    replaced: bool
-    maps: Path | None
-    unit: str | None = None
-    unit_note: str = ""
+    place: CalibrationPath | None = None
+    replaced: bool = False
     prior_path: Path | None = None
+    note: str = ""
 
     @property
     def files(self) -> list[Path]:
         """Of the calibration."""
         return [] if self.place is None else paths(self.place)
-
-    @property
-    def maps_files(self) -> list[Path]:
-        """Of the maps."""
-        return [] if self.maps is None else [self.maps]
 
 
 def output_of(
@@ -69,41 +52,33 @@ def output_of(
         InputError: if an input would be replaced, the ending of a name contradicts the format, or the format cannot
             hold a rig that has moved.
     """
-    maps = None if options.maps is None else Path(options.maps)
     calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
     refuse_replacing_inputs(options.places, calibrations, "replace it with --in-place")
     refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
-    rig = scenes[0].rig
+    rig, more = scenes[0].rig, []
     if rig is None:
-        return Output(None, False, maps)
+        return Output()
     if options.in_place:
         files = calibration_files(rig)
         if not files:
             raise InputError("--in-place: the calibration came from no file; give --output.")
-        for path in files:
-            check_writable(Place("--in-place", path))
-            check_writable(Place("--in-place, which keeps a copy,", next_copy(path)))
-            for other in options.places:
-                if is_copy(other.path, of=path):
-                    raise InputError(f"{other}: --in-place keeps the old calibration there; choose another place.")
-            if not os.access(path, os.W_OK):
-                raise InputError(f"--in-place {path}: the file is write-protected; allow writing, or give --output.")
         check_savable(rig, files, format=rig.source.format)  # which may be read only
         place: CalibrationPath = (files[0], files[1]) if len(files) == 2 else files[0]
+        more = [Place("--in-place", path) for path in files]
+        more += [Place("--in-place, which keeps a copy,", next_copy(path)) for path in files]
     elif options.output:
         place = calibration_path(options.output, "--output")
     else:
-        return Output(None, False, maps)
-    unit, unit_note = output_unit(rig, rig, place, options.output_format, options.unit)
-    check_savable(_probe_rig(rig, free), place, format=options.output_format, unit=unit)
-    prior_path = prior_beside(rig, place, format=options.output_format)
-    if prior_path is not None:
-        known = [Place("--in-place" if options.in_place else "--output", prior_path)]
-        check_places([*known, *options.places], force=options.force or options.in_place)
-    return Output(place, options.in_place, maps, unit, unit_note, prior_path)
+        return Output()
+    check_savable(_probe_rig(rig, free), place)
+    if (prior_path := prior_beside(rig, place)) is not None:
+        more.append(Place("--in-place" if options.in_place else "--output", prior_path))
+    check_places([*more, *options.places], force=options.force or options.in_place)
+    unit = unsaid_unit(rig, place)
+    return Output(place, options.in_place, prior_path, f" (translation in {unit})" if unit else "")
 
 
-def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOptions, settings: Settings) -> Parameters:
+def what_it_holds(output: Output, rig: StereoRig | None, settings: Settings) -> Parameters:
     """What may change, of what is free: where that is everything, by name as far as the output format can hold it.
 
     Args:
@@ -118,24 +93,21 @@ def what_it_holds(output: Output, rig: StereoRig | None, options: RecalibrateOpt
     held = list(free.names)
     for name in intrinsics:
         try:
-            moved = _probe_rig(rig, [name])
-            check_savable(moved, output.place, format=options.output_format, unit=output.unit)
+            check_savable(_probe_rig(rig, [name]), output.place)
         except InputError:
             continue
         held.append(name)
     return replace(free, free=tuple(held), everything=False)
 
 
-def save(output: Output, solution: Solution, scene: Scene, options: RecalibrateOptions) -> list[Path]:
+def save(solution: Solution, output: Output, scene: Scene, options: RecalibrateOptions) -> list[Path]:
     """Write the calibration and what is known of it; one that is replaced is kept beside it: where."""
-    if output.place is None:
-        return []
+    assert output.place is not None
     backups = [back_up(path) for path in output.files] if output.replaced else []
     if output.replaced and output.prior_path is not None and output.prior_path.exists():
         back_up(output.prior_path)
     rig = replace(solution.rig, source=None if scene.rig is None else scene.rig.source)
-    how = {"format": options.output_format, "unit": output.unit, "prior": solution.prior}
-    save_rig(rig, output.place, scene.info, output.replaced or options.force, **how)
+    save_rig(rig, output.place, scene.info, output.replaced or options.force, prior=solution.prior)
     return backups
 
 

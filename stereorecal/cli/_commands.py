@@ -1,33 +1,46 @@
 """All commands: the parser of the command line, and the options that it makes of words.
 
+Commands are entry points, as strategies and matchers are: a class of options that runs itself. One whose name begins
+with that of another, such as "compare.judge", adds its options to that command, and may take it over.
+
 Nothing here imports JAX, OpenCV or NumPy: help, the version and mistyped options are answered at once.
 """
 
 from collections.abc import Sequence
-from importlib import import_module
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, PluginError
+from stereorecal._plugins import Registry
 from stereorecal._version import __version__
-from stereorecal.cli._options import CommonOptions, Parser
+from stereorecal.cli._options import CommonOptions, Parser, option_group
 
-_COMMANDS = {  # where the options of each stand, and what it does
-    "recalibrate": ("_repair_commands.RecalibrateOptions", "repair the calibration of a rig"),
-    "score": ("_repair_commands.ScoreOptions", "check a calibration against images"),
-    "monitor": ("_repair_commands.MonitorOptions", "watch a rig over a recording, and repair it"),
-    "diff": ("_calibration_commands.DiffOptions", "what one calibration changes against another"),
-    "convert": ("_calibration_commands.ConvertOptions", "write a calibration in another format"),
-    "compare": ("_experiment_commands.CompareOptions", "decalibrate rigs, and compare how strategies repair them"),
-    "reproduce": ("_experiment_commands.ReproduceOptions", "run the paper's experiments"),
-    "strategies": ("_plugin_commands.PluginOptions", "list the installed strategies, or check one"),
-    "matchers": ("_plugin_commands.PluginOptions", "list the installed matchers, or check one"),
-}
+COMMANDS = Registry[CommonOptions](
+    "stereorecal.commands",
+    kind="command",
+    base=CommonOptions,
+    error=PluginError,
+    example="recalibrate",
+    own={
+        "recalibrate": "stereorecal.cli._repair_commands:RecalibrateOptions",
+        "score": "stereorecal.cli._repair_commands:ScoreOptions",
+        "monitor": "stereorecal.cli._repair_commands:MonitorOptions",
+        "diff": "stereorecal.cli._calibration_commands:DiffOptions",
+        "convert": "stereorecal.cli._calibration_commands:ConvertOptions",
+        "compare": "stereorecal.cli._experiment_commands:CompareOptions",
+        "strategies": "stereorecal.cli._plugin_commands:PluginOptions",
+        "matchers": "stereorecal.cli._plugin_commands:PluginOptions",
+    },
+)
 
 
-def parser(verbs: Sequence[str] = tuple(_COMMANDS)) -> Parser:
+def parser(words: Sequence[str] = ()) -> Parser:
     """The parser of the command line.
 
     Args:
-        verbs: the commands whose options it knows; those of the others are not even read.
+        words: if commands are among them, it knows no others, and reads the options of no others.
+
+    Raises:
+        InputError: if two distributions claim a command.
+        PluginError: if a command cannot be loaded.
     """
     made = Parser(
         prog="stereorecal",
@@ -38,13 +51,16 @@ def parser(verbs: Sequence[str] = tuple(_COMMANDS)) -> Parser:
     made.add_argument("--version", action="version", version=f"stereorecal {__version__}")
     made.add_options(CommonOptions)  # which may stand before the command or after it
     commands = made.add_subparsers(title="commands", required=True, metavar="COMMAND", dest="command", prog=made.prog)
-    for verb, (place, summary) in _COMMANDS.items():
-        added = commands.add_parser(verb, help=summary)
-        if verb in verbs:
-            module, _, name = place.partition(".")
-            kind = getattr(import_module(f"stereorecal.cli.{module}"), name)
-            added.add_command(kind)
-            added.set_defaults(kind=kind, parser=added)
+    names = COMMANDS.names()
+    verbs = [name for name in (*COMMANDS.own, *names) if "." not in name]  # its own first
+    for verb in dict.fromkeys([verb for verb in verbs if verb in words] or verbs):
+        parts = [COMMANDS.find(name).cls for name in (*(n for n in names if n.startswith(f"{verb}.")), verb)]
+        kind = parts[-1]
+        if len(parts) > 1:
+            kind = option_group(type(kind.__name__, tuple(parts), {"__doc__": kind.__doc__}))
+        added = commands.add_parser(verb, help=kind.summary)
+        added.add_command(kind)
+        added.set_defaults(kind=kind, parser=added)
     return made
 
 
@@ -53,6 +69,7 @@ def options_of(words: Sequence[str]) -> CommonOptions:
 
     Raises:
         SystemExit: of --help and --version; and with 2, once it is said, if the words make no sense.
+        InputError, PluginError: as of `parser`.
     """
     parsed = vars(parser(words).parse_args(words))
     verb, kind = parsed.pop("command"), parsed.pop("kind")

@@ -1,6 +1,5 @@
 """`python -m stereorecal compare`."""
 
-from importlib import import_module
 from pathlib import Path
 
 from stereorecal._errors import InputError
@@ -8,8 +7,8 @@ from stereorecal.cli import _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
+from stereorecal.cli._growing_json import GrowingJson
 from stereorecal.cli._html_page import check_page
-from stereorecal.cli._journals import GrowingJson
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import refuse_replacing_inputs
 from stereorecal.cli._strategy_names import strategy_names
@@ -29,9 +28,6 @@ _DRAWS = 2
 
 def run(options: CompareOptions) -> int:
     """Compare, print, save; returns the exit code."""
-    if options.judge or options.preset is not None:
-        return import_module("stereorecal.cli._compare_field").run(options)
-    _check_without_judges(options)
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
@@ -40,7 +36,7 @@ def run(options: CompareOptions) -> int:
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
     free = _library_arguments.free(options.free)
-    check_page(options.html, "comparison_page")
+    check_page(options.html, "stereorecal.report.comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
@@ -73,12 +69,6 @@ def run(options: CompareOptions) -> int:
         say(f"interrupted; {len(comparison.trials)} trials were finished.")
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
-
-
-def _check_without_judges(options: CompareOptions) -> None:
-    for name in ("full", "square", "board_corners"):
-        if getattr(options, name):
-            raise InputError(f"--{name.replace('_', '-')} needs --judge or --preset field; add one.")
 
 
 def _scenes(options: CompareOptions) -> list[Scene]:

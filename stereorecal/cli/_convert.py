@@ -8,8 +8,7 @@ from stereorecal.cli._calibration_files import rig_at
 from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import Place, check_places, refuse_replacing_inputs
-from stereorecal.cli._output_unit import output_unit
-from stereorecal.io import calibration_json, check_savable, files_read, save_rig, save_template, unsaid_unit
+from stereorecal.io import calibration_json, check_savable, files_read, save_rig, save_template, unit_read, unsaid_unit
 
 
 def run(options: ConvertOptions) -> int:
@@ -31,13 +30,15 @@ def run(options: ConvertOptions) -> int:
     check_places(places, force=options.force)
     # Without --to the name alone decides, whatever the calibration was read from.
     written = rig if options.to else replace(rig, source=None)
-    unit, unit_text = output_unit(rig, written, target, options.to, options.unit)
+    # --unit is of the file that was read, if that was read with it, and the format of the new one has a unit.
+    unsaid = unsaid_unit(written, target, format=options.to)
+    unit = None if unsaid is None and unit_read(rig) == options.unit else options.unit
 
     def save() -> None:
         how = {"format": options.to, "overwrite": options.force, "unit": unit}
         written_or_printed(lambda: save_rig(written, target, **how), lambda: calibration_json(written))
         if not options.quiet:
-            print(f"{options.target}: written{unit_text}")
+            print(f"{options.target}: written" + (f" (translation in {unit or unsaid})" if unsaid else ""))
 
     check_savable(written, target, format=options.to, unit=unit)
     deliver(save)

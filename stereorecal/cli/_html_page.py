@@ -17,7 +17,7 @@ def check_page(html: str | None, module: str) -> None:
 
     Args:
         html: the value of --html.
-        module: of `stereorecal.report`, that makes the page.
+        module: that makes the page.
 
     Raises:
         InputError: says what to do.
@@ -25,7 +25,7 @@ def check_page(html: str | None, module: str) -> None:
     if html is None:
         return
     with extra("figures", "--html"):
-        importlib.import_module(f"stereorecal.report.{module}")
+        importlib.import_module(module)
     if html == "-":
         raise InputError("--html - has no meaning; give a file.")
 

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 import numpy as np
 from rich.console import Group
@@ -32,20 +32,14 @@ def live(name: str) -> Iterator[Callable[[Stepped], None]]:
     """A view that is drawn anew after each step."""
     history: deque[Reading] = deque(maxlen=_LONG)
     happened: deque[str] = deque(maxlen=_EVENTS)
-    screen = Live(auto_refresh=False)
 
     def show(stepped: Stepped) -> None:
         history.append(reading(stepped.state))
         happened.extend(str(event) for event in stepped.events)
         screen.update(view(name, stepped.state.frame, list(history), list(happened)), refresh=True)
 
-    try:
-        with suppress(OSError):  # a terminal that has been closed is met again, and said, by `show`
-            screen.start()
+    with Live(auto_refresh=False) as screen:
         yield show
-    finally:
-        with suppress(OSError):
-            screen.stop()
 
 
 def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> Panel:

@@ -4,7 +4,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -13,20 +13,22 @@ from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._streams import flush, leave_stdout, say, spell_out, stdout_reader_closed
+from stereorecal.cli._streams import say, spell_out, stdout_error
 
 _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
-    options = options_of(sys.argv[1:] if arguments is None else arguments)
     spell_out()
     try:
-        return _run(options)
-    finally:
-        with suppress(InputError):
-            flush()
+        options = options_of(sys.argv[1:] if arguments is None else arguments)
+    except (InputError, PluginError) as error:  # of a plug-in's command
+        return _report_error(error)
+    code = _run(options)
+    sys.stdout.flush()
+    error = stdout_error()
+    return code if error is None or code == INTERRUPTED else _report_error(error)
 
 
 def _run(options: CommonOptions) -> int:
@@ -39,18 +41,12 @@ def _run(options: CommonOptions) -> int:
             jax_setup.check_platform()
             if trouble:
                 say(trouble)
-        command = import_module(f"stereorecal.cli.{options.module or f'_{options.verb}'}")
         with _warnings_as_lines(), interruptible():
-            code = command.run(options)
-            flush()
-            return code
+            return options.run()
     except Exception as error:
-        if isinstance(error, BrokenPipeError) and stdout_reader_closed():  # what had to be saved is saved
-            leave_stdout()
-            return 0
         if options.traceback:
             traceback.print_exception(error)
-        code = _report_error(error)  # after a signal, perhaps since the terminal has gone
+        code = _report_error(error)
         return INTERRUPTED if interrupted() else code
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)

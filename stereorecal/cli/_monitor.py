@@ -25,7 +25,7 @@ from stereorecal.cli._output_places import (
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._streams import leave_stdout, say, stdout_error, stdout_reader_closed
+from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
@@ -33,15 +33,13 @@ from stereorecal.online import EVENTS_SCHEMA, Config, Reading, State, Stepped, i
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
-_TAIL = 1 << 16  # bytes of a log, in which its last line is
 _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL}
 
 
 def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
     goes_on = options.state is not None and Path(options.state).exists()
-    log_goes_on = options.json if goes_on and _is_log(options.json) else None
-    appended = log_goes_on is not None
+    appended = goes_on and _is_log(options.json)
     places = _check_places(options, appended)
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
@@ -51,21 +49,17 @@ def run(options: MonitorOptions) -> int:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
     began, unread = state.frame, 0
-    if log_goes_on is not None:
-        _check_follows(log_goes_on, state)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
     def attempt(step: Callable[[], None], what: str) -> None:
         try:
             if what not in failed:
                 step()
-        except (InputError, OSError) as error:
-            if isinstance(error, BrokenPipeError) and stdout_reader_closed():
-                if options.output is None and options.state is None:
-                    raise  # nothing is left to be done
-                leave_stdout()
-            else:
-                failed[what] = error if isinstance(error, InputError) else _write_error(error, what, options)
+        except OSError as error:
+            reason = f"cannot be written ({error.strerror}); make room."
+            failed[what] = InputError(f"{what} {options.json}: {reason}")
+        except InputError as error:
+            failed[what] = error
 
     try:
         with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
@@ -73,7 +67,9 @@ def run(options: MonitorOptions) -> int:
                 state, unread = stepped.state, unread + (stepped.pair is None)
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
-                attempt(partial(show, stepped), "stdout")
+                show(stepped)
+                if stdout_reader_gone() and options.output is None and options.state is None:
+                    return 0  # nothing is left to be done
             hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -136,12 +132,6 @@ def _reason(found: Reading) -> str:
     return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; more pairs, with texture and in motion, would tell)"
 
 
-def _write_error(error: OSError, what: str, options: MonitorOptions) -> InputError:
-    if what == "stdout" or options.json == "-":
-        return stdout_error(error)
-    return InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
-
-
 def _raise(error: Exception) -> None:
     raise error
 
@@ -188,23 +178,6 @@ def _is_log(path: str | None) -> bool:
     return False
 
 
-def _check_follows(path: str, state: State) -> None:
-    """Refuse to append to what another watch has told: of pairs that this one has not come to."""
-    frames = [0]
-    for line in _tail(path).splitlines():
-        with suppress(ValueError, TypeError, KeyError):  # cut short
-            frames.append(int(json.loads(line)["frame"]))
-    if frames[-1] >= max(state.frame, 1):
-        raise InputError(f"--json {path}: contains pairs that the state in --state has not seen; choose another file.")
-
-
-def _tail(path: str) -> bytes:
-    """Of a log that may be long."""
-    with open(path, "rb") as file:
-        file.seek(max(0, file.seek(0, 2) - _TAIL))
-        return file.read()
-
-
 @contextmanager
 def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | None]:
     target = options.json
@@ -214,8 +187,11 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | N
     # What was not there before the work began is nobody else's; a device is.
     mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
     file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
-    if appended and not _tail(target).endswith(b"\n"):
-        file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
+    if appended:
+        with open(target, "rb") as before:
+            before.seek(-1, 2)
+            if before.read() != b"\n":
+                file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
     try:
         yield file
     finally:

@@ -40,6 +40,23 @@ def frame_limit(text: str | None, default: str = "all") -> int | None:
     return positive(text, f"--frames is {shortened(text)}; give a positive number or all.")
 
 
+def slice_of_pairs(text: str | None) -> slice:
+    """The pairs that --pairs names: "A:B:N" as Python has it, without negative numbers; a number alone is one pair.
+
+    Raises:
+        InputError: if it makes no sense, or selects nothing.
+    """
+    parts = (text or ":").split(":")
+    if len(parts) > 3 or not all(not part or (part.isdecimal() and len(part) < 10) for part in parts):
+        raise InputError(f"--pairs is {shortened(text or '')}; give numbers of pairs, from 0 on, such as 10:50 or ::5.")
+    first, stop, step = (int(part) if part else None for part in (*parts, "", "")[:3])
+    if len(parts) == 1 and first is not None:
+        stop = first + 1
+    if step == 0 or (stop is not None and stop <= (first or 0)):
+        raise InputError(f"--pairs {text} selects nothing; give numbers of pairs, from 0 on, such as 10:50 or ::5.")
+    return slice(first or 0, stop, step or 1)
+
+
 def positive(text: str, refusal: str) -> int:
     """A positive whole number below a thousand million.
 

@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
+from importlib import import_module
 from inspect import get_annotations
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
@@ -19,6 +20,14 @@ _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 QUOTED = "a pattern such as 'left/*.png' must be quoted"
+# Commands and options that come with distributions of their own.
+_ELSEWHERE = {
+    "reproduce": "paper",
+    "--judge": "field",
+    "--preset": "field",
+    "--full": "field",
+    "--boards": "boards",
+}
 
 
 def option(help: str, default: Any = None, *, metavar: str | tuple[str, ...] | None = None, flag: str = "") -> Any:
@@ -51,13 +60,15 @@ class CommonOptions:
     """Options of every command.
 
     Attributes:
-        module: of `stereorecal.cli`, which runs the command, if it is not named after it.
+        summary: what the command does, in the list of all commands.
+        module: the one whose `run(options)` does the work and returns the exit code.
         forms: what a command line may consist of, beside options.
         verb: the command.
         words: the command line from which they come; a page shows it.
     """
 
-    module: ClassVar[str | None] = None
+    summary: ClassVar[str] = ""
+    module: ClassVar[str] = ""
     forms: ClassVar[tuple[str, ...]] = ("",)
     verb: str = ""
     words: tuple[str, ...] = ()
@@ -69,6 +80,10 @@ class CommonOptions:
         Raises:
             InputError: says what to do.
         """
+
+    def run(self) -> int:
+        """Do the work; returns the exit code."""
+        return import_module(self.module).run(self)
 
 
 class _Help(argparse.HelpFormatter):
@@ -102,7 +117,9 @@ class Parser(argparse.ArgumentParser):
     def add_options(self, options: type[CommonOptions]) -> None:
         """Add options, under the titles of their groups."""
         groups: dict[str | None, Any] = {None: self}
-        for name in dict.fromkeys(name for kind in options.__mro__ for name in get_annotations(kind)):
+        # What other distributions add comes last.
+        kinds = sorted(options.__mro__, key=lambda kind: not kind.__module__.startswith("stereorecal."))
+        for name in dict.fromkeys(name for kind in kinds for name in get_annotations(kind)):
             found: Field[Any] | None = options.__dataclass_fields__.get(name)
             if found is None or not found.metadata:
                 continue
@@ -142,12 +159,16 @@ class Parser(argparse.ArgumentParser):
             return f" ({QUOTED})"
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
+        if flag in _ELSEWHERE:
+            return f" ({_install(flag)})"
         close = get_close_matches(flag, known, 1)
         return f" (did you mean {close[0]}?)" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
+        if value in _ELSEWHERE:
+            raise argparse.ArgumentError(None, _install(value))
         close = get_close_matches(str(value), action.choices, 1)
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest
@@ -175,3 +196,11 @@ def _value(found: Field[Any]) -> dict[str, Any]:
     if get_origin(kind) is Literal:
         told["choices"] = parts
     return told if several or "choices" in told else {**told, "type": kind}
+
+
+def _install(name: str) -> str:
+    """What to do where a command or an option is missing that another distribution has."""
+    folder = _ELSEWHERE[name]
+    return (
+        f"{name} is not installed; run: pip install stereorecal-{folder} (in a clone: pip install -e plugins/{folder})"
+    )

@@ -6,7 +6,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._signals import held
-from stereorecal.cli._streams import flush, leave_stdout, say, stdout_error, stdout_reader_closed
+from stereorecal.cli._streams import say
 from stereorecal.io import json_text, write_text
 
 
@@ -21,14 +21,9 @@ def deliver(*steps: Callable[[], object]) -> None:
         for step in steps:
             try:
                 step()
-                flush()
-            except OSError as error:  # files that cannot be written raise InputError
-                if isinstance(error, BrokenPipeError) and stdout_reader_closed():
-                    leave_stdout()
-                else:
-                    errors.append(stdout_error(error) if error.filename is None else error)
             except Exception as error:
                 errors.append(error)
+        sys.stdout.flush()
     for error in errors[1:]:
         say(error)
     if errors:

@@ -54,18 +54,20 @@ def check_writable(place: Place) -> None:
     Raises:
         InputError: says why.
     """
-    path = place.path
+    path, usable = place.path, True
     try:
-        os.stat(path)
+        found = os.stat(path)
     except FileNotFoundError:
-        usable = _takes_files(path.resolve().parent)
+        found = None
     except OSError as error:
         raise InputError(f"{place}: cannot be written there ({error.strerror}); choose another.") from None
-    else:
-        # A file is replaced by a new one, which its folder must take.
-        usable = _takes_files(path.resolve().parent) if path.is_file() else _is_device(path)
+    if found is not None:
+        usable = not path.is_dir() and os.access(path, os.W_OK)
+    if found is None or path.is_file():  # a file is replaced by a new one, which its folder must take
+        folder = path.resolve().parent
+        usable = usable and folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
     if not usable:
-        raise InputError(f"{place}: cannot be written there; give a file in an existing folder.")
+        raise InputError(f"{place}: cannot be written there; give a file in an existing folder, or allow writing.")
 
 
 def refuse_replacing_inputs(
@@ -101,11 +103,3 @@ def _identity(path: Path) -> object:
     except OSError:
         return path.resolve()
     return found.st_dev, found.st_ino
-
-
-def _takes_files(folder: Path) -> bool:
-    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
-
-
-def _is_device(path: Path) -> bool:
-    return not path.is_dir() and os.access(path, os.W_OK)

@@ -1,7 +1,7 @@
 """The options of the commands about plug-ins."""
 
 from importlib import import_module
-from typing import ClassVar, Literal
+from typing import Literal
 
 from stereorecal._errors import InputError
 from stereorecal.cli._options import CommonOptions, argument, option_group
@@ -11,7 +11,8 @@ from stereorecal.cli._options import CommonOptions, argument, option_group
 class PluginOptions(CommonOptions):
     """List what is installed, or run the conformance kit on one."""
 
-    module: ClassVar[str | None] = "_installed_plugins"
+    summary = "list those that are installed, or check one"
+    module = "stereorecal.cli._installed_plugins"
     forms = ("[list]", "check NAME")
     action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
     name: str | None = argument("the one to be checked", None, metavar="NAME")

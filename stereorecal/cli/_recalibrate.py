@@ -11,7 +11,6 @@ from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._signals import hold
 from stereorecal.cli import _calibration_output, _library_arguments, _option_values
-from stereorecal.cli._chessboards import boards_of, check_boards_asked
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
 from stereorecal.cli._html_page import check_page, write_report
@@ -23,7 +22,7 @@ from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.estimation import DEFAULT, SAVED
-from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, next_copy, save_maps
+from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, save_maps
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
@@ -47,8 +46,7 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = _settings_from_options(options)
-    check_boards_asked(options)
-    check_page(options.html, "repair_page")
+    check_page(options.html, "stereorecal.report.repair_page")
     if options.html is not None and len(options.scenes) > 1:
         raise InputError("--html shows one recording; give one, or leave --html out.")
     with executor(options.executor) as pool:
@@ -56,23 +54,24 @@ def run(options: RecalibrateOptions) -> int:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
             few = settings.free.everything or bool(settings.free.shared)
             found = recordings(options, few=few and not settings.ranges)
-            boards = boards_of(options)
+            settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
         read |= set(named_inputs(options.ranges, options.odometer))
         priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
         output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, options, settings)
+        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, settings)
         settings = replace(settings, free=held)
         shared = sharing(found.scenes, settings.free, settings.ranges, options.extrinsics, settings.schedule)
         scenes, ranges = shared
         absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         pairing = {"pairing": found.pairing} if found.pairing else {}
         del found
-        common = {"boards": boards, "ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
+        common = {"ranges": ranges, "extrinsics": options.extrinsics, "executor": pool}
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
+            prior = prior if settings.prior is options.prior else "given"
             content = _content(
                 scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
             )
@@ -114,7 +113,7 @@ def _recalibrated_all(
 
 
 def _settings_from_options(options: RecalibrateOptions) -> Settings:
-    """What the options come to, but for the boards, whose images are read later."""
+    """What the options come to."""
     values = {
         **health_options(options),
         "schedule": _schedule(options),
@@ -150,9 +149,8 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         for stage in settings.schedule.stages
     ]
     return {
-        "frames": options.frames,
+        "pairs": options.pairs,
         "motion": options.motion,
-        "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(settings.matcher)},
         "view": options.view,
         "schedule": settings.schedule.name,
@@ -163,7 +161,6 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         "tolerances": asdict(settings.tolerances),
         "extrinsics": options.extrinsics,
         "ranges": options.ranges,
-        "boards": options.boards,
         "odometer": options.odometer,
         "seed": options.seed,
         "fix": options.fix,
@@ -175,52 +172,43 @@ def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, A
     was solved for afterwards."""
     names = "everything" if free.everything else ", ".join(free.names)
     settings = {"free": names, "extrinsics": options.extrinsics}
-    boards = " and ".join(options.boards) if options.boards else "none"
-    return {**settings, "boards": boards, "ranges": options.ranges or "none"}
+    return {**settings, "ranges": options.ranges or "none"}
 
 
 def _saving(
     scenes: Sequence[Scene], repairs: Sequence[Repair], options: RecalibrateOptions, output: _calibration_output.Output
 ) -> list[Callable[[], None]]:
     """Steps that write the calibration and the maps, and say so."""
-    first = repairs[0].solution
-    prints = options.prints
+    first, maps = repairs[0].solution, options.maps
+    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
 
-    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path]], note: str) -> None:
-        """`save` returns the copies of what it replaced."""
-        notes = [note] * len(names)
-        if names and first is not None and wanted and not options.dry_run:
-            found, backups = first, []
+    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path] | None], note: str) -> None:
+        """`save` returns the copies of what it replaced, if there are any."""
+        copies: list[Path] = []
+        if first is not None and wanted:
+            found = first
             written_or_printed(
-                lambda: backups.extend(save(found)),
+                lambda: copies.extend(save(found) or ()),
                 lambda: calibration_json(found.rig, found.prior),
                 to_stdout=options.json != "-",
             )
-            notes = [f"{note}; the old one is {copy}" for copy in backups] or notes
-        elif options.dry_run and output.replaced and names == output.files:
-            notes = [f"{note}; the old one would be kept as {next_copy(name)}" for name in names]
-        done = "would be written" if options.dry_run else "written"
-        for name, more in zip(names, notes, strict=True) if prints else ():
-            print(f"{name}: {done}{more}" if wanted else f"{name}: not written, since the initial calibration stays")
-        if prints and wanted and output.prior_path is not None and names == output.files:
-            print(f"{output.prior_path}: {done}, what is known of it")
+        notes = [f"written{note}; the old one is {copy}" for copy in copies] or [f"written{note}"] * len(names)
+        for name, done in zip(names, notes, strict=True) if options.prints else ():
+            print(f"{name}: {done if wanted else 'not written, since the initial calibration stays'}")
 
-    def maps(solution: Solution) -> list[Path]:
-        for path in output.maps_files:
-            save_maps(solution.rig, path, options.force, _library_arguments.view(options))
-        return []
+    def save_calibration() -> None:
+        wanted = accepted or (good and options.fix == "scaled")
+        how = (output, scenes[0], options)
+        step(output.files, wanted, lambda found: _calibration_output.save(found, *how), output.note)
+        if options.prints and wanted and output.prior_path is not None:
+            print(f"{output.prior_path}: written, what is known of it")
 
-    def calibration(solution: Solution) -> list[Path]:
-        return _calibration_output.save(output, solution, scenes[0], options)
+    def save_seen(maps: str) -> None:
+        how = (maps, options.force, _library_arguments.view(options))
+        initial = "" if accepted else " for the initial calibration"
+        step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
 
-    if options.dry_run and prints and not (output.files or output.maps_files):
-        return [lambda: print("no calibration would be written: no --output, --in-place or --maps names a place")]
-    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
-    initial = "" if accepted else " for the initial calibration"
-    return [
-        lambda: step(output.files, accepted or (good and options.fix == "scaled"), calibration, output.unit_note),
-        lambda: step(output.maps_files, good, maps, initial),
-    ]
+    return [save_calibration] * bool(output.files) + ([lambda: save_seen(maps)] if maps else [])
 
 
 def _content(

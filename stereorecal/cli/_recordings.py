@@ -7,12 +7,11 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
-from stereorecal.cli._calibration_files import unit_of
 from stereorecal.cli._calibration_paths import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions
 from stereorecal.cli._streams import say
-from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs, unsaid_unit
+from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
@@ -51,12 +50,7 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     if options.fix is not None:
         (scene,) = found.scenes
         found = replace(found, scenes=[_fixed(scene, options.fix)])
-    if options.readout is None:
-        return found
-    if options.readout and all(pair.time is None for one in found.scenes for pair in one.pairs):
-        raise InputError("--readout is part of the rig's motion, and no pair knows its time; leave it out.")
-    read = [replace(one, pairs=tuple(pair.read_out(options.readout) for pair in one.pairs)) for one in found.scenes]
-    return replace(found, scenes=read)
+    return found
 
 
 def _fixed(scene: Scene, cause: str) -> Scene:
@@ -114,8 +108,7 @@ def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str]
 
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
-    of_output = isinstance(options, RecalibrateOptions) and options.output_format is not None
-    if options.format or options.cameras or (options.unit and not of_output):
+    if options.format or options.cameras or options.unit:
         raise InputError("--format, --unit and --cameras belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(
@@ -133,13 +126,14 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
-    place = next(one for one in (options.left, options.side_by_side, options.bag) if one is not None)
-    topics = {"left_topic": options.left_topic, "right_topic": options.right_topic}
+    place = next(one for one in (options.bag, options.left, options.side_by_side) if one is not None)
+    right = None if options.bag else options.right
+    topics = {"left_topic": options.left, "right_topic": options.right} if options.bag else {}
     absent: list[tuple[str, str]] = []
     pairing: list[str] = []
 
     def pairs(sizes: tuple[tuple[int, int], tuple[int, int]] | None) -> tuple[Pair, ...]:
-        recorded = open_pairs(place, options.right, tolerance=options.tolerance, sizes=sizes, **topics)
+        recorded = open_pairs(place, right, tolerance=options.tolerance, sizes=sizes, **topics)
         absent.extend(_unpaired_frames(recorded.unpaired))
         pairing.extend([_BY_ORDER] * recorded.by_order)
         chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
@@ -147,17 +141,14 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         return chosen
 
     if options.calibration is None:
-        assert options.left_topic is not None
-        assert options.right_topic is not None
+        assert options.left is not None
+        assert options.right is not None
         if options.format or options.cameras:
             raise InputError("--format and --cameras belong to --calibration; leave them out.")
-        scene = bag_scene(place, (options.left_topic, options.right_topic), pairs, unit=options.unit)
+        scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")
-    new = options if isinstance(options, RecalibrateOptions) and options.output and options.output_format else None
-    new_says_none = new is not None and unsaid_unit(None, Path(str(new.output)), format=new.output_format) is not None
-    unit = unit_of(calibration, options, other_says_none=new_says_none)
-    how = {"format": options.format, "unit": unit, "cameras": _option_values.camera_pair(options.cameras)}
+    how = {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
     scene = calibrated_scene(str(place), pairs, calibration, **how)
     return Recordings([scene], tuple(absent), *pairing)
 
@@ -165,12 +156,12 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
 def _selected(
     pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str, few: bool = False
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
-    """The pairs that --from, --to, --every, --frames and --limit leave, read; and what to say of the others."""
+    """The pairs that --pairs and --limit leave, read; and what to say of the others."""
     wanted = _wanted(pairs, options, about)
     limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
-        *left_out_pairs(pairs, wanted, "outside of --from, --to, --every and --frames"),
+        *left_out_pairs(pairs, wanted, "outside of --pairs"),
         *left_out_pairs(
             wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"
         ),
@@ -178,10 +169,10 @@ def _selected(
 
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
-    """The pairs that --from, --to, --every and --frames leave, not read yet."""
-    wanted = pairs[options.stretch()][: _option_values.frame_limit(options.frames)]
+    """The pairs that --pairs leaves, not read yet."""
+    wanted = pairs[options.stretch()]
     if not len(wanted):
-        raise InputError(f"{about}: of {len(pairs)} pairs, --from, --to and --every leave none; change them.")
+        raise InputError(f"{about}: of {len(pairs)} pairs, --pairs {options.pairs} leaves none; change it.")
     return wanted
 
 

@@ -1,8 +1,9 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from stereorecal._errors import InputError
 from stereorecal.cli._calibration_paths import calibration_path, paths
@@ -16,7 +17,6 @@ from stereorecal.cli._shared_options import (
     RIG,
     SEARCH,
     WRITES,
-    BoardOptions,
     DecisionOptions,
     ReachOptions,
     RecordingOptions,
@@ -38,18 +38,16 @@ class _CalibrationOutputOptions:
         "each camera has a file)",
         metavar="FILE",
     )
-    output_format: str | None = option("of --output, if it is another one (see --format)", metavar="FORMAT")
     in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
     maps: str | None = option(
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
     )
-    dry_run: bool = option("write no calibration and no maps; say what would be written", False)
     html: str | None = option("one page with pictures", metavar="FILE")
 
 
 @option_group
-class _FreeOptions(BoardOptions):
+class _FreeOptions:
     """What may move."""
 
     title = RIG
@@ -61,10 +59,6 @@ class _FreeOptions(BoardOptions):
         "several recordings have extrinsics of their own (each) or share them (one: no drift between them)",
         "each",
         metavar="each|one",
-    )
-    boards: tuple[str, str] | None = option(
-        "chessboard images of the initial calibration: a file, a folder or 'left/*.png' each; needs --square",
-        metavar=("LEFT", "RIGHT"),
     )
 
 
@@ -112,8 +106,10 @@ class _FixOptions:
         """
         if self.fix is not None and len(recordings.scenes) > 1:
             raise InputError("--fix corrects one recording; give one.")
-        if self.fix in ("late", "early") and (recordings.every > 1 or recordings.limit not in (None, "all")):
-            raise InputError(f"--fix {self.fix} needs pairs that follow each other; leave --every and --limit out.")
+        if self.fix in ("late", "early") and (recordings.stretch().step > 1 or recordings.limit not in (None, "all")):
+            raise InputError(
+                f"--fix {self.fix} needs pairs that follow each other; leave steps of --pairs and --limit out."
+            )
 
 
 @option_group
@@ -139,17 +135,24 @@ class RecalibrateOptions(
     cannot be images of this rig: exchanged, of two moments, another size); 130 interrupted. Of
     several recordings, the worst one decides."""
 
+    summary = "repair the calibration of a rig"
+    module = "stereorecal.cli._recalibrate"
+
     @property
     def places(self) -> list[Place]:
         """All files that are to be written."""
         files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
         return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html")
 
+    def known_of(self, rigs: Sequence[Any]) -> Any:
+        """The prior of the recordings with these rigs; another distribution may know more of them."""
+        return self.prior
+
     def check(self) -> None:
         self.check_recordings()
         self.check_fix(self)
-        if self.fix in ("exchanged", "turned") and (self.ranges or self.boards):
-            raise InputError(f"--fix {self.fix} changes images alone; with --ranges or --boards, change the files.")
+        if self.fix in ("exchanged", "turned") and self.ranges:
+            raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
         degrees_and_fraction(self.reach, "--reach")
         seed(self.seed)
@@ -157,12 +160,8 @@ class RecalibrateOptions(
             import_module("stereorecal.strategies").check_installed(self.strategy)
 
     def _check_output(self) -> None:
-        if self.in_place and (self.output is not None or self.output_format is not None):
-            raise InputError(
-                "--in-place writes the file that the calibration came from; leave --output and --output-format out."
-            )
-        if self.output_format is not None and self.output is None:
-            raise InputError("--output-format belongs to --output; give a file there.")
+        if self.in_place and self.output is not None:
+            raise InputError("--in-place writes the file that the calibration came from; leave --output out.")
         wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
         wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
         if wanted and len(self.scenes) > 1 and self.extrinsics != "one":
@@ -189,6 +188,9 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
     cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot be images
     of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly swapped,
     upside down or of different scenes; 3 internal failure; 130 interrupted."""
+
+    summary = "check a calibration against images"
+    module = "stereorecal.cli._score"
 
     @property
     def places(self) -> list[Place]:
@@ -247,6 +249,9 @@ class MonitorOptions(
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
     tell; 130 interrupted."""
+
+    summary = "watch a rig over a recording, and repair it"
+    module = "stereorecal.cli._monitor"
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
     once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)

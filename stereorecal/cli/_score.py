@@ -90,10 +90,9 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
 def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
     limits = tolerances(options)
     settings = {
-        "frames": options.frames,
+        "pairs": options.pairs,
         "fix": options.fix,
         "motion": options.motion,
-        "readout_s": options.readout,
         "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
         "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **limits.limits},

@@ -7,7 +7,7 @@ from stereorecal._errors import InputError
 from stereorecal._existing_paths import check_exists, existing_folder
 from stereorecal._image_suffixes import IMAGE_SUFFIXES
 from stereorecal.cli._calibration_paths import check_calibration
-from stereorecal.cli._option_values import frame_limit, limit
+from stereorecal.cli._option_values import limit, slice_of_pairs
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
 
 WRITES = "what to write"
@@ -21,7 +21,7 @@ FORMATS = (
     "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
     "mrcal, vins, orbslam, foundationstereo, zed, realsense, camera_info"
 )
-_LAYOUTS = "scene folder, plain log, MODD2, MODS, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, Middlebury"
+_LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, or one of a plug-in"
 
 
 @option_group
@@ -69,13 +69,12 @@ class ImageOptions(CalibrationFormatOptions):
 
     title = READS
     left: str | None = option(
-        "left images, if they are in no scene folder: a file, a folder, 'left/*.png' or a video", metavar="FILES"
+        "left images, if they are in no scene folder: a file, a folder, 'left/*.png', a video, or a topic of --bag",
+        metavar="FILES",
     )
     right: str | None = option("right images", metavar="FILES")
     side_by_side: str | None = option("instead: images or a video with both side by side", metavar="FILES")
-    bag: str | None = option("instead: a bag of ROS 1 (file) or ROS 2 (folder)", metavar="BAG")
-    left_topic: str | None = option("left images of the bag", metavar="TOPIC")
-    right_topic: str | None = option("right images of the bag", metavar="TOPIC")
+    bag: str | None = option("of ROS 1 (file) or ROS 2 (folder), whose topics --left and --right are", metavar="BAG")
     calibration: tuple[str, ...] | None = option(
         "calibration of these images: one file, or one for each camera (default for a bag: its camera_info)",
         metavar="FILE",
@@ -92,10 +91,9 @@ class PairOptions:
     """Which pairs of a recording are used."""
 
     title = "which pairs"
-    first: int = option("number of the first pair", 0, flag="--from", metavar="N")
-    stop: int | None = option("number of the pair to stop before (default: none)", flag="--to", metavar="N")
-    every: int = option("every Nth pair", 1, metavar="N")
-    frames: str = option("the first N of those", "all", metavar="N|all")
+    pairs: str | None = option(
+        "a pair, or a slice of them: 7, 10:50, 100: or ::5, every fifth (default: all)", metavar="A:B:N"
+    )
     limit: str | None = option(
         "of those the N with the most texture, one from each Nth part (default: 24 of a video, a bag or more than 100 "
         "pairs, else all; of monitor all)",
@@ -103,16 +101,12 @@ class PairOptions:
     )
 
     def stretch(self) -> slice:
-        """The pairs that --from, --to and --every select.
+        """The pairs that --pairs selects.
 
         Raises:
-            InputError: if they make no sense.
+            InputError: if it makes no sense.
         """
-        if self.every < 1:
-            raise InputError(f"--every is {self.every}; give 1 for every pair, 2 for every second.")
-        if self.first < 0 or (self.stop is not None and self.stop <= self.first):
-            raise InputError("--from and --to are numbers of pairs, from 0 on; --to must be the larger one.")
-        return slice(self.first, self.stop, self.every)
+        return slice_of_pairs(self.pairs)
 
     def check_pairs(self) -> None:
         """Refuse numbers of pairs that make no sense.
@@ -121,7 +115,6 @@ class PairOptions:
             InputError: says what to do.
         """
         self.stretch()
-        frame_limit(self.frames)
         limit(self.limit, None)
 
 
@@ -147,10 +140,10 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         Raises:
             InputError: says what to do.
         """
-        ways = (("left", "right"), ("side_by_side",), ("bag", "left_topic", "right_topic"))
+        ways = (("bag", "left", "right"),) if self.bag else (("left", "right"), ("side_by_side",))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
         given, missing = [], []
-        of_bag = "bag" in (begun[0] if begun else ()) and self.calibration is None  # whose camera_info is one
+        of_bag = self.bag is not None and self.calibration is None  # whose camera_info is one
         for name in (*(begun[0] if begun else ()), *(() if of_bag else ("calibration",))):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
         if self.scenes and given:
@@ -161,7 +154,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             )
         if not (self.scenes or given):
             raise InputError("give scene folders, or --left, --right and --calibration together.")
-        if len(begun) > 1:
+        if len(begun) > 1 or (self.bag and self.side_by_side):
             raise InputError("--left and --right, --side-by-side, or --bag: give one of these.")
         if given and not begun:
             raise InputError("--calibration needs images: --left and --right, --side-by-side, or --bag; add them.")
@@ -171,7 +164,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         self.check_pairs()
         for scene in self.scenes:
             existing_folder(scene)
-        for place in (self.left, self.right, self.side_by_side, self.bag):
+        for place in (self.bag,) if self.bag else (self.left, self.right, self.side_by_side):
             if place is not None:
                 check_exists(place, "file or folder")
         if self.calibration is not None:
@@ -234,10 +227,6 @@ class MotionOptions:
         "use the motion of the rig between pairs: auto (if times are known and at most 0.5 s apart), on (pairs are "
         "consecutive), off (default: auto)",
         "auto",
-    )
-    readout: float | None = option(
-        "that a rolling shutter takes from the first row to the last (default: that of calib.json, or 0)",
-        metavar="SECONDS",
     )
 
 

@@ -19,7 +19,7 @@ _COMPILING = "compiling, once for images of this size"
 
 def table_console(wide: int = WIDE) -> Console:
     """Stdout: as wide as the terminal, or `wide` columns where it is none."""
-    return _Console(width=None if sys.stdout.isatty() else wide)
+    return Console(width=None if sys.stdout.isatty() else wide)
 
 
 def print_lines(text: object) -> None:
@@ -52,12 +52,6 @@ def _folded(line: str, width: int) -> list[str]:
     together = re.sub(r"(?<=±) | (?=%)", "\u00a0", line)
     folded = textwrap.wrap(together, width, subsequent_indent=indent, break_long_words=False) or [""]
     return [one.replace("\u00a0", " ") for one in folded]
-
-
-class _Console(Console):
-    def on_broken_pipe(self) -> None:
-        """Called where rich has caught it, and would end the process: what is left to be saved would be lost."""
-        raise  # noqa: PLE0704
 
 
 @contextmanager

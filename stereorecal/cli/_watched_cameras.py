@@ -11,7 +11,7 @@ from stereorecal.io import calibrated_scene, camera_pairs
 from stereorecal.recordings import Images, Pair, Scene
 
 _DARK = 100  # pairs that cannot be used, at most, before the first that can: a camera that is switched on
-_OTHERS = ("left", "right", "side_by_side", "bag", "left_topic", "right_topic", "limit")
+_OTHERS = ("left", "right", "side_by_side", "bag", "limit")
 
 
 def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:
@@ -28,7 +28,6 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
     names = camera_names(cameras)
     wanted = options.stretch()
-    limit = _option_values.frame_limit(options.frames)
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []
 
@@ -45,7 +44,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
     scene = calibrated_scene(f"camera {' and '.join(names)}", first, calibration, **how, cameras=chosen)
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
-    return scene, islice(islice(chain(before, coming), wanted.start, wanted.stop, wanted.step), limit)
+    return scene, islice(chain(before, coming), wanted.start, wanted.stop, wanted.step)
 
 
 def camera_names(words: Sequence[str]) -> list[str]:

@@ -13,4 +13,8 @@ from stereorecal.comparison._summary import (
     summarise as summarise,
 )
 from stereorecal.comparison._trial import FAILED as FAILED, Trial as Trial
-from stereorecal.comparison._truth import errors_by_truth as errors_by_truth, is_harmful as is_harmful
+from stereorecal.comparison._truth import (
+    DISTANCES as DISTANCES,
+    errors_by_truth as errors_by_truth,
+    is_harmful as is_harmful,
+)

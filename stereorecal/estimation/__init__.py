@@ -2,21 +2,21 @@
 squares; `docs/estimate.md` explains it.
 
 `_rig_parameters` names θ; `_calibration_prior` and `_drift` are its prior, `_prior_choice` what users may choose
-instead, `_prior_of_boards` that of a calibration whose boards are at hand (`_board_poses`: their rows). `_groups` has
-the rows as data, `_matched_ranges` measured ranges, `_motion` the rig's own motion (`_motion_window` two pairs,
-`_motion_residuals` what tracks should do), `_measured` both. `_misfit` is what no parameter explains, `_confounders`
-what else may, `_delay` a late shutter. `_evidence` integrates in closed form, `_explanations` compares,
-`_least_squares` solves, `_several_recordings` solves recordings of one rig; `_posterior` is the answer, `_consequences`
-what errors of a rig do to rows and depth, `_sample_readings` that of rigs drawn from it, `_candidates` the rigs that
-may be written, `_saved_prior` what the next call begins with (`_mixture_as_data`: its numbers).
+instead. `_groups` has the rows as data, `_matched_ranges` measured ranges, `_motion` the rig's own motion
+(`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both. `_misfit` is what no
+parameter explains, `_confounders` what else may, `_delay` a late shutter. `_evidence` integrates in closed form,
+`_explanations` compares, `_least_squares` solves, `_several_recordings` solves recordings of one rig; `_posterior` is
+the answer, `_consequences` what errors of a rig do to rows and depth, `_sample_readings` that of rigs drawn from it,
+`_candidates` the rigs that may be written, `_saved_prior` what the next call begins with (`_mixture_as_data`: its
+numbers).
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior as CalibrationPrior,
     calibration_covariances as calibration_covariances,
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
+    physical_prior as physical_prior,
 )
 from stereorecal.estimation._consequences import (
     consequences as consequences,
@@ -32,6 +32,11 @@ from stereorecal.estimation._estimate import (
 from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._groups import PLACES as PLACES
 from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
+from stereorecal.estimation._jacobian import (
+    pixels_of as pixels_of,
+    slopes_by_point as slopes_by_point,
+    slopes_of as slopes_of,
+)
 from stereorecal.estimation._losses import Losses as Losses, Matters as Matters
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
@@ -41,7 +46,11 @@ from stereorecal.estimation._motion import (
 )
 from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
-from stereorecal.estimation._posterior import Posterior as Posterior, median_and_interval as median_and_interval
+from stereorecal.estimation._posterior import (
+    Posterior as Posterior,
+    median_and_interval as median_and_interval,
+    root as root,
+)
 from stereorecal.estimation._prior_choice import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,
@@ -56,8 +65,8 @@ from stereorecal.estimation._prior_choice import (
 from stereorecal.estimation._prior_conversions import (
     as_mixture as as_mixture,
     recentred_posterior as recentred_posterior,
+    updated as updated,
 )
-from stereorecal.estimation._prior_of_boards import check_boards as check_boards, with_boards as with_boards
 from stereorecal.estimation._rig_parameters import rig_parameters as rig_parameters
 from stereorecal.estimation._saved_prior import (
     Earlier as Earlier,
@@ -68,5 +77,3 @@ from stereorecal.estimation._several_recordings import (
     Recording as Recording,
     estimate_together as estimate_together,
 )
-
-__getattr__ = renamed(__name__, {"Beams": "MatchedRanges", "NO_BEAMS": "NO_RANGES"})

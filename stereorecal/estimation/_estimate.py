@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._choices import checked_choice
-from stereorecal._renamed import renamed_attributes
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, least_loss
 from stereorecal.estimation._consequences import DISTANCES
@@ -74,9 +73,6 @@ class Estimate:
     delay: Delay | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
     prior: CalibrationPrior | None = None
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"beams": "matched_ranges", "depth_kept": "with_free(names, keep_depth=True)"})
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""

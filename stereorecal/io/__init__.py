@@ -14,7 +14,7 @@ from stereorecal.io._atomic import (
     write_files as write_files,
     write_text as write_text,
 )
-from stereorecal.io._backup_copies import back_up as back_up, is_copy as is_copy, next_copy as next_copy
+from stereorecal.io._backup_copies import back_up as back_up, next_copy as next_copy
 from stereorecal.io._load_odometer import load_odometer as load_odometer
 from stereorecal.io._load_ranges import load_ranges as load_ranges
 from stereorecal.io._read_files import about as about, files_read as files_read
@@ -44,6 +44,7 @@ from stereorecal.io.formats._load_and_save import (
 )
 from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.formats._stored_prior import stored_prior as stored_prior
+from stereorecal.io.images._image_files import write_png as write_png
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs
@@ -52,10 +53,5 @@ from stereorecal.io.layouts._load_data_set import (
     is_data_set as is_data_set,
     load_log as load_log,
     load_scene as load_scene,
-)
-from stereorecal.io.layouts._plain_log import (
-    has_mission as has_mission,
-    save_calibrations as save_calibrations,
-    save_mission as save_mission,
 )
 from stereorecal.io.layouts._scene_folder import save_scene as save_scene

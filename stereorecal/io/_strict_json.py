@@ -2,8 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,6 @@ from stereorecal.io._read_files import AnyPath, about, read_text
 
 # Far more than any file of this library has, and far below the depth at which Python's own recursion ends.
 _DEEPEST = 100
-_SHOWN = 24  # characters of a refused number in a message
-
-
-# --- writing ------------------------------------------------------------------------------------------------
 
 
 def json_text(content: Any, *, sort_keys: bool = False) -> str:
@@ -51,9 +46,6 @@ def strict_json_text(content: Any, *, sort_keys: bool = False) -> str:
     return json.dumps(content, indent=1, sort_keys=sort_keys, allow_nan=False) + "\n"
 
 
-# --- reading ------------------------------------------------------------------------------------------------
-
-
 def read_json(path: AnyPath, if_missing: str = "check the path.") -> Any:
     """The content of a JSON file.
 
@@ -77,18 +69,12 @@ def parse_json(text: str) -> Any:
             integer of 5 000 digits).
     """
     try:
-        content = json.loads(
-            text, parse_int=_int, parse_float=_float, parse_constant=_Refused, object_pairs_hook=without_duplicates
-        )
+        content = json.loads(text, parse_int=_int, object_pairs_hook=without_duplicates)
+        _check(content)
     except json.JSONDecodeError as error:
         raise InputError(f"not valid JSON, or truncated ({error}); correct or copy it again.") from error
     except RecursionError:
-        raise InputError(_TOO_DEEP) from None
-    for keys, number in _refused_in(content):
-        raise InputError(
-            f"{'.'.join(keys) or 'the file'} contains {number}; put a finite number (at most 1.8e308), or null where "
-            "none is known."
-        )
+        raise InputError(f"the JSON nests more than {_DEEPEST} levels; check that this is the right file.") from None
     return content
 
 
@@ -107,41 +93,19 @@ def without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     return content
 
 
-_TOO_DEEP = f"the JSON nests more than {_DEEPEST} levels; check that this is the right file."
-
-
-@dataclass(frozen=True)
-class _Refused:
-    """Stands for a number that cannot be used, until its key is known."""
-
-    token: str
-
-    def __str__(self) -> str:
-        return self.token if len(self.token) <= _SHOWN else f"{self.token[:_SHOWN]}… ({len(self.token)} characters)"
-
-
-def _int(token: str) -> int | _Refused:
-    return _finite(token, int)
-
-
-def _float(token: str) -> float | _Refused:
-    return _finite(token, float)
-
-
-def _finite(token: str, kind: Callable[[str], Any]) -> Any:
+def _int(token: str) -> float:
     # What fits into a float64 has at most 309 digits before the point, so int() does not meet Python's limit of digits.
-    return kind(token) if math.isfinite(float(token)) else _Refused(token)
+    return int(token) if math.isfinite(number := float(token)) else number
 
 
-def _refused_in(content: Any, keys: tuple[str, ...] = (), depth: int = 0) -> Iterator[tuple[tuple[str, ...], _Refused]]:
-    """Numbers that cannot be used, each with the keys that lead to it."""
-    if depth > _DEEPEST:
-        raise InputError(_TOO_DEEP)
-    if isinstance(content, _Refused):
-        yield keys, content
-    elif isinstance(content, dict):
-        for key, value in content.items():
-            yield from _refused_in(value, (*keys, key), depth + 1)
-    elif isinstance(content, list):
-        for value in content:
-            yield from _refused_in(value, keys, depth + 1)
+def _check(content: Any, key: str = "the file", levels: int = _DEEPEST) -> None:
+    """Refuse numbers that are not finite, and what nests too deep."""
+    if levels < 0:
+        raise RecursionError
+    if isinstance(content, float) and not math.isfinite(content):
+        limit = "put a finite number (at most 1.8e308), or null where none is known."
+        raise InputError(f"{key} contains {json.dumps(content)}; {limit}")
+    for name, value in content.items() if isinstance(content, dict) else ():
+        _check(value, name, levels - 1)
+    for value in content if isinstance(content, list) else ():
+        _check(value, key, levels - 1)

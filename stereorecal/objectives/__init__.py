@@ -4,7 +4,6 @@
 whole rigs, and each score has a module: `_count_objective` and `_epipolar_objective`.
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.objectives._chart import Chart as Chart
 from stereorecal.objectives._count_objective import (
     count_objective as count_objective,
@@ -39,10 +38,3 @@ from stereorecal.objectives._rig_chart import (
     row_chart as row_chart,
 )
 from stereorecal.objectives._stereo_images import StereoImages as StereoImages
-
-__getattr__ = renamed(
-    __name__,
-    {
-        "Images": "StereoImages",
-    },
-)

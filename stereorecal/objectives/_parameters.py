@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError
-from stereorecal._renamed import renamed_attributes
 from stereorecal.geometry import OF_MATRIX, StereoRig
 from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, GROUPS, NAMES, ROTATION
 from stereorecal.objectives._reach import Reach
@@ -66,9 +65,6 @@ class Parameters:
     free: tuple[str, ...] = ("extrinsics",)
     priors: Mapping[str, float] = field(default_factory=dict)
     everything: bool = False
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"lenses": "intrinsics"})
 
     def __post_init__(self) -> None:
         choices = [*GROUPS, *NAMES]

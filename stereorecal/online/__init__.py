@@ -4,7 +4,6 @@ A `State` is all there is; `step` is a function of it and of the next pair. `run
 `MonitorProcess` steps in a process of its own, beside a capture loop.
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.online._config import Config as Config
 from stereorecal.online._events import EVENTS_SCHEMA as EVENTS_SCHEMA, Event as Event, Kind as Kind
 from stereorecal.online._monitor_process import MonitorProcess as MonitorProcess
@@ -14,5 +13,3 @@ from stereorecal.online._run import Stepped as Stepped, run as run
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State
 from stereorecal.online._step import freeze as freeze, init as init, rollback as rollback, step as step
-
-__getattr__ = renamed(__name__, {"Beside": "MonitorProcess"})

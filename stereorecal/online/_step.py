@@ -60,7 +60,7 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
 
     A step is one look at the pair. After a knock that leaves hardly anything to match a repair of up to three pairs is
     under way, and each step does one slice of it in place of a look: the survey, a stage on the count, one round of
-    matching and solving. After `sr.warm_up(rig, matcher=..., disparities=...)` nothing is compiled in it.
+    matching and solving. After a repair of such a rig in this process, with that range, nothing is compiled in it.
 
     Args:
         seconds: slices of a repair go on until so much time has passed since the step began; infinite: to its end.

@@ -1,6 +1,5 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
-from stereorecal._renamed import renamed
 from stereorecal.decision import Reason as Reason
 from stereorecal.recalibration._acceptance import RowErrors as RowErrors
 from stereorecal.recalibration._case import Case as Case
@@ -65,14 +64,3 @@ from stereorecal.recalibration._slices import Progress as Progress, next_slice a
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._unmatched import is_sparse as is_sparse
-from stereorecal.recalibration._warm_up import warm_up as warm_up
-
-__getattr__ = renamed(
-    __name__,
-    {
-        "recalibrate_sequence": 'recalibrate_many, with start="previous"',
-        "repaired_together": "recalibrate_many",
-        "repairs_as_finished": "recalibrate_many, with finished=",
-        "searched": "recalibrate_case",
-    },
-)

@@ -2,13 +2,12 @@
 
 import enum
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
-from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, checked_rig, with_unit_baseline
@@ -78,9 +77,6 @@ class Health:
     doubts: tuple[str, ...] = ()
     view: View | None = None
     pairs: int = 1
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"mending": "correction"})
 
     @property
     def condition(self) -> Condition:

@@ -1,7 +1,7 @@
 """Repairing many recordings, one task each."""
 
 import enum
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -13,8 +13,7 @@ import numpy as np
 from stereorecal._choices import checked_choice
 from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
-from stereorecal.estimation import EXACT
-from stereorecal.geometry import as_view, same_camera
+from stereorecal.geometry import same_camera
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
@@ -70,7 +69,6 @@ class Repair:
 def recalibrate_many(
     scenes: Scene | Sequence[Scene],
     *,
-    start: str = "given",
     extrinsics: str = "each",
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -89,10 +87,6 @@ def recalibrate_many(
 
     Args:
         scenes: each with a rig and its pairs. Pairs that came from files travel to the workers as paths.
-        start: where a repair starts: "given", the rig of its recording; or "previous", where the one before it ended,
-            for a rig that is repaired while it works (paper, section 4.5). One that shows too little leaves the rig as
-            it is; the intrinsics are taken as exact, if no prior is given, and all are scored in the view of the first
-            rig.
         extrinsics: where more than these is shared: "each" recording has its own, as a rig that drifts between
             missions; or "one" for all.
         executor: any `concurrent.futures.Executor`; default one recording after the other in this process.
@@ -102,8 +96,8 @@ def recalibrate_many(
         options: as `recalibrate` has them, for every recording; `RepairOptions` describes them.
 
     Raises:
-        InputError: if there is no recording, a strategy of the default schedule is not installed, intrinsics are
-            free and the recordings are of different rigs, or repairs that wait for each other are given an executor.
+        InputError: if there is no recording, a strategy of the default schedule is not installed, or intrinsics are
+            free and the recordings are of different rigs.
         StrategyError: if one of those is broken.
         TypeError: if there is no option of a name.
     """
@@ -111,21 +105,14 @@ def recalibrate_many(
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
     scenes = tuple(one if one.rig is None else replace(one, rig=one.rig.side_by_side()) for one in scenes)
-    if start == "previous" and settings.free.everything:  # one after the other, recordings share no intrinsics
-        settings = replace(settings, free=replace(settings.free, everything=False))
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, extrinsics, settings.schedule)
     if len(scenes) == 1:
         alone = replace(settings, ranges=tuple(replace(one, pair=_number(one, scenes[0].pairs)) for one in ranges))
     else:
         alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
-    if checked_choice(start, ["given", "previous"], "start") == "previous":
-        _check_in_order(free, executor)
-        results = _in_order(scenes, alone)
-    else:
-        results = run_all(partial(_repaired_or_fault, options=alone.options), scenes, executor)
     done: dict[int, Repair] = {}
-    for index, found in results:
+    for index, found in run_all(partial(_repaired_or_fault, options=alone.options), scenes, executor):
         done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
         if finished is not None:
             finished(index, done[index])
@@ -147,30 +134,6 @@ def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
 def _number(one: Range, pairs: Sequence[Pair]) -> int:
     """Of the pair that a range is of, however that pair travels."""
     return next(number for number, pair in enumerate(pairs) if pair is one.pair)
-
-
-def _check_in_order(free: Parameters, executor: Executor | None) -> None:
-    if executor is not None:
-        raise InputError('with start="previous" each repair waits for the one before it; leave executor out.')
-    if free.shared:
-        raise InputError(
-            'with start="previous" nothing is shared by the recordings; leave start out, or free the extrinsics alone.'
-        )
-
-
-def _in_order(scenes: Sequence[Scene], settings: Settings) -> Iterator[tuple[int, Repair]]:
-    """Each starts where the one before it ended."""
-    first = scenes[0].rig
-    if settings.prior is None:
-        # A rig that was repaired is no chessboard's, and single pairs would say so again and again.
-        settings = replace(settings, prior=EXACT)
-    if first is not None:
-        settings = replace(settings, view=as_view(settings.view, first))
-    rig = first
-    for index, scene in enumerate(scenes):
-        done = _repaired_or_fault(replace(scene, rig=rig), settings.options)
-        rig = rig if done.solution is None else done.solution.rig
-        yield index, done
 
 
 def sharing(

@@ -1,6 +1,6 @@
 """What comes before a search: images and options checked, which frames count and follow each other, what is known."""
 
-from stereorecal.estimation import is_exact, rig_parameters, with_boards
+from stereorecal.estimation import is_exact
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._case import Case
@@ -32,7 +32,7 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
     check_schedule(settings.schedule, free)
     check_motion(settings.motion, len(images.pairs), settings.prior)
-    use = prior_use(with_boards(settings.prior, settings.boards, rig_parameters(rig)), rig, images.pairs)
+    use = prior_use(settings.prior, rig, images.pairs)
     numbers = use.numbers
     if free.shared:
         chosen = selected_frames([images.pairs[number] for number in numbers], ranges)

@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import Decision, Reason, Seen, Tolerances
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, SavedPrior
 from stereorecal.geometry import StereoRig, View
@@ -66,9 +65,6 @@ class Findings:
     seen: Seen | None = None
     mismatch: Mismatch | None = None
 
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"beams": "matched_ranges"})
-
 
 @dataclass(frozen=True)
 class FramesUsed:
@@ -85,9 +81,6 @@ class FramesUsed:
     used: tuple[int, ...]
     left_out: tuple[str, ...] = ()
     disagreeing: tuple[str, ...] = ()
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"looked_at": "selected", "kept": "used"})
 
     @property
     def used_of_all(self) -> tuple[int, ...]:

@@ -7,13 +7,13 @@ from typing import Any, TypedDict
 
 from stereorecal._errors import InputError
 from stereorecal.decision import Tolerances, as_tolerances
-from stereorecal.estimation import Prior, check_boards, check_prior
+from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import AnyView
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, as_schedule
-from stereorecal.recordings import Board, Odometer, Range
+from stereorecal.recordings import Odometer, Range
 from stereorecal.strategies import Budget, as_budget
 
 
@@ -59,8 +59,6 @@ class RepairOptions(HealthOptions, total=False):
             those that ranges name.
         ranges: distances of what single pixels show, each of a pair that is given (the pair itself, or its name); they
             free the length of the baseline, and count beside the rows.
-        boards: those of the calibration itself, of `find_boards` or your own, as the cameras saw them before the rig
-            drifted: they take the place of the default prior, and join any other.
         odometer: how far the rig travelled by wheels or GPS, by the pairs' own clock: with the rig's own motion that
             tells the length of the baseline, which it frees.
     """
@@ -71,7 +69,6 @@ class RepairOptions(HealthOptions, total=False):
     seed: int
     free: Parameters | str | Sequence[str] | None
     ranges: Range | Sequence[Range] | None
-    boards: Sequence[Board] | None
     odometer: Odometer | None
 
 
@@ -82,7 +79,7 @@ class Settings:
     Attributes:
         matcher: without its disparity range, if that is to be measured.
         free: with the length of the baseline, if ranges or an odometer free it.
-        ranges, view, prior, boards, motion, odometer: as they were given.
+        ranges, view, prior, motion, odometer: as they were given.
     """
 
     matcher: AbstractMatcher
@@ -94,7 +91,6 @@ class Settings:
     free: Parameters
     ranges: tuple[Range, ...]
     prior: Prior
-    boards: Sequence[Board] | None
     motion: bool | None
     tolerances: Tolerances
     odometer: Odometer | None
@@ -121,9 +117,8 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
             closest = get_close_matches(name, names, 1)
             meant = f"did you mean {closest[0]}?" if closest else f"there are: {', '.join(sorted(names))}."
             raise TypeError(f"there is no option {name!r}; {meant}")
-    prior, boards, odometer = options.get("prior"), options.get("boards"), options.get("odometer")
+    prior, odometer = options.get("prior"), options.get("odometer")
     check_prior(prior)
-    check_boards(boards, prior)
     if not isinstance(odometer, Odometer | None):
         raise InputError(f"odometer is a {type(odometer).__name__}; give an sr.Odometer(times, metres).")
     ranges = as_ranges(options.get("ranges"))
@@ -137,7 +132,6 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
         free=with_ranges(as_parameters(options.get("free")), ranges, odometer),
         ranges=ranges,
         prior=prior,
-        boards=boards,
         motion=options.get("motion"),
         tolerances=as_tolerances(options.get("tolerances")),
         odometer=odometer,

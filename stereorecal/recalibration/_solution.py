@@ -3,11 +3,10 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._extras import extra
-from stereorecal._renamed import renamed_attributes
 from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import text_of
@@ -33,18 +32,6 @@ class Solution(AbstractResult):
         settings: with which it can be repeated; `free` is what could move in the calibration to use.
         prior_use: the prior that it began with, and which pairs count.
     """
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes(
-            {
-                "asked": "settings",
-                "beams": "findings.matched_ranges",
-                "free": "settings.free",
-                "kept": "frames.used",
-                "looked_at": "frames.selected",
-                "reach": "settings.reach",
-            }
-        )
 
     def to_dict(self, *, expected: bool = True) -> dict[str, Any]:
         """Plain data for JSON: lists, text and finite numbers; None where a number is missing or infinite.

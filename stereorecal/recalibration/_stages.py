@@ -3,12 +3,11 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._renamed import renamed_attributes
 from stereorecal.decision import ENOUGH
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
@@ -61,9 +60,6 @@ class StageRun:
     found: Correspondences | None = None
     cut: bool = False
     survey_cost: float = 0.0
-
-    if not TYPE_CHECKING:
-        __getattr__ = renamed_attributes({"best": "end_extrinsics"})
 
     @property
     def start(self) -> Extrinsics:

@@ -1,9 +1,7 @@
-"""Data as users have them: pairs, scenes, missions, logs, boards, ranges; and the checks of pairs."""
+"""Data as users have them: pairs, scenes, missions, logs, ranges; and the checks of pairs."""
 
 from stereorecal.recordings._as_pairs import Images as Images, Pairs as Pairs, as_pairs as as_pairs
-from stereorecal.recordings._board import Board as Board
 from stereorecal.recordings._check_pairs import check_pairs as check_pairs, check_two_images as check_two_images
-from stereorecal.recordings._find_boards import find_boards as find_boards
 from stereorecal.recordings._lazy_pairs import (
     LazyPairs as LazyPairs,
     PairSequence as PairSequence,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings._check_pairs import check_pairs
-from stereorecal.recordings._lazy_pairs import LazyPairs, PairSequence, names_of, picked
+from stereorecal.recordings._lazy_pairs import LazyPairs, PairSequence, names_of
 from stereorecal.recordings._scene import Scene
 
 
@@ -28,12 +28,6 @@ class Mission:
     pairs: PairSequence
     starred: frozenset[str] = frozenset()
     truth: StereoRig | None = None
-
-    @property
-    def unstarred(self) -> PairSequence:
-        """The pairs without a star; all of them, if all are starred."""
-        bright = [index for index, name in enumerate(names_of(self.pairs)) if name not in self.starred]
-        return picked(self.pairs, bright) if bright else self.pairs
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from stereorecal.report._svg import style, svg
+from stereorecal.report.svg import style, svg
 
 # Okabe and Ito; lines differ in their dashes too.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")

@@ -15,9 +15,9 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.scale import SymmetricalLogTransform
 
 from stereorecal.report._regions import GRID, LIMIT
-from stereorecal.report._svg import COLOURS, style, svg
 from stereorecal.report.number_text import percent
 from stereorecal.report.repair_report import Climb, Rows
+from stereorecal.report.svg import COLOURS, style, svg
 
 _WIDTH = 3.8  # inches
 _LEAST_SCALE = 0.5  # pixels: smaller errors look pale

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stereorecal.report._svg import COLOURS, INK, MARKERS, style, svg
+from stereorecal.report.svg import COLOURS, INK, MARKERS, style, svg
 
 _MOST_POINTS = 30  # of a strip; more are drawn as quartiles and range, so that a page of many trials stays small
 _LETTERS = 20  # of a line of a name on the axis; longer names go on below

@@ -10,9 +10,9 @@ from stereorecal.report._cost_curves import curve_figures, lines_of
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture
 from stereorecal.report._row_titles import strategies_of, title_of
 from stereorecal.report._strip_plot import Series, strips
-from stereorecal.report._templates import Markup, flat_settings, rendered
 from stereorecal.report.comparison_tables import REFERENCES, schedules_legend
 from stereorecal.report.disparity_map import colour_range
+from stereorecal.report.templates import Markup, flat_settings, rendered
 from stereorecal.report.trial_picture import TrialPicture
 
 _WIDE = 420  # pixels, of a disparity map

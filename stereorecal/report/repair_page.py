@@ -13,9 +13,9 @@ from stereorecal.report._expected_regions import larger_than_expected, unmeasure
 from stereorecal.report._headlines import headline, where
 from stereorecal.report._regions import misaligned
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
-from stereorecal.report._templates import Markup, flat_settings, rendered
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.repair_report import RepairReport
+from stereorecal.report.templates import Markup, flat_settings, rendered
 
 _WIDE, _NARROW = 720, 560  # pixels: of one image of a rectified pair, of a disparity map
 _SCRIPT = Path(__file__).with_name("slider.js")

@@ -5,7 +5,6 @@ The pure face, which users jit, batch and differentiate: `prepare` on the host, 
 matcher, on all cores.
 """
 
-from stereorecal._renamed import renamed
 from stereorecal.scoring._bands import bands as bands
 from stereorecal.scoring._correspondences import (
     TILES as TILES,
@@ -39,12 +38,3 @@ from stereorecal.scoring._soft_count import (
     soft_count_scaled as soft_count_scaled,
 )
 from stereorecal.scoring._tracks import Tracks as Tracks
-
-__getattr__ = renamed(
-    __name__,
-    {
-        "Legible": "ImageQuality",
-        "legible": "image_quality",
-        "informative": "select_frames",
-    },
-)

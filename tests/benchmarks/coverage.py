@@ -19,6 +19,7 @@ import numpy as np
 import simulated_rigs
 from rich.console import Console
 from rich.table import Table
+from stereorecal_boards import covariance_of_boards
 
 from stereorecal.estimation import (
     NO_RANGES,
@@ -28,7 +29,6 @@ from stereorecal.estimation import (
     as_prior,
     estimate_together,
     rig_parameters,
-    with_boards,
 )
 
 KINDS = (("none", 0.0), ("all", 0.1), ("all", 0.3), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
@@ -40,7 +40,8 @@ MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 def shown(rig: simulated_rigs.Simulated, frames: int, ranges: int, boards: bool, draw: int) -> Recording:
     """What a rig shows."""
     matched_ranges, chart = NO_RANGES, rig_parameters(rig.calibrated)
-    prior = as_prior(with_boards(None, rig.boards if boards else None, chart), chart, baseline_observable=ranges > 0)
+    known = covariance_of_boards(rig.calibrated, rig.boards, squares=1.0 if ranges else 0.15) if boards else None
+    prior = as_prior(known, chart, baseline_observable=ranges > 0)
     if ranges:
         left, right, metres = rig.ranges(ranges, draw=draw)
         matched_ranges = MatchedRanges(left, right, metres, 0.01 * metres, np.full(len(metres), 0.15))

@@ -42,7 +42,7 @@ SIGNALS = [signal.SIGKILL, signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 ZYGOTE = """
 import builtins, errno, io, json, os, signal, sys
 import cv2, jax, matplotlib.figure, numpy
-import stereorecal.cli._compare, stereorecal.cli._recalibrate, stereorecal.cli._reproduce
+import stereorecal.cli._compare, stereorecal.cli._recalibrate, stereorecal_paper._command
 from stereorecal.__main__ import run
 from stereorecal._signals import end_at_once
 from stereorecal.strategies import strategies

@@ -30,11 +30,12 @@ import cv2
 import numpy as np
 
 TESTS = Path(__file__).parents[1]
-sys.path[:0] = [str(TESTS), str(TESTS / "io" / "formats")]
+sys.path[:0] = [str(TESTS), str(TESTS / "io" / "formats"), str(TESTS.parent / "plugins" / "field" / "tests")]
 
 from bags import write_bag  # noqa: E402  beside this suite's tests
 from damage import damaged  # noqa: E402
 from every import SAMPLES  # noqa: E402
+from field_trees import FIELD_TREES  # noqa: E402
 from test_matrices_under_any_names import D1, D2, K1, K2, R, T  # noqa: E402
 from test_read_only_forms import FORMS  # noqa: E402
 from trees import TREES  # noqa: E402
@@ -92,7 +93,7 @@ def cases(folder: Path) -> dict[str, Case]:
     for name in ("depthai", "stereorecal"):
         save_rig(rig, folder / f"{name}.json", format=name)
         found[name] = Case({"a.json": (folder / f"{name}.json").read_bytes()}, lambda at: load_rig(at / "a.json"))
-    for name, make in TREES.items():
+    for name, make in (TREES | FIELD_TREES).items():
         (folder / f"tree {name}").mkdir()
         make(folder / f"tree {name}")
         found[f"layout {name}"] = Case(files_of(folder / f"tree {name}"), read_log)

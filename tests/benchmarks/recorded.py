@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import simulated_rigs
+from stereorecal_boards import Board
+from stereorecal_field.judges import DepthByTruth, by_boards, depth_by_truth
+from stereorecal_field.judges._rows import followed, row_differences
 
 import stereorecal as sr
-from stereorecal.comparison.judges import DepthByTruth, by_boards, depth_by_truth
-from stereorecal.comparison.judges._rows import followed, row_differences
 from stereorecal.decision import Seen
 from stereorecal.estimation import Estimate, points_of_view, readings
 from stereorecal.geometry import with_unit_baseline
@@ -147,7 +148,7 @@ class ByChessboards:
     """Boards: root mean square rows, and depth by the sides of squares."""
 
     stored: sr.StereoRig
-    boards: Sequence[sr.Board]
+    boards: Sequence[Board]
 
     def __call__(self, rig: sr.StereoRig) -> Errors:
         found = by_boards(rig, self.stored, self.boards)

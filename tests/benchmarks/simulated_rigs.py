@@ -26,6 +26,7 @@ from simulated_calibrations import FOLDER, calibration
 from simulated_cameras import Eye, project, rays
 from simulated_matching import matching_errors, unmatched
 from simulated_scenes import inverse_depth
+from stereorecal_boards import Board
 
 import stereorecal as sr
 from stereorecal.geometry import PINHOLE, rectifying_rotations
@@ -68,7 +69,7 @@ class Simulated:
     true_raw: sr.StereoRig
     calibrated_raw: sr.StereoRig
     rectified: bool
-    boards: tuple[sr.Board, ...]
+    boards: tuple[Board, ...]
     about: dict
 
     # What a matcher finds.
@@ -302,10 +303,10 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *
     )
 
 
-def _board(seen: list[np.ndarray], points: np.ndarray) -> sr.Board | None:
+def _board(seen: list[np.ndarray], points: np.ndarray) -> Board | None:
     """The corners that both images hold; None of a board of which rectified images hold less than half."""
     both = np.isfinite(np.column_stack(seen)).all(axis=1)
-    return sr.Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
+    return Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
 
 
 def main() -> None:

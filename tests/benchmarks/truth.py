@@ -29,13 +29,11 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import stereorecal_boards
 from recorded import ByChessboards, ByCorners, ByDepth, BySift
 from sift_rows import sift_matches, sift_rows
-from truth_methods import METHODS
-from truth_runs import Options, Tally, finish, rig_of, stated, table_of
-
-import stereorecal as sr
-from stereorecal.comparison.judges import (
+from stereorecal_boards import Board
+from stereorecal_field.judges import (
     BINS,
     ROWS_WORSE,
     ByBoards,
@@ -45,6 +43,10 @@ from stereorecal.comparison.judges import (
     row_error_px,
     scene_with_truth,
 )
+from truth_methods import METHODS
+from truth_runs import Options, Tally, finish, rig_of, stated, table_of
+
+import stereorecal as sr
 
 CHECKOUT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))
@@ -198,10 +200,12 @@ def few(options: Options) -> None:
         finish(table, tally, f"few scenes of {rig_name}")
 
 
-def find_boards() -> list[sr.Board]:
+def find_boards() -> list[Board]:
     """The chessboards of bumblebee2; none, if they are not there."""
     folder = DATA / BOARDS
-    return sr.find_boards(sr.io.load_pairs(folder / "left*.jpg", folder / "right*.jpg"), CORNERS, SQUARE)
+    return stereorecal_boards.find_boards(
+        sr.io.load_pairs(folder / "left*.jpg", folder / "right*.jpg"), CORNERS, SQUARE
+    )
 
 
 def sequence(options: Options) -> None:

@@ -48,12 +48,14 @@ CHOICE = (
     "tests/recalibration/test_default_schedule.py",
     "tests/test_imports.py",
     "tests/test_compile_cache.py",
+    "plugins/boards",
     "plugins/compass",
     "plugins/colmap",
     "plugins/features",
     "plugins/levenberg-marquardt",
     "plugins/nlopt",
     "plugins/optimistix",
+    "plugins/paper",
 )
 PLAIN = "--import-mode=importlib"  # without the check of types, which older versions of its tools cannot do
 TOLD = ("jax", "numpy", "scipy", "opencv", "optimistix", "nlopt")  # in the table

@@ -14,8 +14,8 @@ import time
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from stereorecal_field.judges import walked
 
-from stereorecal.comparison.judges import walked
 from stereorecal.online import Config, run
 from stereorecal.synthetic import Drive, photographs
 

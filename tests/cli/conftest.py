@@ -1,7 +1,6 @@
-"""The command line in this process, and a small scene folder to spoil."""
+"""Plug-ins that crash, and small scene folders to spoil."""
 
 import shutil
-import signal
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,39 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fixtures import at_once as at_once, clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
 
-from stereorecal.cli import main
 from stereorecal.io import save_scene
 from stereorecal.strategies import AbstractStrategy
 from stereorecal.synthetic import default_rig, render
-
-
-@dataclass(frozen=True)
-class Answer:
-    """How a command ended and what it said."""
-
-    code: int
-    out: str
-    err: str
-
-
-@pytest.fixture
-def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
-    """command(words...): run a command; an exit by argparse counts as a return."""
-    handler = signal.getsignal(signal.SIGTERM)
-
-    def run(*words: object) -> Answer:
-        capsys.readouterr()
-        try:
-            code = main([str(word) for word in words])
-        except SystemExit as end:
-            code = int(end.code or 0)
-        finally:
-            signal.signal(signal.SIGTERM, handler)
-        return Answer(code, *capsys.readouterr())
-
-    return run
 
 
 @dataclass(frozen=True)
@@ -70,14 +42,6 @@ def moody_matcher(install) -> Callable[..., list[tuple[int, int]]]:
         return MoodyMatcher.searches
 
     return set_up
-
-
-@pytest.fixture(scope="session")
-def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A scene folder with one pair of 160x120; not to be changed."""
-    folder = tmp_path_factory.mktemp("scenes") / "clean"
-    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
-    return folder
 
 
 @pytest.fixture(scope="session")

@@ -201,9 +201,9 @@ LOOSE: dict[str, tuple[list[str], str]] = {
         "must be quoted",
     ),
     "calibration alone": (["--calibration={0}/calib.json"], ": --calibration needs images: --left and --right, "),
-    "bag alone": (["--bag={0}"], ": --bag needs --left-topic and --right-topic; add them."),
+    "bag alone": (["--bag={0}"], ": --bag needs --left and --right; add them."),
     "two ways": (
-        ["--left={0}/left.png", "--bag={0}", "--calibration={0}/calib.json"],
+        ["--side-by-side={0}/left.png", "--bag={0}", "--calibration={0}/calib.json"],
         ": --left and --right, --side-by-side, or --bag: give one of these.",
     ),
     "no image matches": (
@@ -233,8 +233,6 @@ def test_files_that_lie_anywhere(command, clean_scene: Path, verb: str, words: l
 
 COMMON: dict[str, tuple[list[str], str]] = {
     "matcher": (["--matcher", "sgmb"], "unknown matcher 'sgmb'; did you mean sgbm?"),
-    "frames": (["--frames", "0"], "--frames is '0'"),
-    "frames word": (["--frames", "few"], "--frames is 'few'"),
     "unknown option": (["--colour", "red"], "--colour"),
 }
 SEARCH: dict[str, tuple[list[str], str]] = {
@@ -259,6 +257,8 @@ SEARCH: dict[str, tuple[list[str], str]] = {
     "seed word": (["--seed", "x"], "--seed"),
 }
 COMPARE: dict[str, tuple[list[str], str]] = {
+    "frames": (["--frames", "0"], "--frames is '0'"),
+    "frames word": (["--frames", "few"], "--frames is 'few'"),
     "strategy": (["--strategies", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "one of two strategies": (["--strategies", "compass,nonsense"], "unknown strategy 'nonsense'"),
     "no strategy": (["--strategies", ","], "strateg"),
@@ -269,6 +269,7 @@ COMPARE: dict[str, tuple[list[str], str]] = {
     "no draws": (["--draws", "0"], "at least one scene, one strategy and one draw"),
     "draws word": (["--draws", "two"], "--draws"),
 }
+RECORDED: dict[str, tuple[list[str], str]] = {"pairs": (["--pairs", "few"], "--pairs is 'few'")}
 RECALIBRATE: dict[str, tuple[list[str], str]] = {
     "strategy": (["--strategy", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "need not met": (["--strategy", "optimistix-levenberg-marquardt"], "needs"),
@@ -279,8 +280,8 @@ OPTIONS = {
     f"{verb}, {name}": (verb, *case)
     for verb, cases in {
         "compare": COMMON | SEARCH | COMPARE,
-        "recalibrate": COMMON | SEARCH | RECALIBRATE,
-        "score": COMMON,
+        "recalibrate": COMMON | RECORDED | SEARCH | RECALIBRATE,
+        "score": COMMON | RECORDED,
     }.items()
     for name, case in cases.items()
 }
@@ -316,7 +317,7 @@ def test_missing_compass_gives_the_install_line(command, clean_scene: Path, noth
     refused(command("recalibrate", clean_scene, "--schedule", "count"), "pip install 'stereorecal[default]'")
 
 
-@pytest.mark.parametrize("option", ["--frames {}", "--limit {}", "--executor threads:{}", "--executor processes:{}"])
+@pytest.mark.parametrize("option", ["--pairs {}", "--limit {}", "--executor threads:{}", "--executor processes:{}"])
 def test_numbers_without_end(command, clean_scene: Path, option: str):
     """Python itself refuses to read more than 4 300 digits."""
     answer = command("recalibrate", clean_scene, *option.format("9" * 5000).split())

@@ -67,7 +67,7 @@ def test_a_knock_is_repaired(command, cameras: Path, drive: Ride, tmp_path: Path
 def test_some_of_the_pairs(command, cameras: Path, tmp_path: Path):
     words = ("--calibration", cameras / "rig.json", "--state", tmp_path / "state", "--once", "--quiet")
     names = f"{cameras / 'left.avi'},{cameras / 'right.avi'}"
-    command("monitor", "--camera", names, *words, "--from", 2, "--every", 2, "--frames", 2)
+    command("monitor", "--camera", names, *words, "--pairs", "2:6:2")
     assert load(tmp_path / "state").frame == 2
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from trees import middlebury
+from trees import kitti_odometry
 
 from stereorecal.io import load_scene, save_rig
 from stereorecal.recalibration import difference
@@ -44,8 +44,8 @@ def test_files_and_folders_without_images(command, clean_scene: Path, drifted_sc
 
 def test_another_layout(command, tmp_path: Path):
     """A data set without a calib.json; of several sequences it asks for one."""
-    sources = middlebury(tmp_path)
-    source = sources / "Motorcycle"
+    sources = kitti_odometry(tmp_path)
+    source = sources / "sequences" / "00"
     rig = load_scene(source).rig
     assert rig is not None
     turned = rig.extrinsics + np.radians([0.0, 0.1, 0.0, 0.0, 0.0, 0.0])

@@ -51,7 +51,7 @@ def test_a_page_that_another_run_has_written_meanwhile(
 ):
     """It stays, and the rest of the result is not lost; with --force it is replaced."""
     target = tmp_path / "out.html"
-    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--dry-run", "--budget", 5]
+    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--budget", 5]
     with at_call("fsync", lambda _: target.write_text("theirs")):
         answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
     assert {"compare": "compass", "recalibrate": "before  "}[verb] in answer.out

@@ -51,7 +51,7 @@ def test_a_side_by_side_video(command, seen, calibration, tmp_path):
         video.write(cv2.cvtColor(np.concatenate([left, right], axis=1), cv2.COLOR_GRAY2BGR))
     video.release()
     places = ("--output", tmp_path / "new.json", "--html", tmp_path / "out.html")
-    words = ("--side-by-side", tmp_path / "both.avi", "--calibration", calibration, "--limit", 1, "--from", 1)
+    words = ("--side-by-side", tmp_path / "both.avi", "--calibration", calibration, "--limit", 1, "--pairs", "1:")
     page = repaired(command("recalibrate", *words, *places), tmp_path)
     assert "1 other pair" in page  # before --from
     assert "2 other pairs" in page  # with less texture
@@ -68,7 +68,7 @@ def test_a_bag(command, seen, calibration, tmp_path, capsys):
     ][:3]
     path = write_bag(tmp_path / "run.bag", stamped, ros1=True)
     places = ("--output", tmp_path / "new.json", "--html", tmp_path / "out.html")
-    words = ("--bag", path, "--left-topic", "/l", "--right-topic", "/r", "--calibration", calibration)
+    words = ("--bag", path, "--left", "/l", "--right", "/r", "--calibration", calibration)
     answer = command("recalibrate", *words, *places)
     page = repaired(answer, tmp_path)
     assert answer.err == (
@@ -90,7 +90,7 @@ def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
         infos.append((f"/{side}/camera_info", content))
     stamped = [(f"/{side}/image_raw", 10**18, image) for side, image in zip("lr", seen[0], strict=True)]
     path = write_bag(tmp_path / "run.bag", stamped, ros1=True, infos=infos)
-    words = ("--bag", path, "--left-topic", "/l/image_raw", "--right-topic", "/r/image_raw")
+    words = ("--bag", path, "--left", "/l/image_raw", "--right", "/r/image_raw")
     answer = command("score", *words)
     assert (answer.code, answer.err) == (0, "")
     answer = command("recalibrate", *words, "--in-place")
@@ -108,7 +108,7 @@ def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
 WRONG = {
     "bag without topics": (
         ["--bag", "x.bag", "--calibration", "c"],
-        "--bag and --calibration need --left-topic and --right-topic; add them.",
+        "--bag and --calibration need --left and --right; add them.",
     ),
     "two kinds": (
         ["--side-by-side", "x", "--left", "y", "--right", "z", "--calibration", "c"],
@@ -225,9 +225,10 @@ def test_a_tolerance_is_not_for_scene_folders(command, clean_scene):
 
 
 NOTHING_LEFT = {
-    "from": (["--from", 5], "of 1 pairs, --from, --to and --every leave none"),
-    "every": (["--every", 0], "--every is 0"),
-    "to": (["--from", 2, "--to", 1], "--to must be the larger one"),
+    "pairs": (["--pairs", "5:"], "of 1 pairs, --pairs 5: leaves none"),
+    "step": (["--pairs", "::0"], "--pairs ::0 selects nothing"),
+    "end": (["--pairs", "2:1"], "--pairs 2:1 selects nothing"),
+    "word": (["--pairs", "-1"], "--pairs"),
     "limit": (["--limit", "few"], "--limit is 'few'; give a positive number or all."),
 }
 

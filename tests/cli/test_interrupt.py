@@ -21,17 +21,6 @@ def planted(tmp_path: Path) -> dict[str, str]:
     return plant(tmp_path / "site", runs=1)
 
 
-def interrupted(planted: dict[str, str], number: signal.Signals, *words: object) -> tuple[str, str]:
-    """stdout and stderr of a command that is sent a signal as soon as it sleeps, and ends with 130."""
-    with sleeping(planted, *words) as process:
-        process.send_signal(number)
-        out, err = process.communicate(timeout=120)
-    assert process.returncode == 130, err
-    assert "Traceback" not in err
-    assert "interrupted" in err
-    return out, err
-
-
 def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scene: Path, tmp_path: Path):
     """On the disk before the signal already, so that kill -9 would leave it; and printed after it."""
     target = tmp_path / "out.json"
@@ -49,17 +38,19 @@ def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scen
         assert content["versions"]["strategy slow"] == "slow 1.0"
 
 
-@pytest.mark.slow(after=1)
-@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
 def test_recordings_that_are_finished_are_kept(
-    planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path, name: str
+    planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path
 ):
-    target, number = tmp_path / "out.json", getattr(signal, name)
-    out, err = interrupted(planted, number, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target)
+    """Also when several signals come at once."""
+    target = tmp_path / "out.json"
+    with sleeping(planted, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target) as process:
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGTERM):
+            process.send_signal(number)
+            time.sleep(0.01)
+        out, err = process.communicate(timeout=120)
+    assert (process.returncode, err.count("\n")) == (130, 1), err
     assert "not improved" in out
     assert "failed (interrupted)" in out
-    assert err.count("\n") == 1
     assert "clean: interrupted before it was finished" in err
     content = json.loads(target.read_text())
     assert content["interrupted"] is True
@@ -75,18 +66,6 @@ def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], 
         _, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
     assert err.count("\n") == 1
-
-
-def test_two_signals_at_once(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
-    target = tmp_path / "out.json"
-    with sleeping(planted, "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target) as process:
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGTERM):
-            process.send_signal(number)
-            time.sleep(0.01)
-        out, err = process.communicate(timeout=120)
-    assert (process.returncode, err.count("\n")) == (130, 1), err
-    assert "not improved" in out
-    assert [repair["fault"] for repair in json.loads(target.read_text())["repairs"]] == [None, "interrupted"]
 
 
 @pytest.mark.slow

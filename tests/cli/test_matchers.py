@@ -78,7 +78,7 @@ def test_a_comparison_names_it(plugins, clean_scene: Path):
     assert table.trials[0].score_final is not None
 
 
-@pytest.mark.parametrize("verb", ["compare --scene", "score", "recalibrate", "monitor", "reproduce --log"])
+@pytest.mark.parametrize("verb", ["compare --scene", "score", "recalibrate", "monitor"])
 def test_a_broken_one_is_a_sentence_wherever_it_is_named(command, plugins, clean_scene: Path, verb: str):
     answer = command(*verb.split(), clean_scene, "--matcher", "shaky")
     assert (answer.code, answer.out) == (3, "")

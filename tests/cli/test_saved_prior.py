@@ -6,12 +6,22 @@ from pathlib import Path
 import pytest
 from machine import full_disk
 
+from stereorecal.io import load_scene, save_rig
+
 COUNT = ("--schedule", "count", "--scale", 0.5, "--budget", 40)
 
 
 @pytest.fixture(scope="module")
 def sides(drifted_scene: Path) -> tuple:
     return "--left", drifted_scene / "left.png", "--right", drifted_scene / "right.png", "--unit", "m"
+
+
+@pytest.fixture(scope="module")
+def drifted(drifted_scene: Path, sides, tmp_path_factory: pytest.TempPathFactory) -> tuple:
+    """The same recording, with a calibration in a format without a place for a prior."""
+    path = tmp_path_factory.mktemp("given") / "given.yaml"
+    save_rig(load_scene(drifted_scene).rig, path, format="opencv")
+    return *sides, "--calibration", path
 
 
 def again(command, sides, calibration: Path, *words, unit: bool = True):
@@ -25,10 +35,9 @@ def again(command, sides, calibration: Path, *words, unit: bool = True):
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("name", ["calib.json", "calib.yaml"])
-def test_the_second_call_begins_with_it(command, drifted_scene: Path, sides, tmp_path: Path, name: str):
+def test_the_second_call_begins_with_it(command, drifted_scene: Path, drifted, sides, tmp_path: Path, name: str):
     path = tmp_path / name
-    more = ("--output-format", "opencv", "--unit", "m") if name == "calib.yaml" else ()
-    answer = command("recalibrate", drifted_scene, "--output", path, *more)
+    answer = command("recalibrate", *(drifted if name == "calib.yaml" else [drifted_scene]), "--output", path)
     assert (answer.code, answer.err) == (0, "")
     beside = tmp_path / f"{name}.prior.json"
     assert beside.exists() == (name == "calib.yaml")
@@ -45,10 +54,10 @@ def test_the_second_call_begins_with_it(command, drifted_scene: Path, sides, tmp
 
 
 @pytest.fixture
-def repaired(command, sides, drifted_scene: Path, tmp_path: Path) -> Path:
+def repaired(command, drifted, tmp_path: Path) -> Path:
     """Quickly, by the count: depth is then not known."""
     path = tmp_path / "calib.yaml"
-    answer = command("recalibrate", drifted_scene, *COUNT, "--output", path, "--output-format", "opencv")
+    answer = command("recalibrate", *drifted, *COUNT, "--output", path)
     assert answer.code == 0
     assert json.loads((tmp_path / "calib.yaml.prior.json").read_text())["components"] is None
     return path
@@ -91,10 +100,10 @@ def test_none_is_saved(command, sides, drifted_scene: Path):
     assert command("score", drifted_scene, "--prior", "sure").code == 2
 
 
-def test_what_lies_there_stays_unless_it_is_forced(command, drifted_scene: Path, tmp_path: Path):
+def test_what_lies_there_stays_unless_it_is_forced(command, drifted, tmp_path: Path):
     beside = tmp_path / "new.yaml.prior.json"
     beside.write_text("precious")
-    words = ("recalibrate", drifted_scene, *COUNT, "--output", tmp_path / "new.yaml", "--output-format", "opencv")
+    words = ("recalibrate", *drifted, *COUNT, "--output", tmp_path / "new.yaml")
     answer = command(*words)
     assert answer.code == 2
     assert f"{beside}: the file exists already" in answer.err
@@ -106,18 +115,18 @@ def test_what_lies_there_stays_unless_it_is_forced(command, drifted_scene: Path,
 def test_in_place_keeps_both_old_ones(command, sides, drifted_scene: Path, repaired: Path):
     beside = repaired.with_name("calib.yaml.prior.json")
     command("convert", drifted_scene / "calib.json", repaired, "--force")  # the old beside it is now of another
-    old = beside.read_bytes()
+    old = beside.read_bytes() + b"\n"
+    beside.write_bytes(old)
     answer, _ = again(command, sides, repaired, *COUNT, "--in-place")
     assert answer.code == 0
     assert beside.with_name(f"{beside.name}.bak").read_bytes() == old
     assert beside.read_bytes() != old
 
 
-def test_nothing_is_lost_where_it_cannot_be_written(command, drifted_scene: Path, tmp_path: Path):
+def test_nothing_is_lost_where_it_cannot_be_written(command, drifted, tmp_path: Path):
     """A disk that is full once the repair is done: both are printed, none is written."""
-    words = ("--output", tmp_path / "new.yaml", "--output-format", "opencv", "--quiet")
     with full_disk():
-        answer = command("recalibrate", drifted_scene, *COUNT, *words)
+        answer = command("recalibrate", *drifted, *COUNT, "--output", tmp_path / "new.yaml", "--quiet")
     assert answer.code == 2
     assert json.loads(answer.out)["prior"]["schema"] == "stereorecal.prior/1"
     assert list(tmp_path.iterdir()) == []

@@ -230,6 +230,6 @@ def test_what_is_fixed_is_said_and_written(command, clean_scene: Path, tmp_path:
     assert "calib.json: written" in answer.out, "though nothing is repaired, the file had another K"
     written = sr.io.load_rig(tmp_path / "calib.json")
     np.testing.assert_allclose(written.left.focal, scene.rig.left.focal, rtol=0.01)
-    for words in ((swapped, doubled), (swapped, "--every", 2), (swapped,)):
-        fix = "late" if "--every" in words else "exchanged" if len(words) > 1 else "early"
+    for words in ((swapped, doubled), (swapped, "--pairs", "::2"), (swapped,)):
+        fix = "late" if "--pairs" in words else "exchanged" if len(words) > 1 else "early"
         assert command("score", *words, "--fix", fix).code == 2

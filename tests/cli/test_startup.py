@@ -1,26 +1,15 @@
 """Help, the version and mistyped options do not wait for JAX; and the help, written without it, says what there is."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from stereorecal.cli import options_of
+from stereorecal.cli._commands import COMMANDS
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
-from stereorecal.reproduction import EXPERIMENTS
 from stereorecal.synthetic import KINDS
 
-LOADED = """
-import sys
-from stereorecal.cli import main
-try:
-    code = main(sys.argv[1:])
-except SystemExit as end:
-    code = end.code
-print(code, *(name for name in ("jax", "cv2", "numpy", "rich") if name in sys.modules))
-"""
-VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "reproduce", "strategies")
+VERBS = [name for name in COMMANDS.names() if "." not in name]  # those of plug-ins, too
 
 
 @pytest.mark.parametrize(
@@ -38,11 +27,11 @@ VERBS = ("recalibrate", "score", "monitor", "diff", "convert", "compare", "repro
     ],
     ids=lambda value: " ".join(value) or "nothing" if isinstance(value, list) else str(value),
 )
-def test_answers_at_once(words: list[str], code: int):
-    done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=False)
-    assert done.stdout.splitlines()[-1] == str(code), done.stdout + done.stderr
-    assert ("stereorecal" in done.stdout) == (code == 0)
-    assert ("; see stereorecal" in done.stderr) == (code == 2)
+def test_answers_at_once(words: list[str], code: int, at_once):
+    answer, loaded = at_once(*words)
+    assert (answer.code, loaded) == (code, set()), answer
+    assert ("stereorecal" in answer.out) == (code == 0)
+    assert ("; see stereorecal" in answer.err) == (code == 2)
 
 
 @pytest.mark.parametrize(
@@ -53,27 +42,23 @@ def test_answers_at_once(words: list[str], code: int):
         "recalibrate . --output {there}",
         "recalibrate . --strategy compas",
         "recalibrate . --reach 3",
-        "score . --frames few",
+        "score . --pairs few",
         "score nowhere",
         "score . --json {there}",
         "monitor nowhere",
         "compare --scene nowhere",
         "compare --strategies compass,compas",
         "compare --html {there}",
-        "reproduce --log nowhere",
         "diff nothing.yaml {there}",
         "convert nothing.yaml new.yaml",
         "strategies check compas",
     ],
 )
-def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path):
+def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_once):
     (there := tmp_path / "there.json").touch()
-    command = [sys.executable, "-c", LOADED, *words.format(there=there).split()]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    code, *loaded = done.stdout.split()
-    assert code == "2", done.stdout + done.stderr
-    assert set(loaded) <= {"numpy"}  # which the names of strategies cost
-    assert done.stderr.count("\n") == 1
+    answer, loaded = at_once(*words.format(there=there).split())
+    assert (answer.code, answer.err.count("\n")) == (2, 1), answer
+    assert loaded <= {"numpy"}  # which the names of strategies cost
 
 
 @pytest.mark.parametrize(
@@ -111,6 +96,16 @@ def test_an_option_that_is_written_wrongly(words: str, said: str, capsys):
     assert line.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("words", "what", "distribution"),
+    [("compare --judge walk", "--judge", "field"), ("compare --preset=field", "--preset", "field")],
+)
+def test_what_comes_with_another_distribution(words: str, what: str, distribution: str, capsys, nothing_installed):
+    with pytest.raises(SystemExit):
+        options_of(words.split())
+    assert f"{what} is not installed; run: pip install stereorecal-{distribution} (in" in capsys.readouterr().err
+
+
 def help_of(verb: str, capsys) -> str:
     with pytest.raises(SystemExit):
         options_of([verb, "--help"])
@@ -119,9 +114,16 @@ def help_of(verb: str, capsys) -> str:
 
 def test_help_says_what_there_is(capsys):
     assert f"render a scene: {', '.join(KINDS)}" in help_of("compare", capsys)
-    assert f"{', '.join(EXPERIMENTS)}, all" in help_of("reproduce", capsys)
     assert all(name in help_of("recalibrate", capsys) for name in SCHEDULES)
     text = help_of("score", capsys)
     limits = HEALTH_LIMITS
     assert f"within {limits['good_rows_px']} px with {100 * limits['good_surely']:.0f} %" in text
     assert f"{100 * limits['harm']:.0f} %" in help_of("recalibrate", capsys)
+
+
+def test_a_command_that_is_not_installed_says_the_install_line(nothing_installed, capsys):
+    with pytest.raises(SystemExit) as end:
+        options_of(["reproduce"])
+    assert end.value.code == 2
+    said = "reproduce is not installed; run: pip install stereorecal-paper (in a clone: pip install -e plugins/paper)"
+    assert said in capsys.readouterr().err

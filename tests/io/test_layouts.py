@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from field_trees import FIELD_TREES
 from trees import TREES, refused, write_image
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_scene
 
+TREES = TREES | FIELD_TREES  # those of the distribution, too
 TREE = pytest.mark.parametrize("name", TREES)
 
 
@@ -75,6 +77,14 @@ def test_a_missing_partner_is_named(tmp_path: Path, name: str):
         refused(folder, f"{right}: there is no such file")
     else:
         refused(folder, f"{left}: this image has no partner on the right side")
+
+
+@pytest.mark.parametrize("name", FIELD_TREES)
+def test_a_distribution_that_is_not_installed_is_named(tmp_path: Path, name: str, nothing_installed):
+    folder = FIELD_TREES[name](tmp_path)
+    for read in (load_log, load_scene):
+        with pytest.raises(InputError, match="run: pip install stereorecal-field"):
+            read(folder)
 
 
 def test_a_folder_that_is_none_of_these(tmp_path: Path):

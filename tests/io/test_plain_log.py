@@ -1,4 +1,4 @@
-"""The plain log: what is written comes back, dates find their calibration, what does not fit is refused."""
+"""The plain log: dates find their calibration, what does not fit is refused."""
 
 import json
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.io import has_mission, load_log, load_scene, save_calibrations, save_mission, save_scene
+from stereorecal.io import load_log, load_scene, make_folder, save_rig, save_scene
 from stereorecal.recordings import Log, Mission
 
 
@@ -27,31 +27,38 @@ def calibrations(scene) -> dict[str, sr.StereoRig]:
     return {"2020-05-01": rig, "2021-01-01": rig.with_extrinsics(rig.extrinsics + shift)}
 
 
+def add(mission: Mission, log: Path) -> None:
+    """One sequence more."""
+    place = log / "sequences" / mission.name
+    save_scene(sr.Scene(mission.name, mission.truth, mission.pairs), place)
+    (place / "calib.json").rename(place / "truth.json")
+    facts = {"calibration": mission.calibration, "starred": sorted(mission.starred)}
+    (place / "mission.json").write_text(json.dumps(facts))
+
+
 @pytest.fixture
 def folder(tmp_path: Path, mission: Mission, calibrations) -> Path:
-    save_calibrations(calibrations, tmp_path / "log")
-    save_mission(mission, tmp_path / "log")
-    return tmp_path / "log"
+    log = tmp_path / "log"
+    make_folder(log / "calibrations")
+    for name, rig in calibrations.items():
+        save_rig(rig, log / "calibrations" / f"{name}.json", format="stereorecal")
+    add(mission, log)
+    return log
 
 
-def test_what_is_written_comes_back(folder: Path, mission: Mission, calibrations):
+def test_what_is_in_it(folder: Path, mission: Mission, calibrations):
     log = load_log(folder)
     assert list(log.calibrations) == list(calibrations)
-    for name, rig in calibrations.items():
-        np.testing.assert_allclose(log.calibrations[name].extrinsics, rig.extrinsics, atol=1e-12)
     (found,) = log.missions
     assert (found.name, found.calibration, found.starred) == (mission.name, mission.calibration, mission.starred)
     assert found.truth is not None
     np.testing.assert_allclose(found.truth.extrinsics, mission.truth.extrinsics, atol=1e-12)
-    for pair, original in zip(found.pairs, mission.pairs, strict=True):
-        assert pair.name == original.name
-        np.testing.assert_allclose(pair.left, original.left, atol=0.5)
-        np.testing.assert_allclose(pair.right, original.right, atol=0.5)
+    assert [pair.name for pair in found.pairs] == [pair.name for pair in mission.pairs]
 
 
 def test_one_sequence_of_several(folder: Path, mission: Mission, calibrations, monkeypatch):
     """By its path, also one that is relative; all of them at once are no scene."""
-    save_mission(replace(mission, name="2021-02-03-bay", calibration=None), folder)
+    add(replace(mission, name="2021-02-03-bay", calibration=None), folder)
     with pytest.raises(InputError, match="2 sequences are in there"):
         load_scene(folder)
     monkeypatch.chdir(folder / "sequences" / "2021-02-03-bay")
@@ -108,33 +115,6 @@ def test_facts_that_make_no_sense(folder: Path, facts, said):
         load_log(folder)
 
 
-def test_names_of_pairs_are_kept_apart(folder: Path, tmp_path: Path, mission: Mission):
-    """coast-0.1 is no file type, and what was a JPEG is written as PNG; stars go along."""
-    names = ["coast-0.1", "coast-0.2", "x.jpg"]
-    pairs = tuple(replace(pair, name=name) for name, pair in zip(names, mission.pairs, strict=True))
-    save_mission(replace(mission, name="2020-06-01", pairs=pairs, starred=frozenset({"x.jpg"})), folder)
-    found = load_log(folder).missions[1]
-    assert [pair.name for pair in found.pairs] == ["coast-0.1.png", "coast-0.2.png", "x.png"]
-    assert found.starred == {"x.png"}
-    clash = tuple(replace(pair, name=name) for name, pair in zip(["a.jpg", "a.png", "b"], mission.pairs, strict=True))
-    with pytest.raises(InputError, match="under the same name"):
-        save_mission(replace(mission, name="2020-06-02", pairs=clash, starred=frozenset()), folder)
-
-
-def test_nothing_is_overwritten_unasked(folder: Path, mission: Mission, calibrations):
-    with pytest.raises(InputError, match="is there already"):
-        save_mission(mission, folder)
-    with pytest.raises(InputError, match="exists already"):
-        save_calibrations(calibrations, folder)
-    save_calibrations(calibrations, folder, overwrite=True)
-
-
-def test_a_mission_is_there_once_it_is_whole(folder: Path, mission: Mission):
-    assert has_mission(folder, mission.name)
-    (folder / "sequences" / mission.name / "mission.json").unlink()  # written last
-    assert not has_mission(folder, mission.name)
-
-
 def test_one_sequence_is_a_scene_and_a_scene_is_a_log(folder: Path, tmp_path: Path, mission: Mission, scene):
     found = load_scene(folder)
     assert (found.name, len(found.pairs)) == (mission.name, 3)
@@ -145,7 +125,7 @@ def test_one_sequence_is_a_scene_and_a_scene_is_a_log(folder: Path, tmp_path: Pa
 
 
 def test_several_sequences_are_no_scene(folder: Path, mission: Mission):
-    save_mission(replace(mission, name="2020-05-03-quay"), folder)
+    add(replace(mission, name="2020-05-03-quay"), folder)
     with pytest.raises(InputError, match="2 sequences are in there"):
         load_scene(folder)
 

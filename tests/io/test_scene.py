@@ -238,11 +238,11 @@ def test_nan_and_infinity(make: Make, key: str, value: float):
 @pytest.mark.parametrize(
     ("number", "words"),
     [
-        ("1e999", "T contains 1e999; put a finite number"),
-        ("-1e999", "T contains -1e999; put a finite number"),
+        ("1e999", "T contains Infinity; put a finite number"),
+        ("-1e999", "T contains -Infinity; put a finite number"),
         ("null", r"T contains null \(no value\)"),
-        ("1" + "0" * 400, r"T contains 10*… \(401 characters\); put a finite number"),
-        ("-" + "9" * 5000, r"T contains -9*… \(5001 characters\); put a finite number"),
+        ("1" + "0" * 400, "T contains Infinity; put a finite number"),
+        ("-" + "9" * 5000, "T contains -Infinity; put a finite number"),
         ("true", "T is not an array of numbers"),
         ('"1.5"', "T is not an array of numbers"),
         ("[" * 70 + "1" + "]" * 70, "T is not an array of numbers"),

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from trees import edit, middlebury
 
 from stereorecal import CalibrationWarning
 from stereorecal.geometry import StereoRig
@@ -74,16 +73,6 @@ def test_every_reader(millimetres: Path):
             rig = read()
         assert len(found) == 1
         np.testing.assert_allclose(rig.extrinsics, scaled(1000.0).extrinsics, atol=1e-9)
-
-
-def test_a_data_set_whose_unit_is_wrong(tmp_path: Path):
-    """Middlebury's millimetres, given in micrometres."""
-    folder = middlebury(tmp_path) / "Motorcycle"
-    edit(folder / "calib.txt", "baseline=193.001", "baseline=193001")
-    for read in (load_log, load_scene):
-        with pytest.warns(CalibrationWarning, match="the baseline is 193") as found:
-            read(folder)
-        assert len(found) == 1
 
 
 def test_no_rig_no_warning(millimetres: Path, tmp_path: Path):

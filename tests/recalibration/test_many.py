@@ -167,7 +167,7 @@ def test_who_takes_them_one_by_one_has_what_is_finished(scenes, serial):
     assert what(finished.values()) == what(serial[:2])
 
 
-@pytest.mark.parametrize(("name", "said"), [("matchr", "did you mean matcher?"), ("q", "there are: boards, budget")])
+@pytest.mark.parametrize(("name", "said"), [("matchr", "did you mean matcher?"), ("q", "there are: budget, free")])
 def test_an_option_that_is_typed_wrongly_is_named(scenes, name, said):
     for function in (recalibrate_many, lambda scenes, **options: sr.recalibrate(scenes[0].rig, (), **options)):
         with pytest.raises(TypeError, match=re.escape(f"there is no option {name!r}; {said}")):

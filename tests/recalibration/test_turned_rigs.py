@@ -9,10 +9,9 @@ import pytest
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.estimation import rig_parameters, with_boards
-from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, rotation_from_vector, same_rig, turned_pixels
+from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig, turned_pixels
 from stereorecal.recalibration import fixed
-from stereorecal.recordings import Board, Pair, check_pairs
+from stereorecal.recordings import Pair, check_pairs
 
 each_stand = pytest.mark.parametrize("turns", [(1, 1), (3, 3), (0, 2), (2, 0)])
 SIZE = (160, 120)
@@ -103,23 +102,6 @@ def test_ranges_are_at_pixels_of_images_as_they_were_taken(scene, turns: Turns):
         matched.append(str(sr.recalibrate(one, image, ranges=ranges, free="rotation").ranges))
     assert matched[0] == matched[1]
     assert "agree" in matched[0]
-
-
-@each_stand
-def test_boards_are_in_images_as_they_were_taken(plain, turns: Turns):
-    (rig, _), (other, _) = plain, standing(*plain, turns)
-    flat = np.array([[x, y, 0.0] for x in range(9) for y in range(6)]) * 0.03 - [0.12, 0.075, 0.0]
-    priors = []
-    for one, taken in ((rig, (0, 0)), (other, turns)):
-        boards = []
-        for tilt in ([0.5, 0.1, 0.0], [-0.4, 0.3, 0.2], [0.1, -0.5, 0.4]):
-            points = flat @ rotation_from_vector(np.array(tilt)).T + [0.15, 0.0, 1.2]
-            seen = rig.left.project(points), rig.right.project(points @ rig.rotation.T + rig.translation)
-            pixels = [turned_pixels(at, SIZE, -turn) for at, turn in zip(seen, taken, strict=True)]
-            boards.append(Board(*pixels, flat))
-        priors.append(with_boards(None, boards, rig_parameters(one.side_by_side())))
-    for field in ("roots", "means"):
-        np.testing.assert_allclose(getattr(priors[1], field), getattr(priors[0], field), rtol=1e-5, atol=1e-9)
 
 
 def test_images_that_are_both_upside_down_are_turned_on_request(plain):

@@ -13,10 +13,8 @@ from stereorecal import InputError
 from stereorecal.cli import main
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs
-from stereorecal.matching import BM
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Mission, Pair, names_of
-from stereorecal.reproduction import Extent, reproduce
+from stereorecal.recordings import Pair, names_of
 from stereorecal.synthetic import default_rig, render
 
 FRAMES = 120
@@ -85,16 +83,8 @@ def test_a_command_looks_at_some_of_a_long_recording(folder: Path, meter: Meter,
 
     assert frames() == 24
     assert meter.most <= 24 + 2
-    assert frames("--to", "100") == 100
+    assert frames("--pairs", ":100") == 100
     assert frames("--limit", "all") == FRAMES
-
-
-def test_experiments_read_a_pair_for_each_task(folder: Path, meter: Meter):
-    log, extent = load_log(folder, limit=20), Extent(sweeps=1, points=3, matchers=())
-    found = reproduce(log, ["validity"], schedules=("count",), extent=extent, matcher=BM(num_disparities=16))
-    assert found.errors == {}
-    assert len(found.rows["validity"]) == 20
-    assert meter.most <= 4 + 2  # the survey of the disparity range looks at four together
 
 
 def test_pairs_travel_as_paths(folder: Path):
@@ -124,13 +114,3 @@ def test_what_is_wrong_with_a_pair_is_said_when_it_is_read(folder: Path, tmp_pat
     log = load_log(made)
     with pytest.raises(InputError, match="the image is truncated"):
         log.scene(log.missions[0])
-    with pytest.raises(InputError, match="the image is truncated"):
-        reproduce(log, ["ex-nihilo"], schedules=("count",))
-
-
-@pytest.mark.parametrize(("starred", "left"), [(set(), "012"), ({"1"}, "02"), ({"0", "1", "2"}, "012")])
-def test_pairs_without_a_star_are_those_of_a_mission_unless_all_have_one(starred: set[str], left: str):
-    image = np.arange(48 * 64, dtype=np.float32).reshape(48, 64) % 256
-    pairs = [Pair(image, image, name) for name in "012"]
-    found = Mission("a", "b", tuple(pairs), frozenset(starred)).unstarred
-    assert [pair.name for pair in found] == list(left)

@@ -18,7 +18,7 @@ def refuse_writing(format: Format) -> NoReturn:
     """
     raise InputError(
         f"{format.NAME} ({format.ABOUT}) is read, not written; write the rig as opencv, kalibr or stereorecal instead: "
-        "save_rig(…, format=…), --to of convert, --output with --output-format of recalibrate."
+        "save_rig(…, format=…), --to of convert."
     )
 
 

@@ -87,7 +87,7 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
         wanted = " or ".join(format.SYNTAX)
         raise InputError(
             f"{paths[0]}: the ending contradicts what is to be written ({format.NAME}: {format.ABOUT}); give a name "
-            f"ending in {wanted}, or another format with format= (--to of convert, --output-format of recalibrate)."
+            f"ending in {wanted}, or another format with format= (--to of convert)."
         )
     (syntax,) = found
     assert syntax is not None

@@ -30,12 +30,6 @@ def images_in(folder: Path) -> list[Path]:
     )
 
 
-def stem_of(name: str) -> str:
-    """A file's name without suffix, if that is the suffix of an image; else the whole name."""
-    path = Path(name)
-    return path.stem if path.suffix.lower() in IMAGE_SUFFIXES else path.name
-
-
 def natural_order(paths: Iterable[Path]) -> list[Path]:
     """The paths sorted so that 9 comes before 10."""
 

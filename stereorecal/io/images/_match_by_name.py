@@ -98,21 +98,6 @@ def match_equal(left: Path, right: Path) -> Matched:
     return match_keys(by_stem(left), by_stem(right))
 
 
-def match_marked(folder: Path) -> Matched:
-    """The images NAMEL.* and NAMER.* of one folder.
-
-    Raises:
-        InputError: if there is none, or naming an image without a partner.
-    """
-    files = by_stem(folder)
-    left, right = ({stem[:-1]: path for stem, path in files.items() if stem.endswith(mark)} for mark in "LR")
-    if not (left or right):
-        raise InputError(
-            f"{folder}: no image in there has a name that ends in L or R, such as 00000001L.jpg; add some."
-        )
-    return match_keys(left, right)
-
-
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     """The files with equal keys, in the order of the left ones.
 

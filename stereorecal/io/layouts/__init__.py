@@ -1,6 +1,15 @@
 """Data sets: one module per layout, that is, per arrangement of folders and file names.
 
-A new layout is one new module here, with what `_layout.py` says (`LAYOUT`, `recognises`, `read`), and its place in the
-list in `_load_data_set.py`, where `load_log` and `load_scene` are. It finds the files, pairs the images (`io/images`),
-reads the calibration with a module of `io/formats`, and makes a log of them (`_log_of_sequences.py`).
+A new layout is one new module with what `Layout` says: here, with its place in the list in `_load_data_set.py`, where
+`load_log` and `load_scene` are, or in a distribution, with an entry point `stereorecal.layouts` that names the module.
+It finds the files, pairs the images (`load_matched`), reads the calibration (`read_files`), and makes a log of them
+(`log_of`).
 """
+
+from stereorecal.io.formats._format import Hints as Hints
+from stereorecal.io.formats._read_rig import read_files as read_files
+from stereorecal.io.images._image_files import natural_order as natural_order
+from stereorecal.io.images._load_pairs import load_matched as load_matched
+from stereorecal.io.images._match_by_name import Matched as Matched, by_stem as by_stem, match_keys as match_keys
+from stereorecal.io.layouts._layout import Layout as Layout
+from stereorecal.io.layouts._log_of_sequences import Sequence as Sequence, log_of as log_of

@@ -1,11 +1,12 @@
 """What the module of a layout offers."""
 
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from stereorecal.recordings import Log
 
 
+@runtime_checkable
 class Layout(Protocol):
     """A module that recognises a folder by what is in it and reads it as a log."""
 

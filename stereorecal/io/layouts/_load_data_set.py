@@ -5,19 +5,11 @@ from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._existing_paths import existing_folder
+from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._camera_choice import warn_of_turns
 from stereorecal.io.formats._file_units import warn_of_units
-from stereorecal.io.layouts import (
-    _euroc,
-    _kitti_odometry,
-    _kitti_raw,
-    _kitti_stereo,
-    _middlebury,
-    _modd2,
-    _mods,
-    _plain_log,
-)
+from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
 from stereorecal.io.layouts._layout import Layout
 from stereorecal.io.layouts._log_of_sequences import folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
@@ -25,16 +17,10 @@ from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
 # The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
 # but only the names of its images end in _10.
-_LAYOUTS: tuple[Layout, ...] = (
-    _plain_log,
-    _modd2,
-    _mods,
-    _kitti_raw,
-    _kitti_stereo,
-    _kitti_odometry,
-    _euroc,
-    _middlebury,
-)
+_LAYOUTS: tuple[Layout, ...] = (_plain_log, _kitti_raw, _kitti_stereo, _kitti_odometry, _euroc)
+_GROUP = "stereorecal.layouts"
+_INSTALL = "run: pip install stereorecal-field (in a clone: pip install -e plugins/field)"
+_OF_FIELD = ("im0.png", "*/im0.png", "frames/*L.jpg", "video_data/*/frames", "calibration/calibration-*.yaml")
 
 
 def load_log(folder: AnyPath, limit: int | None = None) -> Log:
@@ -94,21 +80,43 @@ def load_scene(
 def is_data_set(folder: AnyPath) -> bool:
     """Whether a folder has a layout of `load_log` that is not a scene folder's."""
     folder = Path(folder)
-    return not is_scene_folder(folder) and any(layout.recognises(folder) for layout in _LAYOUTS)
+    return not is_scene_folder(folder) and _layout_of(folder) is not None
+
+
+def _layout_of(folder: Path) -> Layout | None:
+    """The first that recognises a folder.
+
+    Raises:
+        InputError: if a distribution reads such folders, and is not installed.
+    """
+    for layout in _layouts():
+        if layout.recognises(folder):
+            return layout
+    missing = "modd2" not in entry_points(group=_GROUP).names
+    if missing and any(any(folder.glob(pattern)) for pattern in _OF_FIELD):
+        raise InputError(f"{folder}: to read MODD2, MODS and Middlebury, {_INSTALL}.")
+    return None
+
+
+def _layouts() -> tuple[Layout, ...]:
+    """Those above, and the modules that entry points of distributions name."""
+    return (*_LAYOUTS, *(point.load() for point in entry_points(group=_GROUP)))
 
 
 def _read_log(folder: Path, limit: int | None) -> Log:
     if is_scene_folder(folder):
         return _log_of(folder, limit)
-    for layout in _LAYOUTS:
-        if layout.recognises(folder):
-            return layout.read(folder, limit)
-    known = "; ".join(layout.LAYOUT for layout in _LAYOUTS)
-    raise InputError(f"{folder}: the layout is unknown; expected a scene folder (calib.json, left, right), or {known}.")
+    layout = _layout_of(folder)
+    if layout is None:
+        known = "; ".join(layout.LAYOUT for layout in _layouts())
+        raise InputError(
+            f"{folder}: the layout is unknown; expected a scene folder (calib.json, left, right), or {known}."
+        )
+    return layout.read(folder, limit)
 
 
 def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:
-    if is_scene_folder(folder) or not any(layout.recognises(folder) for layout in _LAYOUTS):
+    if is_scene_folder(folder) or _layout_of(folder) is None:
         found, pairs = open_scene_folder(folder, limit)
         return Scene(folder_name(folder), found.rig, choose(pairs), found.reference, found.info)
     log = _read_log(folder, limit)

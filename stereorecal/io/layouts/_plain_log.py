@@ -1,24 +1,21 @@
-"""The plain log, the layout that this library writes: one folder per sequence, one calibration file per date."""
+"""The plain log, a layout for recordings of one's own: one folder per sequence, one calibration file per date."""
 
 import os
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._atomic import make_folder
-from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io._read_files import about
 from stereorecal.io._scenes import fitting
-from stereorecal.io._strict_json import write_json
-from stereorecal.io.formats._load_and_save import load_rig, save_rig
+from stereorecal.io.formats._load_and_save import load_rig
 from stereorecal.io.formats._scene_calibration import Calibration, read_json_object
-from stereorecal.io.images._image_files import natural_order, stem_of, write_png
+from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.layouts._log_of_sequences import folder_name
 from stereorecal.io.layouts._scene_folder import load_sides
-from stereorecal.recordings import Log, Mission, names_of
+from stereorecal.recordings import Log, Mission
 
 LAYOUT = "a plain log (calibrations/DATE.json, sequences/DATE.../left and right), or one sequence of it"
 _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "mission.json", "truth.json"
@@ -94,61 +91,3 @@ def _latest(name: str, dates: list[str]) -> str:
             f"with a date such as 2026-05-31, or name the calibration in {_FACTS}."
         )
     return sorted(dates)[before - 1]
-
-
-def save_calibrations(calibrations: Mapping[str, StereoRig], folder: AnyPath, overwrite: bool = False) -> None:
-    """Write the calibrations of a plain log, each under its name.
-
-    Args:
-        overwrite: whether existing files may be replaced.
-
-    Raises:
-        InputError: if a file exists already and may not be replaced, or the place cannot be written to.
-    """
-    for name in calibrations:
-        _check_name(name)
-    place = Path(folder) / _CALIBRATIONS
-    make_folder(place)
-    for name, rig in calibrations.items():
-        save_rig(replace(rig, source=None), place / f"{name}.json", overwrite=overwrite, format="stereorecal")
-
-
-def save_mission(mission: Mission, folder: AnyPath) -> None:
-    """Write one sequence of a plain log: images as 8-bit grey PNG, named after the pairs, and mission.json last.
-
-    Raises:
-        InputError: if the sequence exists already, two pairs would have the same file name, or the place cannot be
-            written to.
-    """
-    _check_name(mission.name)
-    for name in names_of(mission.pairs):
-        _check_name(name)
-    place = Path(folder) / _SEQUENCES / mission.name
-    if has_mission(folder, mission.name):
-        raise InputError(f"{place}: the sequence is there already; choose another name or folder.")
-    names = {name: f"{stem_of(name)}.png" for name in names_of(mission.pairs)}
-    if len(set(names.values())) < len(mission.pairs):
-        raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
-    for pair in mission.pairs:
-        taken = pair.as_taken()
-        for side, image in (("left", taken.left), ("right", taken.right)):
-            write_png(place / side / names[pair.name], image)
-    if mission.truth is not None:
-        save_rig(replace(mission.truth, source=None), place / _TRUTH, overwrite=True, format="stereorecal")
-    facts = {"calibration": mission.calibration, "starred": sorted(names[name] for name in mission.starred)}
-    write_json(place / _FACTS, facts)
-
-
-def _check_name(name: str) -> None:
-    """Refuse a name that would lead out of its folder.
-
-    Raises:
-        InputError: if it is no plain name of a file.
-    """
-    if name in ("", ".", "..") or any(sign in name for sign in "/\\\0"):
-        raise InputError(f"{name!r} cannot be the name of a file; give one without slashes.")
-
-
-def has_mission(folder: AnyPath, name: str) -> bool:
-    """Whether a plain log has a sequence of this name that was written completely."""
-    return (Path(folder) / _SEQUENCES / name / _FACTS).exists()

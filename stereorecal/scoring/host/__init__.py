@@ -1,6 +1,5 @@
 """Scores on the host: NumPy arrays, on all cores of a CPU, for every matcher. Repairs and comparisons use them."""
 
-from stereorecal._renamed import renamed
 from stereorecal.scoring.host._counts import (
     counts as counts,
     counts_at_once as counts_at_once,
@@ -37,14 +36,4 @@ from stereorecal.scoring.host._tracking import (
     corners as corners,
     match_radius as match_radius,
     tracked as tracked,
-)
-
-__getattr__ = renamed(
-    __name__,
-    {
-        "compile_ahead": "compile_in_background",
-        "partners": "match_pixels",
-        "ranged": "with_measured_range",
-        "refuse_mixed_up": "refuse_swapped_images",
-    },
 )

@@ -1,0 +1,1 @@
+"""Data sets of research on stereo: MODD2, MODS, Middlebury."""

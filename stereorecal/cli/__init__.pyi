@@ -1,0 +1,48 @@
+from ._commands import options_of as options_of, parser as parser
+from ._executors import executor as executor
+from ._exit_codes import BAD_INPUT as BAD_INPUT, FAILURE as FAILURE, INTERRUPTED as INTERRUPTED
+from ._experiment_commands import CompareOptions as CompareOptions
+from ._growing_json import GrowingJson as GrowingJson
+from ._html_page import check_page as check_page
+from ._main import main as main
+from ._of_the_library import (
+    Progress as Progress,
+    checked_choice as checked_choice,
+    existing_folder as existing_folder,
+    extra as extra,
+    hold as hold,
+    run_all as run_all,
+    versions as versions,
+)
+from ._option_values import (
+    degrees_and_fraction as degrees_and_fraction,
+    frame_limit as frame_limit,
+    seed as seed,
+)
+from ._options import (
+    CommonOptions as CommonOptions,
+    argument as argument,
+    option as option,
+    option_group as option_group,
+)
+from ._output_files import deliver as deliver, write_json as write_json
+from ._output_places import (
+    Place as Place,
+    check_places as check_places,
+    check_writable as check_writable,
+    places_of as places_of,
+    refuse_replacing_inputs as refuse_replacing_inputs,
+)
+from ._shared_options import (
+    DEPTH as DEPTH,
+    READS as READS,
+    RIG as RIG,
+    SEARCH as SEARCH,
+    WRITES as WRITES,
+    MatcherOptions as MatcherOptions,
+    ReachOptions as ReachOptions,
+    ReportOptions as ReportOptions,
+    WorkerOptions as WorkerOptions,
+)
+from ._streams import say as say
+from ._terminal import progress_bar as progress_bar, table_console as table_console

@@ -1,0 +1,33 @@
+"""Pages from templates, in which everything that is not markup is escaped; and settings as rows of a table."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup as Markup  # which jinja2 brings: the one that people install is missed first
+
+from stereorecal.report.number_text import change, count, number, percent
+
+
+def rendered(template: str | Path, **values: Any) -> str:
+    """The page of a template: one of this folder, or a file that may include them."""
+    environment = Environment(
+        loader=FileSystemLoader([Path(__file__).parent, Path(template).parent]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"number": number, "count": count, "percent": percent, "change": change}
+    return environment.get_template(Path(template).name).render(values)
+
+
+def flat_settings(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+    """Nested settings as a flat list of names, such as "matcher block_size", and values."""
+    for key, value in settings.items():
+        if isinstance(value, Mapping):
+            yield from flat_settings(value, f"{above}{key} ")
+        else:
+            text = "; ".join(map(str, value)) if isinstance(value, list) else "-" if value is None else str(value)
+            yield above + key, text

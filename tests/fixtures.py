@@ -1,0 +1,139 @@
+"""What tests of the library and of its plug-ins share."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import pytest
+from moody import Moody
+
+from stereorecal.cli import main
+from stereorecal.io import save_scene
+from stereorecal.recordings import Scene
+from stereorecal.synthetic import default_rig, render
+
+
+@pytest.fixture(scope="session")
+def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
+    """scene(kind, seed, size, frames): a rendered scene, kept for all workers; 160x120 unless a size is given."""
+    of_process = tmp_path_factory.getbasetemp()
+    folder = of_process.parent if hasattr(request.config, "workerinput") else of_process
+
+    @cache
+    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
+        file = folder / f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}.pickle"
+        if not file.exists():
+            rendered = render(kind, seed, rig=default_rig().resized(size), frames=frames)
+            whole = file.with_suffix(f".{os.getpid()}")
+            whole.write_bytes(pickle.dumps(rendered))
+            whole.replace(file)
+        return pickle.loads(file.read_bytes())
+
+    return make
+
+
+@pytest.fixture
+def install(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """install(group, {name: "module:Class"}, distribution): a distribution (of version 1.2) more, by its metadata in a
+    folder of sys.path, as pip leaves it."""
+
+    def one_more(group: str, plugins: dict[str, str], distribution: str = "plug-in") -> None:
+        folder = tmp_path_factory.mktemp("site-packages")
+        info = folder / f"{distribution.replace('-', '_')}-1.2.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: 1.2\n")
+        lines = (f"{name} = {value}\n" for name, value in plugins.items())
+        (info / "entry_points.txt").write_text(f"[{group}]\n{''.join(lines)}")
+        monkeypatch.syspath_prepend(folder)
+
+    return one_more
+
+
+@pytest.fixture
+def moody(install) -> Callable[..., list[int]]:
+    """moody(mood): what the installed strategy "moody" does from now on, told the number of its run; and the seeds of
+    its runs. Without a mood it stays where it starts."""
+    install("stereorecal.strategies", {"moody": "moody:Moody"})
+
+    def set_up(mood: Callable[[int], None] = lambda run: None) -> list[int]:
+        Moody.runs.clear()
+        Moody.mood = mood
+        return Moody.runs
+
+    set_up()
+    return set_up
+
+
+@dataclass(frozen=True)
+class Answer:
+    """How a command ended and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """command(words...): run a command; an exit by argparse counts as a return."""
+    handler = signal.getsignal(signal.SIGTERM)
+
+    def run(*words: object) -> Answer:
+        capsys.readouterr()
+        try:
+            code = main([str(word) for word in words])
+        except SystemExit as end:
+            code = int(end.code or 0)
+        finally:
+            signal.signal(signal.SIGTERM, handler)
+        return Answer(code, *capsys.readouterr())
+
+    return run
+
+
+_LOADED = """
+import sys
+from stereorecal.cli import main
+try:
+    code = main(sys.argv[1:])
+except SystemExit as end:
+    code = end.code
+print(code, *(name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules))
+"""
+
+
+@pytest.fixture(scope="session")
+def at_once() -> Callable[..., tuple[Answer, set[str]]]:
+    """at_once(words...): how a command answers in a process of its own, and which heavy libraries it has loaded."""
+
+    def run(*words: str) -> tuple[Answer, set[str]]:
+        done = subprocess.run([sys.executable, "-c", _LOADED, *words], capture_output=True, text=True, check=False)
+        code, *loaded = done.stdout.splitlines()[-1].split()
+        return Answer(int(code), done.stdout, done.stderr), set(loaded)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene folder with one pair of 160x120; not to be changed."""
+    folder = tmp_path_factory.mktemp("scenes") / "clean"
+    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """The folder of real scenes that the environment variable STEREORECAL_DATA names; skips without it."""
+    name = os.environ.get("STEREORECAL_DATA")
+    if not name:
+        pytest.skip("set STEREORECAL_DATA to the folder of real scenes to run this test")
+    if not Path(name).is_dir():
+        pytest.skip(f"STEREORECAL_DATA={name} is no folder")
+    return Path(name)
