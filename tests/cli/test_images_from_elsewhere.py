@@ -263,12 +263,12 @@ def test_cameras_that_stand_otherwise(command, seen, calibration, tmp_path, turn
             for number, pair in enumerate(seen[:1]):
                 cv2.imwrite(str(tmp_path / name / str(side) / f"{number}.png"), np.rot90(pair[side], -turn))
         where = ("--left", tmp_path / name / "0", "--right", tmp_path / name / "1", *words)
-        answer = command("recalibrate", *where, "--output", tmp_path / f"{name}.json", "--output-format", "stereorecal")
+        answer = command("recalibrate", *where, "--output", tmp_path / f"{name}{turned.suffix}")
         assert answer.code == 0, answer.err
         assert ("images are turned by" in answer.err) == (name == "turned")
-    plain, found = load_rig(tmp_path / "plain.json"), load_rig(tmp_path / "turned.json")
+    plain, found = load_rig(tmp_path / "plain.json"), load_rig(tmp_path / "turned.yaml", unit="m")
     np.testing.assert_allclose(found.side_by_side().extrinsics, plain.extrinsics, atol=1e-6)
     assert found.turns == (0, 0)
     assert found.left.size == (SIZE[::-1] if turns == (1, 1) else SIZE)
-    difference = command("diff", tmp_path / "plain.json", tmp_path / "turned.json")
+    difference = command("diff", tmp_path / "plain.json", tmp_path / "turned.yaml", "--unit", "m")
     assert "rotation  0.000 deg" in difference.out
