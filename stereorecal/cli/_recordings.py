@@ -60,6 +60,7 @@ def _fixed(scene: Scene, cause: str) -> Scene:
         rig, pairs = fixed(scene.rig, scene.pairs, cause)
     ratio = float(rig.left.focal[0] / scene.rig.left.focal[0])
     done = f"K scaled by {ratio:.3g}" if cause == "scaled" else "left and right exchanged"
+    done = "both images turned by 180 degrees" if cause == "turned" else done
     if cause in ("late", "early"):
         done = f"right images paired one frame {'earlier' if cause == 'late' else 'later'}"
     say(f"{scene.name}: {done} (--fix {cause})")

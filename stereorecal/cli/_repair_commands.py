@@ -88,7 +88,7 @@ class _FixOptions:
     """Mistakes in recordings."""
 
     title = READS
-    fix: Literal["exchanged", "scaled", "late", "early"] | None = option(
+    fix: Literal["exchanged", "turned", "scaled", "late", "early"] | None = option(
         "correct the mistake in images or calibration that a report names", metavar="CAUSE"
     )
 
@@ -144,8 +144,8 @@ class RecalibrateOptions(
     def check(self) -> None:
         self.check_recordings()
         self.check_fix(self)
-        if self.fix == "exchanged" and self.ranges:
-            raise InputError("--fix exchanged exchanges images alone; with --ranges, exchange the files.")
+        if self.fix in ("exchanged", "turned") and self.ranges:
+            raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
         degrees_and_fraction(self.reach, "--reach")
         seed(self.seed)

@@ -17,7 +17,7 @@ from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
 from stereorecal.comparison._trial_pictures import Shown
 from stereorecal.estimation import EXACT
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters
 from stereorecal.recalibration import recalibrate
@@ -68,7 +68,7 @@ def compare(
 ) -> Comparison:
     """Compare strategies on one scene, from whose `rig` the drift is drawn. Arguments and errors: `compare_scenes`."""
     return compare_scenes(
-        [Scene("scene", rig, check_pairs(rig, pairs))],
+        [Scene("scene", checked_rig(rig), check_pairs(checked_rig(rig), pairs))],
         strategies=strategies,
         matcher=matcher,
         drift=drift,

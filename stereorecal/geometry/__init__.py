@@ -17,6 +17,15 @@ from stereorecal.geometry._intrinsics import (
     reread as reread,
 )
 from stereorecal.geometry._other_size import fitted_to as fitted_to
+from stereorecal.geometry._quarter_turns import (
+    UPRIGHT as UPRIGHT,
+    Turns as Turns,
+    described_turns as described_turns,
+    turn_of as turn_of,
+    turned_pixels as turned_pixels,
+    turned_size as turned_size,
+    turns_of as turns_of,
+)
 from stereorecal.geometry._rectification import (
     rectifying_rotations as rectifying_rotations,
     rectifying_slopes as rectifying_slopes,

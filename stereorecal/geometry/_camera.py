@@ -11,6 +11,7 @@ from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera_matrix import exact_matrix
+from stereorecal.geometry._quarter_turns import turn_of, turned_coefficients, turned_pixels, turned_size
 from stereorecal.geometry.lenses import LensModel, lens_model
 
 _LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
@@ -110,6 +111,18 @@ class Camera:
         centre = (np.asarray(self.matrix)[:2, 2] + 0.5) * scale[:2] - 0.5
         matrix[:2, 2] = centre
         return replace(self, size=size, matrix=matrix)
+
+    def turned(self, quarters: int) -> "Camera":
+        """The camera of the same image turned counter-clockwise by so many quarters, as `np.rot90(image, quarters)`.
+
+        Raises:
+            InputError: if its sensor is tilted about both axes, and the turn is no half one.
+        """
+        matrix = np.asarray(self.matrix, float).copy()
+        matrix[(0, 1), (0, 1)] = np.abs(turn_of(quarters)[:2, :2]) @ matrix[(0, 1), (0, 1)]
+        matrix[:2, 2] = turned_pixels(matrix[:2, 2], self.size, quarters)
+        distortion = turned_coefficients(np.asarray(self.distortion), self.lens.TERMS, quarters)
+        return replace(self, size=turned_size(self.size, quarters), matrix=matrix, distortion=distortion)
 
     def cropped(self, size: tuple[int, int], corner: tuple[int, int] | None = None) -> "Camera":
         """The camera of the same image cut to `size`: the focal lengths stay, and the principal point moves.

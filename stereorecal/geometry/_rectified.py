@@ -9,6 +9,7 @@ from jaxtyping import Float, Num
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
 from stereorecal.geometry._checked_rig import checked_rig
+from stereorecal.geometry._quarter_turns import turn_of, turned_pixels
 from stereorecal.geometry._rectification import rectifying_rotations
 from stereorecal.geometry._rig import StereoRig
 from stereorecal.geometry._view import PINHOLE, AnyView, View, as_view
@@ -141,9 +142,24 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
         view: default: `sr.view(rig)`, which has a focal length of its own, and is no pinhole where lenses are wider;
             `solution.view` for that of a repair; also the arguments of `sr.view` by name.
     """
-    view = as_view(view, checked_rig(rig))
-    R1, R2 = (np.asarray(r, float) for r in rectifying_rotations(rig.rotation, rig.translation))
-    (left_x, left_y), (right_x, right_y) = (
-        np.asarray(one, np.float32) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)
+    rig = checked_rig(rig)
+    view = as_view(view, rig)
+    R1, R2 = (
+        np.asarray(r, float) @ turn_of(turn)
+        for r, turn in zip(rectifying_rotations(rig.rotation, rig.translation), rig.turns, strict=True)
     )
-    return Rectification(view, float(rig.baseline), R1, R2, ((left_x, left_y), (right_x, right_y)))
+    found = rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)
+    left, right = (
+        _of_image_taken(np.asarray(one, np.float32), camera.size, turn)
+        for one, camera, turn in zip(found, (rig.left, rig.right), rig.turns, strict=True)
+    )
+    return Rectification(view, float(rig.baseline), R1, R2, (left, right))
+
+
+def _of_image_taken(one: Float[np.ndarray, "2 h w"], size: tuple[int, int], turn: int) -> tuple[Plane, Plane]:
+    """A map of the turned image, as one of the image as it was taken."""
+    if turn:
+        mapped = (one != -1.0).any(axis=0)
+        back = np.moveaxis(turned_pixels(np.moveaxis(one, 0, -1), size, -turn), -1, 0)
+        one = np.where(mapped, back, one).astype(np.float32)
+    return one[0], one[1]

@@ -12,6 +12,7 @@ from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal._pytree import register_pytree
 from stereorecal._units import METRES, checked_unit, doubt_of_length
 from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._quarter_turns import UPRIGHT, Turns, turn_of, turned_size, turns_of
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
 
 _FROM_ROTATION = (
@@ -33,16 +34,20 @@ class StereoRig:
         left, right: the cameras.
         extrinsics: (6,) float64: pitch, yaw, roll [rad], x, y, z [m];
             `R = Rz(roll) Ry(yaw) Rx(pitch)`, `T = (x, y, z)`. Kept exactly as given.
+        turns: by how many quarters, counter-clockwise, left and right images are turned before they are images of these
+            cameras: not (0, 0) in what `side_by_side` makes of a rig one above the other, or with a camera upside down.
+            What takes a rig and pairs turns both.
         source: what the reader of a file keeps for the writer; None otherwise, and in what JAX makes of a rig.
 
     Raises:
         InputError: if the extrinsics are not finite, the baseline is zero, the cameras are swapped
-            (x > 0) or stand one above or behind the other.
+            (x > 0) or stand one behind the other.
     """
 
     left: Camera
     right: Camera
     extrinsics: Extrinsics
+    turns: Turns = field(default=UPRIGHT, kw_only=True, metadata={"static": True})
     source: Any = field(default=None, kw_only=True, repr=False, metadata={"aside": True})
 
     def __new__(cls, *values: Any, **named: Any) -> "StereoRig":
@@ -61,18 +66,19 @@ class StereoRig:
                 f"you have a rotation and a translation: {_FROM_ROTATION}"
             )
         object.__setattr__(self, "extrinsics", extrinsics)
-        x, y, z = extrinsics[3:]
         if not np.any(extrinsics[3:]):
             raise InputError("the baseline is zero: the translation T from left to right must not vanish; correct it.")
         if self.source is AS_IN_FILE:
             return
+        x, y, z = turn_of(self.turns_wanted[1]) @ extrinsics[3:]
         if x >= 0 and abs(x) >= max(abs(y), abs(z)):
             raise InputError(
                 "left and right are swapped: T[0] must be negative (x_right = R x_left + T); exchange the cameras."
             )
         if abs(x) <= max(abs(y), abs(z)):
             raise InputError(
-                "the cameras stand above or behind each other; only side-by-side rigs (|T[0]| largest) are supported."
+                "the cameras stand neither side by side (|T[0]| largest) nor one above the other (|T[1]| largest); "
+                "other rigs are not supported."
             )
 
     @staticmethod
@@ -162,6 +168,12 @@ class StereoRig:
         return xp.sqrt(xp.sum(self.extrinsics[3:] ** 2))
 
     @property
+    def sizes_taken(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """(width, height) of the left and of the right image as they were taken, before `turns`."""
+        left, right = self.turns
+        return turned_size(self.left.size, left), turned_size(self.right.size, right)
+
+    @property
     def is_wide(self) -> bool:
         """Whether a camera has a lens model for wide lenses."""
         return self.left.lens.WIDE or self.right.lens.WIDE
@@ -173,6 +185,38 @@ class StereoRig:
     def resized(self, size: tuple[int, int]) -> "StereoRig":
         """The rig whose images are resampled to `size` (width, height); `cropped` is for images that are cut."""
         return replace(self, left=self.left.resized(size), right=self.right.resized(size))
+
+    def turned(self, turns: Turns) -> "StereoRig":
+        """The rig whose left and right images are turned counter-clockwise by so many quarters more."""
+        if turns == UPRIGHT:
+            return self
+        to_left, to_right = map(turn_of, turns)
+        angles = euler_from_rotation(to_right @ np.asarray(self.rotation) @ to_left.T)
+        return replace(
+            self,
+            left=self.left.turned(turns[0]),
+            right=self.right.turned(turns[1]),
+            extrinsics=np.concatenate([angles, to_right @ np.asarray(self.translation)]),
+            turns=((self.turns[0] + turns[0]) % 4, (self.turns[1] + turns[1]) % 4),
+        )
+
+    @property
+    def turns_wanted(self) -> Turns:
+        """By how many quarters the images must be turned to be those of a left and a right camera."""
+        x, y, z = np.abs(self.extrinsics[3:])
+        if self.extrinsics[3] < 0.0 and x > max(y, z) and abs(self.extrinsics[2]) < np.pi / 2.0:
+            return UPRIGHT
+        return turns_of(self.rotation, self.translation)
+
+    def side_by_side(self) -> "StereoRig":
+        """The rig whose images are turned so that they are those of a left and a right camera, of which all that
+        matches images knows; itself, if it stands so."""
+        return self.turned(self.turns_wanted) if is_host(self.extrinsics) else self
+
+    def as_taken(self) -> "StereoRig":
+        """The rig of the images as they were taken, before `turns`; the inverse of `side_by_side`."""
+        left, right = self.turns
+        return self if self.turns == UPRIGHT else replace(self, source=AS_IN_FILE).turned((-left, -right))
 
     def cropped(self, size: tuple[int, int], corner: tuple[int, int] | None = None) -> "StereoRig":
         """The rig whose images are cut to `size` (width, height), as `Camera.cropped` cuts each."""

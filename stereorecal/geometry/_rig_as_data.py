@@ -6,12 +6,13 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._quarter_turns import UPRIGHT
 from stereorecal.geometry._rig import StereoRig
 
 
 def rig_as_data(rig: StereoRig) -> dict[str, Any]:
-    """Lists and numbers: of each camera size, matrix, distortion and model (left out if radtan), and the extrinsics
-    in rad and metres."""
+    """Lists and numbers: of each camera size, matrix, distortion and model (left out if radtan), the extrinsics in
+    rad and metres, and by how much images are turned, unless they are not."""
     sides = {"left": rig.left, "right": rig.right}
     cameras = {
         side: {
@@ -22,7 +23,8 @@ def rig_as_data(rig: StereoRig) -> dict[str, Any]:
         }
         for side, camera in sides.items()
     }
-    return {**cameras, "extrinsics": np.asarray(rig.extrinsics, float).tolist()}
+    turns = {} if rig.turns == UPRIGHT else {"turns": list(rig.turns)}
+    return {**cameras, "extrinsics": np.asarray(rig.extrinsics, float).tolist(), **turns}
 
 
 def rig_from_data(data: Any) -> StereoRig:
@@ -33,10 +35,11 @@ def rig_from_data(data: Any) -> StereoRig:
     """
     try:
         left, right = (_camera(data[side]) for side in ("left", "right"))
-        return StereoRig(left, right, np.array(data["extrinsics"], float))
+        first, second = (int(turn) % 4 for turn in data.get("turns", UPRIGHT))
+        return StereoRig(left, right, np.array(data["extrinsics"], float), turns=(first, second))
     except InputError:
         raise
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"there is no rig in it ({error!r}); copy it again.") from None
 
 

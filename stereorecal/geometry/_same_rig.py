@@ -9,7 +9,9 @@ _SAME = 1e-9  # radians, and parts of numbers
 
 
 def same_rig(one: StereoRig, other: StereoRig) -> bool:
-    """Whether all numbers are equal to within 1e-9; coefficients that a lens model lacks are 0."""
+    """Whether all numbers, of images as they were taken, are equal to within 1e-9; coefficients that a lens model lacks
+    are 0."""
+    one, other = one.as_taken(), other.as_taken()
     turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
     shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
     return bool(turned and shifted and _same_camera(one.left, other.left) and _same_camera(one.right, other.right))

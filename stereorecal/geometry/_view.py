@@ -168,7 +168,8 @@ def view(
     Raises:
         InputError: if the field makes no sense, the projection is unknown, or no lens has such a focal length.
     """
-    width, height = checked_rig(rig).left.size
+    rig = checked_rig(rig)
+    width, height = rig.left.size
     projection = _usual_projection(rig, field) if projection is None else projection
     formulas = projection_of(projection)
     if field is None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.io._read_files import AnyPath, about
-from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._camera_choice import checked_cameras, warn_of_turns
 from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
@@ -80,6 +80,7 @@ def calibrated_scene(
     remark_sizes(where, sizes)
     warn_of_size(where, scene.rig)
     warn_of_units(where, scene.rig)
+    warn_of_turns(where, scene.rig)
     return scene
 
 
@@ -102,13 +103,15 @@ def bag_scene(
     infos = camera_infos(place, topics).items()
     documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)
     rig = rig_in(documents, named("ros"), unit, Hints())
-    sizes = rig.left.size, rig.right.size
+    sizes = rig.sizes_taken
     read = pairs(sizes)
-    rig = rig_in(documents, named("ros"), unit, Hints(size=read[0].size if read else None, common_size=True))
+    hints = Hints(size=read[0].size if read else None, common_size=True)
+    rig = rig_in(documents, named("ros"), unit, hints).side_by_side()
     with about(place):
-        scene = scene_of(str(place), Calibration(rig.left.size, replace(rig, source=None)), read)
+        scene = scene_of(str(place), Calibration(rig.sizes_taken[0], replace(rig, source=None)), read)
     remark_sizes(str(place), sizes)
     warn_of_units(str(place), scene.rig)
+    warn_of_turns(str(place), scene.rig)
     return scene
 
 
@@ -128,7 +131,7 @@ def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None, h
 
 def _sizes(calibration: Calibration) -> Sizes:
     rig = calibration.rig
-    return (calibration.size, calibration.size) if rig is None else (rig.left.size, rig.right.size)
+    return (calibration.size, calibration.size) if rig is None else rig.sizes_taken
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
@@ -148,7 +151,7 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
 
 
 def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
-    """The scene of a calibration and pairs.
+    """The scene of a calibration and pairs, turned as its rig says.
 
     Raises:
         InputError: if there is no pair, or an image has another size than the calibration says.
@@ -156,22 +159,22 @@ def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scen
     pairs = tuple(pairs)
     if calibration.rig is not None and not pairs:
         check_pairs(calibration.rig, pairs)  # says that there is none
-    for pair in pairs:
-        _check(calibration, pair)
+    pairs = tuple(_fitting(calibration, pair) for pair in pairs)
     return Scene(name, calibration.rig, pairs, calibration.reference, calibration.info)
 
 
 def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
-    """The pairs, each checked when it is read: InputError about `where` if it does not fit the calibration."""
-    return pairs.checked(partial(_check_about, where, calibration))
+    """The pairs, each turned and checked when it is read: InputError about `where` if it does not fit the
+    calibration."""
+    return pairs.mapped(partial(_fitting_about, where, calibration))
 
 
-def _check_about(where: Path, calibration: Calibration, pair: Pair) -> None:
+def _fitting_about(where: Path, calibration: Calibration, pair: Pair) -> Pair:
     with about(where):
-        _check(calibration, pair)
+        return _fitting(calibration, pair)
 
 
-def _check(calibration: Calibration, pair: Pair) -> None:
+def _fitting(calibration: Calibration, pair: Pair) -> Pair:
     width, height = calibration.size
     if pair.size == (height, width) != (width, height):
         raise InputError(
@@ -179,6 +182,7 @@ def _check(calibration: Calibration, pair: Pair) -> None:
             "are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
         )
     if calibration.rig is not None:
-        check_pairs(calibration.rig, pair)
-    elif pair.size != (width, height):
+        return check_pairs(calibration.rig, pair)[0]
+    if pair.size != (width, height):
         raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
+    return pair

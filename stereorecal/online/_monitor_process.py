@@ -236,6 +236,7 @@ def _set(state: State, fresh: State) -> State:
 def _images_alone(pair: Pair | Images | Timed) -> Taken:
     """Images, time and readout alone: a pair that came from a file would be read again."""
     if isinstance(pair, Pair):
+        pair = pair.as_taken()
         return pair.left, pair.right, pair.time, pair.readout
     try:
         left, right, *time = pair

@@ -87,7 +87,8 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
     """
     state = _loaded(path)
     if rig is not None and not any(
-        _same_calibration(rig, known) for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
+        _same_calibration(rig.side_by_side(), known)
+        for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
             f"{path}: the state belongs to another calibration than the given one; name another file to start again "

@@ -39,7 +39,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Raises:
         InputError: if the matcher is none, or a strategy that repairs need is not installed; it says the install line.
     """
-    checked_rig(rig)
+    rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     first = at_start(np.ones(SIZE), config)

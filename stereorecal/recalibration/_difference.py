@@ -120,7 +120,8 @@ def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> 
         InputError: if the calibrations are for images of different sizes.
     """
     refuse_tracers("sr.difference", "differences of the extrinsics", before, after)
-    _check_sizes(checked_rig(before, "before"), checked_rig(after, "after"))
+    before, after = checked_rig(before, "before"), checked_rig(after, "after")
+    _check_sizes(before, after)
     view = as_view(view, before)
     changes = dict(zip(AXES, axis_changes(before, after).tolist(), strict=True))
     columns, rows = (np.linspace(0.0, size - 1.0, count) for size, count in zip(view.size, _GRID, strict=True))

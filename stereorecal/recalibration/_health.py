@@ -10,7 +10,7 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal._json_data import json_data
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.geometry import StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
@@ -179,6 +179,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
+    rig = checked_rig(rig)
     settings = as_settings(options, HealthOptions.__optional_keys__)
     images, doubtful = pyramid(rig, pairs, settings.view), doubts(rig)
     check_prior(settings.prior, rig_parameters(rig))

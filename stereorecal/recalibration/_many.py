@@ -99,6 +99,7 @@ def recalibrate_many(
     settings, scenes = as_settings(options), (scenes,) if isinstance(scenes, Scene) else tuple(scenes)
     if not scenes:
         raise InputError("there is nothing to repair; give at least one recording.")
+    scenes = tuple(one if one.rig is None else replace(one, rig=one.rig.side_by_side()) for one in scenes)
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, settings.schedule)
     if len(scenes) == 1:

@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.decision import Reason
 from stereorecal.estimation import NO_RANGES, MatchedRanges
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, turned_pixels, turned_size
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters
 from stereorecal.recordings import Odometer, Pair, Range
@@ -56,7 +57,7 @@ def match_ranges(
 ) -> MatchedRanges:
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
-    pixels = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
+    pixels = [_turned(rig, np.array([one.left_pixel for one in some], float).reshape(-1, 2)) for some in by_frame]
     partners = host.match_pixels(data, rig, matcher, pixels)
     right = np.concatenate([NO_RANGES.right, *(some.pixels for some in partners)])
     every = [one for some in by_frame for one in some]
@@ -75,8 +76,13 @@ def match_ranges(
 
 def _slant(rig: StereoRig, one: Range) -> float:
     """Metres along the ray for each metre that is given."""
-    ray = np.asarray(rig.left.rays(np.array([one.left_pixel], float)))[0]
+    ray = np.asarray(rig.left.rays(_turned(rig, np.array([one.left_pixel], float))))[0]
     return float(np.linalg.norm(ray) / ray[2]) if one.along == "axis" else 1.0
+
+
+def _turned(rig: StereoRig, pixels: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
+    """Pixels of left images as they were taken, in those that are matched."""
+    return turned_pixels(pixels, rig.sizes_taken[0], rig.turns[0])
 
 
 def resolved_ranges(
@@ -124,8 +130,9 @@ def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> R
         numbers = f", or a number from 0 to {len(named) - 1}" if len(recordings) == 1 else ""
         raise InputError(f'a range of pair {what!r}: {which}; name one, such as "{such_as}"{numbers}.')
     (pair,) = found
-    if not all(0.0 <= at <= length - 1 for at, length in zip(one.left_pixel, pair.size, strict=True)):
-        size = "x".join(map(str, pair.size))
+    taken = turned_size(pair.size, pair.turns[0])
+    if not all(0.0 <= at <= length - 1 for at, length in zip(one.left_pixel, taken, strict=True)):
+        size = "x".join(map(str, taken))
         raise InputError(f"the range at pixel {one.left_pixel} lies outside of the {size} image.")
     return replace(one, pair=pair)
 

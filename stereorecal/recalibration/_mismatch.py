@@ -117,11 +117,16 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
 
     Args:
         pairs: all that follow each other, where some are a frame late.
-        name: of its cause: exchanged, scaled, late or early.
+        name: of its cause: exchanged, scaled, late or early; or turned, for images that are both upside down, which
+            match no less if they are exchanged.
 
     Raises:
         InputError: if calibration and images do not say how.
     """
+    if name == "turned":
+        images = [[np.ascontiguousarray(image[::-1, ::-1]) for image in (pair.left, pair.right)] for pair in pairs]
+        both = zip(pairs, images, strict=True)
+        return rig, tuple(replace(pair, left=left, right=right, origin=None) for pair, (left, right) in both)
     found = [(rig, pairs) for cause, rig, pairs in _causes(rig, pairs) if cause.name == name]
     if not found:
         raise InputError(f"calibration and images do not say how to correct {name!r}; leave --fix out.")
@@ -151,7 +156,7 @@ def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, St
         Cause(
             "exchanged",
             "with left and right exchanged",
-            "Exchange the left and right images; if both are upside down, turn them by 180 degrees instead.",
+            "Exchange the left and right images; if both are upside down, turn them instead (--fix turned).",
         ),
         rig,
         tuple(replace(pair, left=pair.right, right=pair.left, origin=None) for pair in pairs),

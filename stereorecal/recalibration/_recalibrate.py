@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recalibration._assessment import looked
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._ending import ending_of_assessment, ending_of_search
@@ -35,6 +35,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
+    rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options)
     settings = replace(settings, free=what_may_change(rig, settings))
     return recalibrate_case(prepared(rig, pairs, settings), settings, began)

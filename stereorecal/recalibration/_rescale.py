@@ -8,7 +8,7 @@ import numpy as np
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal.estimation import MatchedRanges
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, Reach, row_chart
 from stereorecal.recalibration._match_ranges import match_ranges, resolved_ranges
@@ -63,6 +63,7 @@ def rescale_baseline(
             or yaw_sigma is not positive.
     """
     refuse_tracers("sr.rescale_baseline", "it before tracing", rig)
+    rig = checked_rig(rig)
     images = pyramid(rig, pairs)
     ranges = resolved_ranges(ranges, [("", images.pairs)])
     data = images.at(finest_scale(rig.left.size))

@@ -1,6 +1,7 @@
 """Pairs that are read when they are used: a recording may be larger than the memory."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, overload
 
 from stereorecal.recordings._pair import Pair
@@ -44,35 +45,13 @@ class LazyPairs(PairSequence):
             [self.times[number] for number in numbers],
         )
 
-    def checked(self, check: Callable[[Pair], object]) -> "LazyPairs":
-        """The same pairs, each handed to `check` when it is read, which raises if it is not as it should be."""
-        return LazyPairs([_Checked(read, check) for read in self._reads], self.names, self.times)
-
-    def read_out(self, seconds: float) -> "LazyPairs":
-        """The same pairs, as rolling shutters took them: `Pair.read_out`."""
-        return LazyPairs([_ReadOut(read, seconds) for read in self._reads], self.names, self.times)
+    def mapped(self, function: Callable[[Pair], Pair]) -> "LazyPairs":
+        """What a function, of a module so that it travels to workers, makes of each pair when it is read."""
+        return LazyPairs([partial(_mapped, read, function) for read in self._reads], self.names, self.times)
 
 
-class _ReadOut:
-    """A function that reads a pair of rolling shutters; of a module, like the next one."""
-
-    def __init__(self, read: Callable[[], Pair], seconds: float):
-        self._read, self._seconds = read, seconds
-
-    def __call__(self) -> Pair:
-        return self._read().read_out(self._seconds)
-
-
-class _Checked:
-    """A function that reads and checks; of a module, so that it travels to workers if what it calls does."""
-
-    def __init__(self, read: Callable[[], Pair], check: Callable[[Pair], object]):
-        self._read, self._check = read, check
-
-    def __call__(self) -> Pair:
-        pair = self._read()
-        self._check(pair)
-        return pair
+def _mapped(read: Callable[[], Pair], function: Callable[[Pair], Pair]) -> Pair:
+    return function(read())
 
 
 def names_of(pairs: PairSequence) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from jaxtyping import Float, Num
 
 from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
-from stereorecal.geometry import whole_size
+from stereorecal.geometry import UPRIGHT, Turns, whole_size
 
 _LONGEST_READOUT = 1.0  # seconds
 _WHITE, _ROUNDING = 255.0, 0.5
@@ -30,10 +30,11 @@ class Pair:
             its paths, not as pixels.
         time: when it was taken, seconds of any clock; None if that is not known.
         readout: seconds that rolling shutters take from the first row to the last; 0: all rows at once.
+        turns: by how many quarters the images are turned, as a rig has it; (0, 0): as they were taken.
 
     Raises:
         InputError: if the images differ in size, contain NaN or infinite values, or are constant, the time is not
-            finite, or the readout makes no sense.
+            finite, or the readout makes no sense or is of images that are turned.
     """
 
     left: Float[np.ndarray, "h w"]
@@ -42,12 +43,18 @@ class Pair:
     origin: tuple[Callable[..., "Pair"], tuple[Any, ...]] | None = field(default=None, repr=False)
     time: float | None = None
     readout: float = 0.0
+    turns: Turns = UPRIGHT
 
     def __post_init__(self) -> None:
         if not (_is_number(self.readout) and 0.0 <= self.readout <= _LONGEST_READOUT):
             raise InputError(
                 f"{self.name}: a rolling shutter that reads an image in {self.readout!r} s makes no sense; give 0 to "
                 f"{_LONGEST_READOUT:g} s."
+            )
+        if self.readout and self.turns != UPRIGHT:
+            raise InputError(
+                f"{self.name}: the images are turned, and a rolling shutter takes those as they are row by row; leave "
+                "the readout out."
             )
         if self.time is not None and not (_is_number(self.time) and np.isfinite(self.time)):
             raise InputError(f"{self.name}: a time of {self.time!r} s makes no sense; leave it out if it is not known.")
@@ -117,22 +124,45 @@ class Pair:
         if size == self.size:
             return self
         shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
-        return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout)
+        return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout, turns=self.turns)
 
     def read_out(self, seconds: float) -> "Pair":
         """The pair as rolling shutters took it that take so many seconds from the first row to the last."""
         origin = None if self.origin is None else (_read_out, (self.origin, seconds))
         return replace(self, origin=origin, readout=seconds)
 
+    def turned(self, turns: Turns) -> "Pair":
+        """The pair with its left and right image turned counter-clockwise by so many quarters more.
+
+        Raises:
+            InputError: if they have different sizes then, or rolling shutters took them.
+        """
+        if turns == UPRIGHT:
+            return self
+        left, right = (np.rot90(image, turn) for image, turn in zip((self.left, self.right), turns, strict=True))
+        origin = None if self.origin is None else (_turned, (self.origin, turns))
+        now = (self.turns[0] + turns[0]) % 4, (self.turns[1] + turns[1]) % 4
+        both = np.ascontiguousarray(left), np.ascontiguousarray(right)
+        return replace(self, left=both[0], right=both[1], origin=origin, turns=now)
+
+    def as_taken(self) -> "Pair":
+        """The pair as it was taken."""
+        return self.turned((-self.turns[0] % 4, -self.turns[1] % 4))
+
     def __reduce__(self):
         if self.origin is not None:
             return self.origin
-        return Pair, (self.left, self.right, self.name, None, self.time, self.readout)
+        return Pair, (self.left, self.right, self.name, None, self.time, self.readout, self.turns)
 
 
 def _read_out(origin: tuple[Callable[..., Pair], tuple[Any, ...]], seconds: float) -> Pair:
     make, arguments = origin
     return make(*arguments).read_out(seconds)
+
+
+def _turned(origin: tuple[Callable[..., Pair], tuple[Any, ...]], turns: Turns) -> Pair:
+    make, arguments = origin
+    return make(*arguments).turned(turns)
 
 
 def make_pair(

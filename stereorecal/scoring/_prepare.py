@@ -11,7 +11,7 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, refuse_tracers
 from stereorecal._errors import InputError
 from stereorecal._pytree import register_pytree
-from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
+from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view, checked_rig
 from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames
 from stereorecal.scoring._image_quality import ImageQuality, image_quality
@@ -138,7 +138,7 @@ def prepare(rig: StereoRig, pairs: Pairs, view: AnyView = None, scale: float = 1
     """
     instead = "it before tracing, and vary the extrinsics of sr.count or sr.soft_count"
     refuse_tracers("sr.prepare", instead, rig, pairs, view)
-    return pyramid(rig, pairs, view).at(scale)
+    return pyramid(checked_rig(rig), pairs, view).at(scale)
 
 
 def _prepared(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float) -> ScoringData:

@@ -245,3 +245,30 @@ def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_pat
     answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
     assert answer.code == 2
     assert "--html shows one recording" in answer.err
+
+
+@pytest.mark.parametrize("turns", [(1, 1), (0, 2)], ids=["one above the other", "right upside down"])
+def test_cameras_that_stand_otherwise(command, seen, calibration, tmp_path, turns):
+    """The same answers, and the file as it was but for what is repaired."""
+    from dataclasses import replace
+
+    from stereorecal.io import load_rig, save_rig
+
+    rig = load_rig(calibration)
+    save_rig(replace(rig, turns=turns, source=None), tmp_path / "stands.yaml", format="opencv")
+    for name, images, turned in (("plain", (0, 0), calibration), ("turned", turns, tmp_path / "stands.yaml")):
+        words = ["--calibration", turned, "--unit", "m"] if name == "turned" else ["--calibration", turned]
+        for side, turn in enumerate(images):
+            (tmp_path / name / str(side)).mkdir(parents=True)
+            for number, pair in enumerate(seen[:1]):
+                cv2.imwrite(str(tmp_path / name / str(side) / f"{number}.png"), np.rot90(pair[side], -turn))
+        where = ("--left", tmp_path / name / "0", "--right", tmp_path / name / "1", *words)
+        answer = command("recalibrate", *where, "--output", tmp_path / f"{name}{turned.suffix}")
+        assert answer.code == 0, answer.err
+        assert ("images are turned by" in answer.err) == (name == "turned")
+    plain, found = load_rig(tmp_path / "plain.json"), load_rig(tmp_path / "turned.yaml", unit="m")
+    np.testing.assert_allclose(found.side_by_side().extrinsics, plain.extrinsics, atol=1e-6)
+    assert found.turns == (0, 0)
+    assert found.left.size == (SIZE[::-1] if turns == (1, 1) else SIZE)
+    difference = command("diff", tmp_path / "plain.json", tmp_path / "turned.yaml", "--unit", "m")
+    assert "rotation  0.000 deg" in difference.out

@@ -1,6 +1,7 @@
 """Cameras: projection and its inverse, resizing, what is refused."""
 
 import pickle
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -12,9 +13,15 @@ from hypothesis import given, strategies as st
 from lenses import FEW, LENSES
 
 from stereorecal import InputError, UnsupportedModelError
-from stereorecal.geometry import Camera, changed_camera, distort, same_camera, undistort
+from stereorecal.geometry import Camera, changed_camera, distort, same_camera, turn_of, turned_pixels, undistort
 
 SIZE = (96, 64)
+WIDE = {
+    "equidistant": [0.1, 0.01, -0.01, 0.001],
+    "ds": [-0.2, 0.6],
+    "eucm": [0.6, 1.1],
+    "omni": [1.0, -0.1, 0.05, 0.01, 0.02],
+}
 MATRIX = np.array([[80.0, 0, 46.2], [0, 82.0, 33.1], [0, 0, 1]])
 
 
@@ -208,3 +215,31 @@ def test_a_lens_model_grows_only_for_what_changes():
     camera = Camera((640, 480), np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]]), np.zeros(5))
     assert changed_camera(camera, {"f": 0.01, "k3": 0.0, "s4": 0.0}).distortion.size == 5
     assert changed_camera(camera, {"s4": 1e-4}).distortion.size == 12
+
+
+@pytest.mark.parametrize("quarters", [-1, 1, 2, 3])
+@pytest.mark.parametrize("name", [*LENSES, *WIDE])
+def test_a_camera_of_a_turned_image(name: int | str, quarters: int):
+    """Tilts about both axes turn by 180 degrees only."""
+    lens = np.array(LENSES[name] if isinstance(name, int) else WIDE[name], float)
+    one = Camera(SIZE, MATRIX, lens, model="radtan" if isinstance(name, int) else name)
+    if lens.size > 12 and quarters != 2:
+        with pytest.raises(InputError, match="tilted about both axes"):
+            one.turned(quarters)
+        one = replace(one, distortion=np.where(np.arange(lens.size) == 12, 0.0, lens))
+    other, points = one.turned(quarters), np.random.default_rng(1).uniform([-1, -0.8, 2], [1, 0.8, 4], (200, 3))
+    expected = turned_pixels(one.project(points), SIZE, quarters)
+    np.testing.assert_allclose(other.project(points @ turn_of(quarters).T), expected, atol=1e-9)
+    back = other.turned(-quarters)
+    assert (back.size, back.lens_radius) == (one.size, one.lens_radius)
+    np.testing.assert_allclose(back.matrix, one.matrix, rtol=1e-15)
+    np.testing.assert_array_equal(back.distortion, one.distortion)
+
+
+@pytest.mark.parametrize("quarters", range(-4, 5))
+def test_pixels_of_a_turned_image(quarters: int):
+    """As `np.rot90` has them."""
+    image = np.arange(35).reshape(5, 7)
+    turned = np.rot90(image, quarters)
+    columns, rows = turned_pixels(pixels_of((7, 5)), (7, 5), quarters).astype(int).transpose(2, 0, 1)
+    np.testing.assert_array_equal(turned[rows, columns], image)

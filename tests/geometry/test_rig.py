@@ -62,9 +62,10 @@ def test_with_extrinsics_keeps_the_cameras_and_copies():
         ([0, 0, 0, 0, 0, 0], "baseline is zero"),
         ([0, 0, 0, 0.1, 0, 0], "swapped"),
         ([0, 0, 0, 0.1, 0.05, 0.1], "swapped"),
-        ([0, 0, 0, -0.1, 0.2, 0], "above or behind"),
-        ([0, 0, 0, -0.1, 0, -0.1], "above or behind"),
-        ([0, 0, 0, 0.05, 0.1, 0], "above or behind"),
+        ([0, 0, 0, -0.1, 0.1, 0], "neither side by side"),
+        ([0, 0, 0, -0.1, 0, -0.1], "neither side by side"),
+        ([0, 0, 0, 0.05, 0.1, 0.2], "neither side by side"),
+        ([0, 0, np.pi, 0.05, 0.1, 0.2], "neither side by side"),
     ],
 )
 def test_extrinsics_that_are_none(extrinsics: list[float], words: str):

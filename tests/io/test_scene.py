@@ -283,7 +283,7 @@ def test_bad_image_sizes(make: Make, size: Any):
         ("R", [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "R is not a rotation"),
         ("T", [0, 0, 0], "baseline is zero"),
         ("T", [0.1, 0, 0], "swapped"),
-        ("T", [-0.1, 0.2, 0], "above or behind"),
+        ("T", [-0.1, 0.1, 0.2], "neither side by side"),
     ],
 )
 def test_values_that_are_no_calibration(make: Make, key: str, value: Any, words: str):

@@ -5,12 +5,14 @@ on the reprojections of all corners in both cameras; what the poses of the board
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal import CalibrationCovariance, InputError, StereoRig
 from stereorecal.estimation import CalibrationPrior, Normal, as_prior, physical_prior, rig_parameters, root, updated
+from stereorecal.geometry import turned_pixels
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal_boards._board import Board
 from stereorecal_boards._checks import check_fitted, check_given, check_inside
@@ -42,6 +44,7 @@ def covariance_of_boards(
     """
     if not isinstance(boards, Sequence) or not all(isinstance(board, Board) for board in boards):
         raise InputError("boards holds something else than boards; give find_boards(pairs), or a list of Board.")
+    rig, boards = rig.side_by_side(), tuple(_turned(rig.side_by_side(), board) for board in boards)
     chart = rig_parameters(rig)
     check_inside(chart, boards)
     known, n = physical_prior(chart) if prior is None else as_prior(prior, chart), chart.dim
@@ -58,6 +61,15 @@ def covariance_of_boards(
     told = np.flatnonzero(np.diag(spread) > 0.0)
     covariance = spread[np.ix_(told, told)] / weights.sum()
     return CalibrationCovariance([chart.names[index] for index in told], covariance, mean[told])
+
+
+def _turned(rig: StereoRig, board: Board) -> Board:
+    """A board as images show it that are turned as the rig's."""
+    left, right = (
+        turned_pixels(np.asarray(pixels), size, turn)
+        for pixels, size, turn in zip((board.left, board.right), rig.sizes_taken, rig.turns, strict=True)
+    )
+    return replace(board, left=left, right=right)
 
 
 def _with_squares(prior: CalibrationPrior, chart: RigChart, squares: float) -> CalibrationPrior:

@@ -38,8 +38,8 @@ class BoardOptions(_Boards, CommonOptions):
         self._corners()
         if getattr(self, "prior", None) is not None:
             raise InputError("--boards say what the calibration left, and --prior says it too; give one.")
-        if getattr(self, "fix", None) == "exchanged":
-            raise InputError("--fix exchanged exchanges images alone; with --boards, exchange the files.")
+        if (fix := getattr(self, "fix", None)) in ("exchanged", "turned"):
+            raise InputError(f"--fix {fix} changes images alone; with --boards, change the files.")
 
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """What the boards tell of the calibration of all recordings.

@@ -1,5 +1,7 @@
 """Boards of the calibration: what they tell of it, what they do not, and what is refused."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from stereorecal_boards import Board, covariance_of_boards
 
 import stereorecal as sr
 from stereorecal import CalibrationCovariance
-from stereorecal.geometry import rotation_from_vector
+from stereorecal.geometry import rotation_from_vector, turned_pixels
 
 NOISE = 0.15
 GRID = np.column_stack([np.mgrid[0:9, 0:6].reshape(2, -1).T, np.zeros(54)])
@@ -263,3 +265,18 @@ def test_ranges_correct_squares_of_another_size():
     assert low < 100 * (true.baseline / bad.baseline - 1) < high  # which a yaw may stand for
     before, after = (sr.difference(rig, true).depth_error_percent for rig in (bad, found.rig))
     assert all(abs(after[at]) < 0.7 * abs(before[at]) for at in (5, 10, 30))
+
+
+@pytest.mark.parametrize("turns", [(1, 1), (0, 2)], ids=["one above the other", "right upside down"])
+def test_boards_are_in_images_as_they_were_taken(rig, boards, found, turns):
+    """The covariance is that of the rig as it is matched, side by side."""
+    taken = replace(rig, turns=turns).as_taken()
+    other = sr.StereoRig.from_rotation(taken.left, taken.right, taken.rotation, taken.translation)
+    sizes, back = (rig.left.size, rig.right.size), (-turns[0], -turns[1])
+    moved = [
+        Board(*map(turned_pixels, (board.left, board.right), sizes, back), board.points)  # as those cameras see it
+        for board in boards
+    ]
+    said = covariance_of_boards(other, moved)
+    assert said.names == found.names
+    np.testing.assert_allclose(covariance(said), covariance(found), rtol=1e-3, atol=1e-12)

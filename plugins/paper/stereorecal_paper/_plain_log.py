@@ -51,7 +51,8 @@ def save_mission(mission: Mission, folder: str | PathLike[str]) -> None:
     if len(set(names.values())) < len(mission.pairs):
         raise InputError(f"{mission.name}: two pairs would be written under the same name; rename one.")
     for pair in mission.pairs:
-        for side, image in (("left", pair.left), ("right", pair.right)):
+        taken = pair.as_taken()
+        for side, image in (("left", taken.left), ("right", taken.right)):
             write_png(place / side / names[pair.name], image)
     if mission.truth is not None:
         save_rig(replace(mission.truth, source=None), place / _TRUTH, overwrite=True, format="stereorecal")

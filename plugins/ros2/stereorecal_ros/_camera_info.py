@@ -83,13 +83,22 @@ def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
         raise InputError(
             "camera_info: P has no baseline (its fourth column is the same in both); calibrate the two as stereo."
         )
-    if abs(shift[1]) > abs(shift[0]):
-        raise InputError(
-            "camera_info: one camera is above the other (the baseline is in P[7]); disparities in columns are not "
-            "supported, use cameras side by side."
-        )
     to_left, to_right = rotations
-    return StereoRig.from_rotation(cameras[0], cameras[1], to_right.T @ to_left, to_right.T @ shift)
+    return side_by_side(StereoRig.from_rotation(cameras[0], cameras[1], to_right.T @ to_left, to_right.T @ shift))
+
+
+def side_by_side(rig: StereoRig) -> StereoRig:
+    """The rig, of whose images the rectified ones are published.
+
+    Raises:
+        InputError: if its images would have to be turned.
+    """
+    if rig.side_by_side() is not rig:
+        raise InputError(
+            "camera_info: one camera is above the other (the baseline is in P[7]), or upside down; images that must be "
+            "turned are not supported here, use cameras side by side."
+        )
+    return rig
 
 
 def view_of(left: CameraInfo, right: CameraInfo) -> View | None:

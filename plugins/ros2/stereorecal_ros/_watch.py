@@ -15,7 +15,7 @@ from stereorecal.geometry import rig_as_data
 from stereorecal.io import back_up, calibration_files, load_rig, save_rig
 from stereorecal.online import Event, Kind, MonitorProcess, State, reading, recalibrate
 from stereorecal_ros._applied import Applied
-from stereorecal_ros._camera_info import CameraInfo, corrected, is_like, rig_of, view_of
+from stereorecal_ros._camera_info import CameraInfo, corrected, is_like, rig_of, side_by_side, view_of
 from stereorecal_ros._camera_info_files import infos_in
 from stereorecal_ros._given import Given
 from stereorecal_ros._heard import Heard
@@ -97,7 +97,7 @@ class Watch:
         self._unsaved: str | None = None  # why the state cannot be kept
         self._unkept: tuple[str, float] | None = None  # why what is applied cannot be, and when it was tried
         if settings.files:
-            rig, infos = load_rig(settings.files), infos_in(settings.files)
+            rig, infos = side_by_side(load_rig(settings.files)), infos_in(settings.files)
             self._adopt(rig, None if infos is None else view_of(*infos))
 
     @property

@@ -1,13 +1,15 @@
 """Which two cameras of a file are the left and the right one: the first and the second, unless others are chosen."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from stereorecal._errors import InputError
-from stereorecal.geometry import AS_IN_FILE, StereoRig, euler_from_rotation
+from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal.geometry import AS_IN_FILE, StereoRig, described_turns, euler_from_rotation
+from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
 
 _SIDES = ("left", "right")  # names of the first two cameras in every format
@@ -73,7 +75,7 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
         InputError: if the first camera is the right one then, or the two stand otherwise.
     """
     rig = _exchanged(rig) if exchanged else rig
-    x, y, z = np.asarray(rig.translation)
+    x, y, z = np.asarray(rig.side_by_side().translation)
     if x >= max(abs(y), abs(z)):
         raise InputError(
             f"left and right are swapped: T[0] must be negative (x_right = R x_left + T); {_way(hints, files)}"
@@ -82,8 +84,20 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
 
 
 def as_in_file(rig: StereoRig, exchanged: bool) -> StereoRig:
-    """The inverse of `left_first`."""
+    """The inverse of `left_first`, of images as they were taken."""
+    rig = rig.as_taken()
     return _exchanged(replace(rig, source=AS_IN_FILE)) if exchanged else rig
+
+
+def warn_of_turns(path: AnyPath, *rigs: StereoRig | None) -> None:
+    """Say once, of what `path` holds, that images are turned.
+
+    Warns:
+        CalibrationWarning: if they are.
+    """
+    for turns in {rig.turns for rig in rigs if rig is not None and any(rig.turns)}:
+        done = f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
+        warnings.warn(f"{path}: {done}", CalibrationWarning, stacklevel=3)
 
 
 def _way(hints: Hints, files: int) -> str:
@@ -96,7 +110,7 @@ def _way(hints: Hints, files: int) -> str:
         )
     return (
         'if the first camera of the file is the right one, give cameras=("right", "left"), on the command line '
-        "--cameras right,left."
+        "--cameras right,left; if both are upside down, turn images and calibration by 180 degrees."
     )
 
 

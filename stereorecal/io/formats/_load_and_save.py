@@ -12,7 +12,7 @@ from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._calibration_template import calibration_template
-from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
 from stereorecal.io.formats._file_sizes import warn_of_size
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.formats._format import Hints
@@ -34,7 +34,9 @@ def load_rig(
     size: tuple[int, int] | None = None,
     cameras: tuple[str, str] | None = None,
 ) -> StereoRig:
-    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`.
+    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`. Where its
+    cameras stand one above the other, or one is upside down, what matches images turns it, and them:
+    `StereoRig.side_by_side`.
 
     Args:
         path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
@@ -54,8 +56,8 @@ def load_rig(
 
     Warns:
         CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
-            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of images whose
-            size the file does not say.
+            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of
+            images whose size the file does not say.
     """
     paths = [*_paths(path), *([] if right is None else [Path(right)])]
     if not 1 <= len(paths) <= _MOST_FILES:
@@ -172,7 +174,8 @@ def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: s
 
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     """A rig as a calib.json, with what is known of it."""
-    text = calibration_text(calibration_of(rig, rig.left.size))
+    taken = as_in_file(rig, exchanged=False)
+    text = calibration_text(calibration_of(taken, taken.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
 
 
@@ -197,7 +200,7 @@ def _paths(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 
 def _read_template(template: AnyPath | Sequence[AnyPath], unit: str | None, rig: StereoRig) -> StereoRig:
     """The rig in a template; lengths in one that says no unit are as in the rig's own file of that format."""
-    paths, hints, own = _paths(template), Hints(size=rig.left.size), file_of(rig)
+    paths, hints, own = _paths(template), Hints(size=rig.sizes_taken[0]), file_of(rig)
     template_rig = read_files(paths, unit=unit, hints=hints)
     found = file_of(template_rig)
     if own is not None and found is not None and found.inferred and found.format == own.format:

@@ -156,15 +156,16 @@ def _cameras(rig: StereoRig, target: Target, matrices: Matrices) -> Iterator[tup
 
 
 def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Array, Array]:
-    """R and T of the rotations that rectify, and the projections: R = R2^T R1, T = R2^T (P2[0, 3] / P2[0, 0], 0, 0)."""
+    """R and T of the rotations that rectify, and the projections: R = R2^T R1, T = R2^T (P2[0, 3] / P2[0, 0], 0, 0); of
+    cameras one above the other R2^T (0, P2[1, 3] / P2[1, 1], 0)."""
     R1, R2 = (numbers(content, names[key], (3, 3)) for key in ("R1", "R2"))
     P1, P2 = (numbers(content, names[key], (3, 4)) for key in ("P1", "P2"))
-    if np.any(P1[:, 3]) or np.any(P2[1:, 3]) or P2[0, 0] <= 0:
+    if np.any(P1[:, 3]) or P2[2, 3] or np.all(P2[:2, 3]) or P2[0, 0] <= 0 or P2[1, 1] <= 0:
         raise InputError(
             f"R and T cannot be told from {names['P1']} and {names['P2']}, whose fourth columns are not (0, 0, 0) and "
-            "(t, 0, 0); add R and T to the file."
+            "(t, 0, 0) or (0, t, 0); add R and T to the file."
         )
-    return R2.T @ R1, R2.T @ np.array([P2[0, 3] / P2[0, 0], 0.0, 0.0])
+    return R2.T @ R1, R2.T @ np.array([P2[0, 3] / P2[0, 0], P2[1, 3] / P2[1, 1], 0.0])
 
 
 def _lens(camera: Camera, counts: Sequence[int] = _COUNTS) -> Array:

@@ -6,7 +6,16 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import PINHOLE, StereoRig, rectifying_rotations, view as view_shown
+from stereorecal.geometry import (
+    PINHOLE,
+    StereoRig,
+    rectifying_rotations,
+    turn_of,
+    turned_pixels,
+    turned_size,
+    turns_of,
+    view as view_shown,
+)
 
 Array = Float[np.ndarray, "..."]
 
@@ -52,12 +61,17 @@ def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> R
 def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
     """R1, R2, P1, P2 and Q as `cv2.stereoRectify` computes them; and the regions roi1, roi2 (x, y, width, height) in
     which all pixels are seen."""
-    left, right = rig.left, rig.right
+    turns = first, second = turns_of(rig.rotation, rig.translation)
+    if first != second:  # rectified images are upright
+        made = rectification_of(rig.turned(turns), options)
+        return made | {"R1": made["R1"] @ turn_of(first), "R2": made["R2"] @ turn_of(second)}
+    left, right, turned, turn = rig.left, rig.right, rig.turned(turns), turn_of(first)
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics. Where the
     # right camera is the first one of a file, the baseline lies along x as well, and not against it.
-    R1, R2 = rectifying_rotations(rig.rotation, -_sign(rig) * np.asarray(rig.translation))
+    found = rectifying_rotations(turned.rotation, -_sign(turned) * np.asarray(turned.translation))
+    R1, R2 = (turn.T @ np.asarray(rotation) @ turn for rotation in found)
     if rig.is_wide:
-        return {"R1": np.asarray(R1), "R2": np.asarray(R2), **_projections(rig, options)}
+        return {"R1": R1, "R2": R2, **_projections(turned, options, first)}
     _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
         np.asarray(left.matrix, float),
         np.asarray(left.distortion, float),
@@ -74,15 +88,20 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
 
 
-def _projections(rig: StereoRig, options: RectifyOptions) -> dict[str, Array]:
-    """P1, P2, Q and the whole images as regions."""
-    ours, (width, height) = view_shown(rig, projection=PINHOLE), rig.left.size
-    left, right = options.matrices or (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
-    baseline = -_sign(rig) * float(rig.baseline)
+def _projections(rig: StereoRig, options: RectifyOptions, quarters: int) -> dict[str, Array]:
+    """P1, P2, Q and the whole images as regions, of a rig that was turned by so many quarters."""
+    ours, (width, height) = view_shown(rig, projection=PINHOLE), turned_size(rig.left.size, quarters)
+    left, right = options.matrices or (
+        np.array([[matrix[0, 0], 0.0, x], [0.0, matrix[1, 1], y], [0.0, 0.0, 1.0]])
+        for matrix in (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
+        for x, y in [turned_pixels(matrix[:2, 2], ours.size, -quarters)]
+    )
+    to_right = turn_of(-quarters) @ [_sign(rig) * float(rig.baseline), 0.0, 0.0]
+    axis = quarters % 2
     P1, P2 = (np.column_stack([matrix, np.zeros(3)]) for matrix in (left, right))
-    P2[0, 3] = -right[0, 0] * baseline
+    P2[axis, 3] = right[axis, axis] * to_right[axis]
     Q = np.array([[1.0, 0, 0, -left[0, 2]], [0, 1.0, 0, -left[1, 2]], [0, 0, 0, left[0, 0]], [0, 0, 0, 0]])
-    Q[3, 2:] = 1.0 / baseline, (right[0, 2] - left[0, 2]) / baseline
+    Q[3, 2:] = -1.0 / to_right[axis], (left[axis, 2] - right[axis, 2]) / to_right[axis]
     whole = np.array([0.0, 0.0, width, height])
     return {"P1": P1, "P2": P2, "Q": Q, "roi1": whole, "roi2": whole}
 

@@ -24,8 +24,8 @@ class Calibration:
     """The content of a calibration file.
 
     Attributes:
-        size: (width, height) of the images in pixels.
-        rig: None if both camera matrices of a calib.json are null.
+        size: (width, height) of the images in pixels, as they were taken.
+        rig: side by side; None if both camera matrices of a calib.json are null.
         reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
         info: the keys of a calib.json that do not describe the rig, unchanged.
     """
@@ -49,11 +49,11 @@ def load_calibration(
         if isinstance(content, dict) and content.get("K_left", ()) is None and content.get("K_right", ()) is None:
             with about(paths[0]):
                 return _of(image_size(content, "image_size"), None, content)
-    rig = read_files(paths, format, unit, hints, _IF_MISSING)
+    rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
     source = file_of(rig)
     if source is None or source.format != _stereorecal.NAME:
-        return _of(rig.left.size, rig, {})
-    return _of(rig.left.size, rig, source.documents[0].content)
+        return _of(rig.sizes_taken[0], rig, {})
+    return _of(rig.sizes_taken[0], rig, source.documents[0].content)
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:

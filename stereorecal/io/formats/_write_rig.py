@@ -40,7 +40,8 @@ def texts_of(
     checked_unit(unit)
     if source is not None and source.hints.common_size:
         source = replace(source, hints=replace(source.hints, common_size=False))
-        rig = at_own_sizes(rig, rig_in(source.documents, named(source.format), source.unit, source.hints))
+        own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
+        rig = at_own_sizes(rig, own_sizes.turned(rig.turns))
     syntax = syntax_for(paths, chosen, source)
     own = source if source is not None and source.format == chosen.NAME else None
     into = own if own is not None and own.documents[0].syntax is syntax else None
@@ -95,7 +96,7 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
 
 def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
     """The texts of the source with what has changed."""
-    before = rig_in(source.documents, format, source.unit, source.hints)
+    before = rig_in(source.documents, format, source.unit, source.hints).turned(rig.turns)
     for old, new in ((before.left, rig.left), (before.right, rig.right)):
         if old.size != new.size:
             wide, high = old.size
@@ -119,8 +120,9 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
 
 def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
     """The texts of new files."""
-    blanks = tuple(document("a new file", text, syntax) for text in format.blank(rig, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=rig.left.size, rectified=False)), unit)
+    taken = as_in_file(rig, exchanged=False)
+    blanks = tuple(document("a new file", text, syntax) for text in format.blank(taken, syntax))
+    return _checked(rig, format, Target(blanks, hints=Hints(size=taken.left.size, rectified=False)), unit)
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:

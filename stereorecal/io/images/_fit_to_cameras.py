@@ -65,7 +65,8 @@ def remark_orientation(name: str, stored: Sizes, tags: Tags, sizes: Sizes | None
     else:
         message = (
             f"{name}: {said} not applied; the calibration may be for turned images, as cv2.imread and viewers give "
-            "them: if it is, turn the files, with cv2.imwrite(name, cv2.imread(name))."
+            "them: if it is, turn the files, with cv2.imwrite(name, cv2.imread(name))"
+            f"{', or say --fix turned' if tags == (3, 3) else ''}."
         )
     warnings.warn(message, CalibrationWarning, stacklevel=3)
 

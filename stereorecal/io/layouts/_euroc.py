@@ -31,7 +31,7 @@ def read(folder: Path, limit: int | None) -> Log:
     matched = _same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES)
     files = [body / side / _CALIBRATION for side in (_LEFT, _RIGHT)]
     rig = read_files(files, "euroc")
-    sizes = rig.left.size, rig.right.size
+    sizes = rig.sizes_taken
     pairs = load_matched(matched, limit, sizes=sizes)
     if sizes[0] != sizes[1]:
         rig = read_files(files, "euroc", hints=Hints(common_size=True))

@@ -7,6 +7,7 @@ from stereorecal._errors import InputError
 from stereorecal._existing_paths import existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
+from stereorecal.io.formats._camera_choice import warn_of_turns
 from stereorecal.io.formats._file_units import warn_of_units
 from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
 from stereorecal.io.layouts._layout import Layout
@@ -43,6 +44,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     folder = existing_folder(folder)
     log = _read_log(folder, limit)
     warn_of_units(folder, *log.calibrations.values())
+    warn_of_turns(folder, *log.calibrations.values())
     return log
 
 
@@ -71,6 +73,7 @@ def load_scene(
     folder = existing_folder(folder)
     scene = _read_scene(folder, limit, choose)
     warn_of_units(folder, scene.rig)
+    warn_of_turns(folder, scene.rig)
     return scene
 
 

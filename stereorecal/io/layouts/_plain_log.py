@@ -48,7 +48,9 @@ def read(folder: Path, limit: int | None) -> Log:
     """
     one = not _is_log(folder)
     root = _around(folder) if one else folder
-    calibrations = {path.stem: load_rig(path) for path in natural_order((root / _CALIBRATIONS).glob("*.json"))}
+    calibrations = {
+        path.stem: load_rig(path).side_by_side() for path in natural_order((root / _CALIBRATIONS).glob("*.json"))
+    }
     places = (root / _SEQUENCES).iterdir() if not one else [Path(os.path.abspath(folder))]
     sequences = natural_order(path for path in places if path.is_dir())
     with about(folder):
@@ -57,7 +59,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
     facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
-    truth = load_rig(folder / _TRUTH) if (folder / _TRUTH).exists() else None
+    truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
         calibration, starred = _mission_facts(facts)
@@ -67,7 +69,7 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     name = calibration or _latest(folder.name, list(calibrations))
     rig = calibrations.get(name)  # the log says if there is none
     if rig is not None:
-        pairs = fitting(folder, Calibration(rig.left.size, rig), pairs)
+        pairs = fitting(folder, Calibration(rig.sizes_taken[0], rig), pairs)
     return Mission(folder.name, name, pairs, starred, truth)
 
 

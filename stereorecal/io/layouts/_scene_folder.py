@@ -3,6 +3,7 @@
 import math
 import re
 import shlex
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._scenes import fitting
+from stereorecal.io.formats._camera_choice import as_in_file
 from stereorecal.io.formats._read_rig import looks_calibrated
 from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
@@ -40,8 +42,12 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.size)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
-        pairs = pairs.read_out(readout)
+        pairs = pairs.mapped(partial(_read_out, readout))
     return calibration, fitting(folder, calibration, pairs)
+
+
+def _read_out(seconds: float, pair: Pair) -> Pair:
+    return pair.read_out(seconds)
 
 
 def _check_calibrated(folder: Path) -> None:
@@ -97,9 +103,10 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     folder = Path(folder)
     if not scene.pairs:
         raise InputError(f"the scene {scene.name!r} has no image pair; give at least one.")
+    pairs = tuple(pair.as_taken() for pair in scene.pairs)
     if scene.rig is not None:
         check_pairs(scene.rig, scene.pairs)
-    facts = calibration_of(scene.rig, scene.pairs[0].size)
+    facts = calibration_of(None if scene.rig is None else as_in_file(scene.rig, exchanged=False), pairs[0].size)
     times = [pair.time for pair in scene.pairs]
     known = {_TIMES: times} if None not in times else {}
     if len(readouts := {pair.readout for pair in scene.pairs}) == 1:
@@ -109,7 +116,7 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     if scene.rig is not None:
         text = with_prior(text, own_prior(scene.rig))
     images: dict[Path, Float[np.ndarray, "h w"]] = {}
-    for name, pair in zip(_file_names(scene.pairs), scene.pairs, strict=True):
+    for name, pair in zip(_file_names(scene.pairs), pairs, strict=True):
         images[folder / f"left{name}.png"], images[folder / f"right{name}.png"] = pair.left, pair.right
     _check_free(folder, {*images, folder / _CALIBRATION_FILE}, overwrite)
     for path, image in images.items():

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
@@ -63,9 +63,11 @@ def score(
         InputError: if images and calibration do not fit, or it is called under `jit`, `vmap` or `grad`.
     """
     refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig, pairs, view)
-    images = pyramid(rig, pairs, view)
+    images = pyramid(checked_rig(rig), pairs, view)
     data = images.at(scale)
-    found = counts_one_by_one(data, with_unit_baseline(rig.extrinsics)[None], with_measured_range(matcher, images))
+    found = counts_one_by_one(
+        data, with_unit_baseline(images.rig.extrinsics)[None], with_measured_range(matcher, images)
+    )
     return Score(int(found[0]), data.pixels)
 
 
@@ -74,6 +76,7 @@ def rectify(
 ) -> tuple[Float[np.ndarray, "h w"], Float[np.ndarray, "h w"]]:
     """Left and right image rectified, float32 in the view (default: the rig's own); borders are repeated."""
     refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig, pair, view)
+    rig = checked_rig(rig)
     data = _only(pyramid(rig, pair, view)).at(1.0)
     frame = rectified_frame(data, jnp.asarray(with_unit_baseline(rig.extrinsics), jnp.float32))
     return np.asarray(frame.left), np.asarray(frame.right)
@@ -84,6 +87,7 @@ def disparity(
 ) -> Disparity:
     """The disparity of one pair, NumPy arrays; `valid` is what `score` counts with the same view and matcher."""
     refuse_tracers("sr.disparity", "matcher.match on rectified images", rig, pair, view)
+    rig = checked_rig(rig)
     images = _only(pyramid(rig, pair, view))
     return disparities(images.at(1.0), with_unit_baseline(rig.extrinsics), with_measured_range(matcher, images))[0]
 

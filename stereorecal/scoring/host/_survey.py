@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._arrays import Extrinsics, refuse_tracers
-from stereorecal.geometry import AnyView, StereoRig, View, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._match_frame import match_frame
@@ -130,7 +130,7 @@ def with_disparity_range(
             called under `jit`, `vmap` or `grad`.
     """
     refuse_tracers("sr.with_disparity_range", "it before tracing", rig, pairs, view)
-    return with_measured_range(matcher, pyramid(rig, pairs, view), reach)
+    return with_measured_range(matcher, pyramid(checked_rig(rig), pairs, view), reach)
 
 
 def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:

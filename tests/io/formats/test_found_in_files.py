@@ -149,7 +149,7 @@ def test_the_whole_fourth_column_of_ros(tmp_path: Path):
         (np.zeros((3, 4)), "r.yaml: projection_matrix is 0; calibrate the two as stereo"),
         (np.column_stack([-PROJECTION, [7.2, 0, 0]]), "r.yaml: projection_matrix: "),
         (np.column_stack([PROJECTION, [0, 0, 0]]), "projection_matrix has no baseline"),
-        (np.column_stack([PROJECTION, [0.1, -7.2, 0]]), "the cameras stand above or behind each other"),
+        (np.column_stack([PROJECTION, [0.1, 0.1, 7.2]]), "the cameras stand neither side by side"),
     ],
 )
 def test_ros_without_a_baseline(tmp_path: Path, projection: np.ndarray, words: str):
