@@ -18,9 +18,9 @@ def run_all(
 ) -> Iterator[tuple[int, Result | BaseException]]:
     """The index of each task with what `function` makes of it, as they finish; an exception where the executor lost it.
 
-    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too:
-    Ctrl-C reaches workers as well, and is no result of a task. Closing the iterator, or an exception of its consumer,
-    cancels the tasks that wait.
+    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
+    once what is finished has been handed out: Ctrl-C reaches workers as well, and is no result of a task. Closing the
+    iterator, or an exception of its consumer, cancels the tasks that wait.
 
     Raises:
         InputError: if the executor forks its workers.
@@ -37,8 +37,16 @@ def run_all(
                 future = Future()
                 future.set_exception(error)
             futures[future] = index
+        unfinished = dict(futures)
         for future in as_completed(futures):
-            yield futures[future], _outcome(future)
+            index, found = unfinished.pop(future), _outcome(future)
+            if isinstance(found, ForkedError):
+                raise found
+            if isinstance(found, KeyboardInterrupt):
+                finished = [(index, _outcome(other)) for other, index in unfinished.items() if other.done()]
+                yield from (one for one in finished if not isinstance(one[1], KeyboardInterrupt))
+                raise found
+            yield index, found
     finally:
         for future in futures:
             future.cancel()
@@ -84,10 +92,6 @@ def run_task(parcel: _Parcel) -> Any:
 
 def _outcome(future: Future[Result]) -> Result | BaseException:
     try:
-        return future.result()
-    except (ForkedError, KeyboardInterrupt):
-        raise
+        return future.exception() or future.result()
     except CancelledError:
         return CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
-    except BaseException as error:
-        return error
