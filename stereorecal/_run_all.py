@@ -4,6 +4,7 @@ import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from stereorecal._errors import InputError
@@ -32,7 +33,7 @@ def run_all(
     try:
         for index, task in enumerate(tasks):
             try:
-                future = executor.submit(run_task, _Parcel((function, task)))
+                future = executor.submit(run_task, _Parcel(function, task))
             except BrokenExecutor as error:
                 future = Future()
                 future.set_exception(error)
@@ -63,6 +64,7 @@ _FORKED = (
 )
 
 
+@dataclass(frozen=True)
 class _Parcel:
     """A function and its task, which travel as bytes and are unpickled only where they are opened.
 
@@ -70,11 +72,11 @@ class _Parcel:
     and a process that misses an image would break the pool instead of saying so.
     """
 
-    def __init__(self, content: tuple[Callable, Any] | bytes) -> None:
-        self.content = content
+    function: Callable[[Any], Any] | None  # None: it is in `task`, with the task, as bytes
+    task: Any
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _Parcel, (self.content if isinstance(self.content, bytes) else pickle.dumps(self.content),)
+        return _Parcel, (None, self.task if self.function is None else pickle.dumps((self.function, self.task)))
 
 
 def run_task(parcel: _Parcel) -> Any:
@@ -85,9 +87,10 @@ def run_task(parcel: _Parcel) -> Any:
     """
     if os.getpid() != _PROCESS:
         raise ForkedError(_FORKED)
-    content = parcel.content
-    function, task = pickle.loads(content) if isinstance(content, bytes) else content
-    return function(task)
+    if parcel.function is None:
+        function, task = pickle.loads(parcel.task)
+        return function(task)
+    return parcel.function(parcel.task)
 
 
 def _outcome(future: Future[Result]) -> Result | BaseException:
