@@ -3,6 +3,7 @@
 import io
 import os
 import re
+import select
 import sys
 from typing import Any
 
@@ -22,7 +23,9 @@ class _Unfailing(io.FileIO):
 
     def write(self, data: Any, /) -> int:
         try:
-            return super().write(data) or len(data)
+            while (written := super().write(data)) is None:  # somebody has made it non-blocking, and it is full
+                select.select([], [self], [])
+            return written
         except OSError as error:
             self.error = self.error or error
             return len(data)
