@@ -4,6 +4,7 @@ import os
 import pickle
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from stereorecal._errors import InputError
@@ -18,9 +19,9 @@ def run_all(
 ) -> Iterator[tuple[int, Result | BaseException]]:
     """The index of each task with what `function` makes of it, as they finish; an exception where the executor lost it.
 
-    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too:
-    Ctrl-C reaches workers as well, and is no result of a task. Closing the iterator, or an exception of its consumer,
-    cancels the tasks that wait.
+    Without an executor, `function` runs here, and what it raises passes. A KeyboardInterrupt in a worker passes too,
+    once what is finished has been handed out: Ctrl-C reaches workers as well, and is no result of a task. Closing the
+    iterator, or an exception of its consumer, cancels the tasks that wait.
 
     Raises:
         InputError: if the executor forks its workers.
@@ -32,13 +33,21 @@ def run_all(
     try:
         for index, task in enumerate(tasks):
             try:
-                future = executor.submit(run_task, _Parcel((function, task)))
+                future = executor.submit(run_task, _Parcel(function, task))
             except BrokenExecutor as error:
                 future = Future()
                 future.set_exception(error)
             futures[future] = index
+        unfinished = dict(futures)
         for future in as_completed(futures):
-            yield futures[future], _outcome(future)
+            index, found = unfinished.pop(future), _outcome(future)
+            if isinstance(found, ForkedError):
+                raise found
+            if isinstance(found, KeyboardInterrupt):
+                finished = [(index, _outcome(other)) for other, index in unfinished.items() if other.done()]
+                yield from (one for one in finished if not isinstance(one[1], KeyboardInterrupt))
+                raise found
+            yield index, found
     finally:
         for future in futures:
             future.cancel()
@@ -55,6 +64,7 @@ _FORKED = (
 )
 
 
+@dataclass(frozen=True)
 class _Parcel:
     """A function and its task, which travel as bytes and are unpickled only where they are opened.
 
@@ -62,11 +72,11 @@ class _Parcel:
     and a process that misses an image would break the pool instead of saying so.
     """
 
-    def __init__(self, content: tuple[Callable, Any] | bytes) -> None:
-        self.content = content
+    function: Callable[[Any], Any] | None  # None: it is in `task`, with the task, as bytes
+    task: Any
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _Parcel, (self.content if isinstance(self.content, bytes) else pickle.dumps(self.content),)
+        return _Parcel, (None, self.task if self.function is None else pickle.dumps((self.function, self.task)))
 
 
 def run_task(parcel: _Parcel) -> Any:
@@ -77,17 +87,14 @@ def run_task(parcel: _Parcel) -> Any:
     """
     if os.getpid() != _PROCESS:
         raise ForkedError(_FORKED)
-    content = parcel.content
-    function, task = pickle.loads(content) if isinstance(content, bytes) else content
-    return function(task)
+    if parcel.function is None:
+        function, task = pickle.loads(parcel.task)
+        return function(task)
+    return parcel.function(parcel.task)
 
 
 def _outcome(future: Future[Result]) -> Result | BaseException:
     try:
-        return future.result()
-    except (ForkedError, KeyboardInterrupt):
-        raise
+        return future.exception() or future.result()
     except CancelledError:
         return CancelledError("the executor cancelled it: it was shut down, or has lost its workers.")
-    except BaseException as error:
-        return error

@@ -15,8 +15,6 @@ from stereorecal.cli._cluster import cluster
 from stereorecal.cli._jax_setup import use_compile_cache
 from stereorecal.cli._option_values import positive, shortened
 
-_NO_COMPLAINTS = "ignore:resource_tracker:UserWarning"
-
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:
     """A context with the executor that one of EXECUTORS stands for; None for serial.
@@ -35,9 +33,7 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
     if kind == "threads":
         return _pool(ThreadPoolExecutor(workers))
     # Who is interrupted leaves semaphores to Python's tracker of such things, which removes them and need not complain.
-    others = os.environ.get("PYTHONWARNINGS", "")
-    if _NO_COMPLAINTS not in others:
-        os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [others, _NO_COMPLAINTS]))
+    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker:UserWarning")
     # Forking after JAX has started threads is unsafe.
     return _pool(_Processes(workers, mp_context=get_context("spawn"), initializer=_begin_work))
 

@@ -13,14 +13,13 @@ from stereorecal._signals import interrupted, interruptible
 from stereorecal.cli._commands import options_of
 from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._streams import say, spell_out, stdout_error
+from stereorecal.cli._streams import say, stdout_error
 
 _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code. Bad input is one sentence on stderr, never a traceback."""
-    spell_out()
     try:
         options = options_of(sys.argv[1:] if arguments is None else arguments)
     except (InputError, PluginError) as error:  # of a plug-in's command

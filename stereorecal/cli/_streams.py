@@ -1,15 +1,13 @@
 """Stdout and stderr: closed, without a reader, on a full disk, or on a terminal that cannot write everything."""
 
-import codecs
 import io
 import os
 import re
+import select
 import sys
 from typing import Any
 
 from stereorecal._errors import InputError
-
-_ASCII = {"±": "+-", "°": " deg", "…": "...", "×": "x", "²": "^2", "→": "->", "≥": ">=", "≤": "<="}  # noqa: RUF001
 
 _CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]")
 
@@ -25,7 +23,9 @@ class _Unfailing(io.FileIO):
 
     def write(self, data: Any, /) -> int:
         try:
-            return super().write(data) or len(data)
+            while (written := super().write(data)) is None:  # somebody has made it non-blocking, and it is full
+                select.select([], [self], [])
+            return written
         except OSError as error:
             self.error = self.error or error
             return len(data)
@@ -38,9 +38,10 @@ def secure() -> None:
     os.close(spare)
     for number, name in ((1, "stdout"), (2, "stderr")):
         was, raw = getattr(sys, name), _Unfailing(number, "w", closefd=False)
-        how = (getattr(was, "encoding", None), getattr(was, "errors", None))
-        lines = number == 2 or raw.isatty()
-        setattr(sys, name, io.TextIOWrapper(io.BufferedWriter(raw), *how, line_buffering=lines))
+        encoding, lines = getattr(was, "encoding", None), number == 2 or raw.isatty()
+        # What a terminal cannot write, such as ± in ASCII, is spelt \xb1.
+        text = io.TextIOWrapper(io.BufferedWriter(raw), encoding, "backslashreplace", line_buffering=lines)
+        setattr(sys, name, text)
 
 
 def _failure() -> OSError | None:
@@ -61,19 +62,6 @@ def stdout_reader_gone() -> bool:
     return isinstance(_failure(), BrokenPipeError)
 
 
-def spell_out() -> None:
-    """From now on, what a terminal or a file cannot write is written otherwise, such as +- for ±."""
-    codecs.register_error("stereorecal", _spelt)
-    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
-        sys.stdout.reconfigure(errors="stereorecal")
-
-
 def say(message: object) -> None:
     """A line on stderr. Control characters, as names of files may hold, are spelt: a terminal would obey them."""
     print(f"stereorecal: {_CONTROL.sub(lambda sign: repr(sign[0])[1:-1], str(message))}", file=sys.stderr)
-
-
-def _spelt(error: UnicodeError) -> tuple[str, int]:
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    return "".join(_ASCII.get(sign, "?") for sign in error.object[error.start : error.end]), error.end

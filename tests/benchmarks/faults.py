@@ -169,7 +169,7 @@ def wrong(verb: str, folder: Path, before: dict[str, bytes], said: str, code: in
         found.append(f"exit code {code}: {said[-300:]}")
     if fault == "write" and code not in (0, 1, 2):
         found.append(f"exit code {code}: {said[-300:]}")
-    if fault == "write" and code == 2 and verb != "reproduce" and "medians" not in said and "accepted" not in said:
+    if fault == "write" and code == 2 and verb != "reproduce" and "medians" not in said and "Repaired" not in said:
         found.append(f"a finished result is unsaid: {said[-300:]}")
     return found
 

@@ -1,13 +1,10 @@
 """What is written: never over an input, nor over another file unasked; what fails costs no other, and is printed."""
 
-import io
 import json
 import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +12,6 @@ import pytest
 from bags import write_bag
 from machine import at_call, full_disk, raising
 
-from stereorecal.cli import main
 from stereorecal.io import back_up, save_rig
 from stereorecal.synthetic import default_rig
 
@@ -302,27 +298,6 @@ def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
     answer = command("score", tmp_path / "a\x1b[31m\nb")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
     assert r"a\x1b[31m\nb" in answer.err
-
-
-@contextmanager
-def ascii_only() -> Iterator[io.BytesIO]:
-    """What a terminal gets that writes ASCII only."""
-    told = io.BytesIO()
-    with redirect_stdout(io.TextIOWrapper(told, "ascii", write_through=True)):
-        yield told
-
-
-def test_a_terminal_that_writes_ascii_only(drifted_scene: Path, tmp_path: Path, moody):
-    target = tmp_path / "0.1° ± 0.02 ☃.json"
-    with ascii_only() as told:
-        assert main(["recalibrate", str(drifted_scene), *map(str, NOTHING), "--output", str(target)]) == 1
-        assert b"0.1 deg +- 0.02 ?.json: not written" in told.getvalue()
-
-
-def test_a_table_on_such_a_terminal(clean_scene: Path, drifted_scene: Path):
-    with ascii_only() as told:
-        assert main(["score", str(clean_scene), str(drifted_scene)]) in (1, 4)
-        assert b"drifted" in told.getvalue()
 
 
 @pytest.mark.slow(after=1)

@@ -118,7 +118,7 @@ def test_long_recordings_are_looked_at_in_part():
     assert found.pair is ranged.pairs[[pair.name for pair in ranged.pairs].index("1")]
     ((again,), _) = sharing([ranged], Parameters((*BOTH, "baseline")), named, sr.Schedule.default())
     assert again.pairs == ranged.pairs  # what was chosen stays chosen
-    ((every,), _) = sharing([scene], Parameters(), (), "each", sr.Schedule.default())
+    ((every,), _) = sharing([scene], Parameters(), (), sr.Schedule.default())
     assert len(every.pairs) == 100
 
 

@@ -263,11 +263,11 @@ def test_two_files_or_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         refused(lambda: save_rig(moved, (left, full), format="ros", overwrite=True), "/dev/full: cannot be written")
     refused(lambda: save_rig(moved, (left, tmp_path / "." / left.name), overwrite=True), "give two names")
     assert left.read_bytes() == before[0]
-    with full_disk("replace", 2):
+    with full_disk(nth=2):
         refused(lambda: save_rig(moved, (left, right), overwrite=True), f"{right}: cannot be written")
     assert [path.read_bytes() for path in (left, right)] == before
     new = (tmp_path / "a.yaml", tmp_path / "b.yaml")
-    with full_disk("replace", 2):
+    with full_disk(nth=2):
         refused(lambda: save_rig(moved, new, overwrite=True), "cannot be written")
     assert sorted(tmp_path.iterdir()) == [left, right]
 
