@@ -31,6 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: CommonOptions) -> int:
+    working = False
     try:
         options.check()
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
@@ -41,12 +42,13 @@ def _run(options: CommonOptions) -> int:
             if trouble:
                 say(trouble)
         with _warnings_as_lines(), interruptible():
+            working = True
             return options.run()
     except Exception as error:
         if options.traceback:
             traceback.print_exception(error)
         code = _report_error(error)
-        return INTERRUPTED if interrupted() else code
+        return INTERRUPTED if working and interrupted() else code
     except KeyboardInterrupt:
         return _say("interrupted", INTERRUPTED)
 

@@ -8,7 +8,7 @@ import pytest
 from stereorecal_paper import has_mission, save_calibrations, save_mission
 
 from stereorecal import InputError
-from stereorecal.io import load_log
+from stereorecal.io import load_log, load_rig, save_rig
 from stereorecal.recordings import Mission
 from stereorecal.synthetic import default_rig, render
 
@@ -44,6 +44,13 @@ def test_what_is_written_comes_back(folder: Path, mission: Mission):
         assert pair.name == original.name
         np.testing.assert_allclose(pair.left, original.left, atol=0.5)
         np.testing.assert_allclose(pair.right, original.right, atol=0.5)
+
+
+def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
+    save_rig(default_rig(), tmp_path / "calib.json", {"boat": "Ladja"})
+    save_calibrations({"may": load_rig(tmp_path / "calib.json")}, tmp_path)
+    (written,) = tmp_path.glob("*/may.json")
+    assert "boat" not in written.read_text()
 
 
 def test_names_of_pairs_are_kept_apart(folder: Path, tmp_path: Path, mission: Mission):

@@ -13,7 +13,7 @@ from test_refusals import refused
 
 from stereorecal import UnsupportedModelError
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig, save_calibrations, save_rig
+from stereorecal.io import load_rig, save_rig
 from stereorecal.io.formats.text._document import document
 
 # --- lenses -------------------------------------------------------------------------------------------------
@@ -255,14 +255,6 @@ def test_a_calib_json_with_info_of_its_own(tmp_path: Path):
     assert new.read_bytes() == path.read_bytes()
     save_rig(load_rig(path), new, {"captain": "Ana"}, overwrite=True)
     assert '"captain": "Ana"' in new.read_text()
-
-
-def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
-    path = tmp_path / "calib.json"
-    save_rig(samples.RIG, path, {"boat": "Ladja"})
-    save_calibrations({"may": load_rig(path)}, tmp_path)
-    (written,) = tmp_path.glob("*/may.json")
-    assert "boat" not in written.read_text()
 
 
 # --- poses on an IMU ----------------------------------------------------------------------------------------
