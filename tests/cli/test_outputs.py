@@ -81,14 +81,6 @@ def test_the_copy_that_in_place_keeps_is_reserved(command, folder: Path, moody):
     assert state(folder) == before
 
 
-def test_a_copy_with_too_long_a_name_is_refused_before_the_work(command, folder: Path):
-    (folder / "calib.json").rename(folder / ("c" * 248 + ".json"))
-    sides = ("--left", folder / "left.png", "--right", folder / "right.png")
-    answer = command("recalibrate", *sides, "--calibration", folder / ("c" * 248 + ".json"), *COUNT, "--in-place")
-    assert (answer.code, answer.out) == (2, "")
-    assert "File name too long" in answer.err
-
-
 def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Path):
     pytest.importorskip("rosbags", reason="rosbags is not installed")
     noise = np.random.default_rng(0).integers(0, 256, (2, 120, 160), np.uint8)
