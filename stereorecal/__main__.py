@@ -7,7 +7,7 @@ import sys
 
 def run() -> None:
     """Run the command line; the process ends with its exit code."""
-    from stereorecal._signals import end_at_once
+    from stereorecal.cli._signals import end_at_once
 
     end_at_once()  # before anything that takes time
     # Imports and tracing allocate much and leave little garbage: looking for it took a seventh of a repair.

@@ -1,7 +1,10 @@
-"""Array types shared by all modules, and the choice between NumPy (host, float64) and JAX (traced, float32)."""
+"""Arrays: their types, NumPy or JAX, dataclasses of them, their derivatives, and values as JSON can hold them."""
 
+import math
+from collections.abc import Callable
+from dataclasses import fields
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -49,3 +52,65 @@ def refuse_tracers(name: str, instead: str, *trees: Any) -> None:
     """
     if any(isinstance(leaf, Tracer) for leaf in jax.tree.leaves(trees)):
         raise InputError(f"{name} works on the host and cannot be traced by jit, vmap or grad; use {instead}.")
+
+
+T = TypeVar("T")
+
+
+def register_pytree(cls: type[T]) -> type[T]:
+    """Register a frozen dataclass as a pytree; fields with `metadata={"static": True}` are its structure.
+
+    Fields with `metadata={"aside": True}` are no part of the tree: they are None in what JAX makes of it, so nothing
+    compiles again because of them.
+
+    Unlike `jax.tree_util.register_dataclass`, rebuilding does not call `__init__`: JAX rebuilds trees with
+    placeholders for leaves, which a validating `__post_init__` would refuse.
+    """
+    found = fields(cls)  # pyright: ignore[reportArgumentType]
+    aside = tuple(f.name for f in found if f.metadata.get("aside"))
+    statics = tuple(f.name for f in found if f.metadata.get("static"))
+    leaves = tuple(f.name for f in found if f.name not in (*statics, *aside))
+
+    def flatten_with_keys(value: Any):
+        children = [(jax.tree_util.GetAttrKey(name), getattr(value, name)) for name in leaves]
+        return children, tuple(getattr(value, name) for name in statics)
+
+    def flatten(value: Any):
+        return [getattr(value, name) for name in leaves], tuple(getattr(value, name) for name in statics)
+
+    def unflatten(aux: tuple, children: Any) -> T:
+        value = object.__new__(cls)
+        for name, child in (*zip(leaves, children, strict=True), *zip(statics, aux, strict=True)):
+            object.__setattr__(value, name, child)
+        for name in aside:
+            object.__setattr__(value, name, None)
+        return value
+
+    jax.tree_util.register_pytree_with_keys(cls, flatten_with_keys, unflatten, flatten)
+    return cls
+
+
+def central_difference(function: Callable[[float], Float[np.ndarray, "*s"]], step: float) -> Float[np.ndarray, "*s"]:
+    """The derivative of a function of one number at 0, to second order in the step."""
+    return (function(step) - function(-step)) / (2.0 * step)
+
+
+def central_differences(
+    function: Callable[[Float[np.ndarray, "n"]], Float[np.ndarray, "*s"]], at: Float[np.ndarray, "n"], step: float
+) -> Float[np.ndarray, "*s n"]:
+    """The derivatives of a function of n numbers."""
+    axes = np.eye(len(at))
+    return np.stack([central_difference(lambda h, axis=axis: function(at + h * axis), step) for axis in axes], axis=-1)
+
+
+def json_data(value: Any) -> Any:
+    """`value` with lists for tuples and arrays, text for keys, and None for numbers that are not finite."""
+    if isinstance(value, dict):
+        return {str(key): json_data(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_data(item) for item in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return json_data(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

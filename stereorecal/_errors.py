@@ -1,4 +1,11 @@
-"""The exceptions and the warnings of stereorecal."""
+"""Errors, and checks of what people name that raise them."""
+
+import difflib
+import glob
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from os import PathLike
+from pathlib import Path
 
 
 class InputError(ValueError):
@@ -44,3 +51,61 @@ class PairingWarning(UserWarning):
 
     The command line prints it as a line and goes on.
     """
+
+
+def checked_choice(name: str, names: Iterable[str], what: str) -> str:
+    """`name`, if it is one of `names`.
+
+    Args:
+        what: what the name is of, for the message.
+
+    Raises:
+        InputError: otherwise; the message suggests the nearest name.
+    """
+    names = list(names)
+    if name in names:
+        return name
+    close = difflib.get_close_matches(name, names, 1)
+    hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(names)}."
+    raise InputError(f"unknown {what} {name!r}; {hint}")
+
+
+def check_exists(place: str | PathLike[str], what: str) -> None:
+    """Refuse a place that does not exist, unless it is a pattern such as "left/*.png".
+
+    Args:
+        what: what should be there, for the message.
+
+    Raises:
+        InputError: names the place.
+    """
+    if not Path(place).exists() and glob.escape(str(place)) == str(place):
+        raise InputError(f"{place}: there is no such {what}; check the path.")
+
+
+def existing_folder(folder: str | PathLike[str]) -> Path:
+    """The folder.
+
+    Raises:
+        InputError: if there is none of this name.
+    """
+    if Path(folder).is_file():
+        raise InputError(f"{folder}: this is a file; give the folder of the recording.")
+    if not Path(folder).is_dir():
+        raise InputError(f"{folder}: there is no such folder; check the path.")
+    return Path(folder)
+
+
+@contextmanager
+def extra(name: str, purpose: str) -> Iterator[None]:
+    """Around imports of what the extra `name` installs.
+
+    Raises:
+        InputError: if it is not installed; says the install line.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        raise InputError(
+            f"{purpose} needs {error.name}, which is not installed; run: pip install 'stereorecal[{name}]'"
+        ) from error

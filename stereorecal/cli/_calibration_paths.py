@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from stereorecal._errors import InputError
-from stereorecal._existing_paths import check_exists
+from stereorecal._errors import InputError, check_exists
 
 CalibrationPath = Path | tuple[Path, Path]
 

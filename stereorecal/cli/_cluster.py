@@ -9,8 +9,7 @@ from contextlib import contextmanager, suppress
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
-from stereorecal._errors import InputError
-from stereorecal._extras import extra
+from stereorecal._errors import InputError, extra
 
 if TYPE_CHECKING:
     from distributed import Client

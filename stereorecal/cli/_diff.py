@@ -1,6 +1,6 @@
 """`python -m stereorecal diff`."""
 
-from stereorecal._environment import versions
+from stereorecal._version import versions
 from stereorecal.cli._calibration_commands import DiffOptions
 from stereorecal.cli._calibration_files import rig_at, says_no_unit
 from stereorecal.cli._output_files import deliver, write_json

@@ -10,7 +10,7 @@ from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.connection import wait
 from typing import Any
 
-from stereorecal._choices import checked_choice
+from stereorecal._errors import checked_choice
 from stereorecal.cli._cluster import cluster
 from stereorecal.cli._jax_setup import use_compile_cache
 from stereorecal.cli._option_values import positive, shortened

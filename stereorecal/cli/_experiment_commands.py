@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Literal, get_args
 
-from stereorecal._existing_paths import existing_folder
+from stereorecal._errors import existing_folder
 from stereorecal.cli._options import CommonOptions, option, option_group
 from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (

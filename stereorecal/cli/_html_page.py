@@ -5,8 +5,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stereorecal._errors import InputError
-from stereorecal._extras import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.recalibration import Repair
 from stereorecal.recordings import Scene

@@ -3,8 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.cli._option_values import shortened
 from stereorecal.cli._shared_options import DecisionOptions, ToleranceOptions, ViewOptions
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import IO
 
 from stereorecal._errors import InputError
-from stereorecal._signals import hold
 from stereorecal.cli import _library_arguments
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._live_view import lines, live
@@ -25,6 +24,7 @@ from stereorecal.cli._output_places import (
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
+from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig

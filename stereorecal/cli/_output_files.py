@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._signals import held
+from stereorecal.cli._signals import held
 from stereorecal.cli._streams import say
 from stereorecal.io import json_text, write_text
 

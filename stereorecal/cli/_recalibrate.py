@@ -6,10 +6,9 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from stereorecal._environment import versions
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
-from stereorecal._signals import hold
+from stereorecal._version import versions
 from stereorecal.cli import _calibration_output, _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
@@ -19,6 +18,7 @@ from stereorecal.cli._output_files import deliver, write_json, written_or_printe
 from stereorecal.cli._output_places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
+from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.estimation import DEFAULT, SAVED

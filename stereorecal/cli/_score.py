@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from stereorecal._environment import versions
 from stereorecal._errors import InputError
-from stereorecal._signals import hold
+from stereorecal._version import versions
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT
 from stereorecal.cli._library_arguments import health_options, tolerances
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import ScoreOptions
+from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, table_console
 from stereorecal.io import about, files_read

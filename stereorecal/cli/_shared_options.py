@@ -1,11 +1,10 @@
 """Groups of options that several commands share."""
 
+from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
-from stereorecal._errors import InputError
-from stereorecal._existing_paths import check_exists, existing_folder
-from stereorecal._image_suffixes import IMAGE_SUFFIXES
+from stereorecal._errors import InputError, check_exists, existing_folder
 from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._option_values import limit, slice_of_pairs
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
@@ -155,7 +154,8 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         for name in (*(begun[0] if begun else ()), *(() if of_bag else ("calibration",))):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
         if self.scenes and given:
-            why = QUOTED if Path(self.scenes[0]).suffix.lower() in IMAGE_SUFFIXES else TWO_FILES
+            images = import_module("stereorecal.io").IMAGE_SUFFIXES
+            why = QUOTED if Path(self.scenes[0]).suffix.lower() in images else TWO_FILES
             raise InputError(
                 f"give scene folders or {' and '.join(given)}, not both; {self.scenes[0]} is taken for a scene folder "
                 f"({why})."

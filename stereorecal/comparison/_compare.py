@@ -8,10 +8,9 @@ from typing import Any
 import jax
 import numpy as np
 
-from stereorecal._environment import versions
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
-from stereorecal._signals import hold
+from stereorecal._version import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import Task, Trial, failed, run_trial
@@ -196,7 +195,6 @@ def compare_scenes(
                 progress(len(trials), len(tasks))
             if on_trial is not None:
                 on_trial(so_far())
-        hold()
     except KeyboardInterrupt:
         return so_far()
     return replace(so_far(), interrupted=False)

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from stereorecal._extras import extra
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
+from stereorecal._errors import extra
 from stereorecal.comparison._profiles import Curve, curves
 from stereorecal.comparison._summary import Summary, Thresholds, summarise
 from stereorecal.comparison._trial import Trial

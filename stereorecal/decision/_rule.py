@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 from stereorecal.decision._tolerances import DEFAULT, STEPS, Tolerances
 from stereorecal.estimation import Estimate, HeldOut, Losses, median_and_interval, with_free_together
 

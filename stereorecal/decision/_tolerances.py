@@ -7,8 +7,7 @@ from numbers import Real
 
 import numpy as np
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.estimation import Matters
 
 _SHARES = ("leaves", "better", "harm", "predicts", "good_surely")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._choices import checked_choice
+from stereorecal._errors import checked_choice
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, least_loss
 from stereorecal.estimation._consequences import DISTANCES

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._central_difference import central_difference
+from stereorecal._arrays import central_difference
 from stereorecal.estimation._evidence import Normal
 from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations
 from stereorecal.objectives import SIDES, RigChart

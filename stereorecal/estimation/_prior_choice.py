@@ -8,8 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.estimation._calibration_prior import (
     CalibrationPrior,
     calibration_prior,

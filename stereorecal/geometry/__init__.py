@@ -50,6 +50,12 @@ from stereorecal.geometry._so3 import (
     vector_from_rotation as vector_from_rotation,
 )
 from stereorecal.geometry._spline import cubic_sampler as cubic_sampler, cubic_warp as cubic_warp
+from stereorecal.geometry._units import (
+    METRES as METRES,
+    checked_unit as checked_unit,
+    doubt_of_length as doubt_of_length,
+    inferred_unit as inferred_unit,
+)
 from stereorecal.geometry._view import (
     PINHOLE as PINHOLE,
     AnyView as AnyView,

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Mat3, is_host, namespace
+from stereorecal._arrays import AnyArray, Mat3, is_host, namespace, register_pytree
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal._pytree import register_pytree
 from stereorecal.geometry._camera_matrix import exact_matrix
 from stereorecal.geometry._quarter_turns import turn_of, turned_coefficients, turned_pixels, turned_size
 from stereorecal.geometry.lenses import LensModel, lens_model

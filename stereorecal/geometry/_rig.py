@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics, Mat3, Vec3, is_host, namespace
+from stereorecal._arrays import AnyArray, Extrinsics, Mat3, Vec3, is_host, namespace, register_pytree
 from stereorecal._errors import CalibrationWarning, InputError
-from stereorecal._pytree import register_pytree
-from stereorecal._units import METRES, checked_unit, doubt_of_length
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._quarter_turns import UPRIGHT, Turns, turn_of, turned_size, turns_of
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
+from stereorecal.geometry._units import METRES, checked_unit, doubt_of_length
 
 _FROM_ROTATION = (
     "write sr.StereoRig.from_rotation(left, right, R, T), or sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), "

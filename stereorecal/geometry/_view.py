@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._arrays import AnyArray, Mat3, namespace
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, Mat3, namespace, register_pytree
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._checked_rig import checked_rig
 from stereorecal.geometry._rectification import rectifying_rotations

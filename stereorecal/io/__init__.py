@@ -7,7 +7,7 @@
 A module of a layout finds the files; formats and images read them.
 """
 
-from stereorecal._json_data import json_data as json_data
+from stereorecal._arrays import json_data as json_data
 from stereorecal.io._atomic import (
     make_folder as make_folder,
     write_bytes as write_bytes,
@@ -44,7 +44,7 @@ from stereorecal.io.formats._load_and_save import (
 )
 from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.formats._stored_prior import stored_prior as stored_prior
-from stereorecal.io.images._image_files import write_png as write_png
+from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from stereorecal._arrays import json_data
 from stereorecal._errors import InputError
-from stereorecal._json_data import json_data
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath, about, read_text
 

@@ -11,9 +11,8 @@ from typing import Any, ClassVar, NamedTuple
 import jax
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._arrays import AnyArray, namespace
+from stereorecal._arrays import AnyArray, namespace, register_pytree
 from stereorecal._errors import InputError
-from stereorecal._pytree import register_pytree
 from stereorecal.matching._texture import textured
 
 

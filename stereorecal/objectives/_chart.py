@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace, product
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, Extrinsics, namespace, product, register_pytree
 
 
 @register_pytree

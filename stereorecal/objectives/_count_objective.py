@@ -7,8 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, refuse_tracers
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
 from stereorecal.geometry import AnyView, StereoRig, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, register_pytree
 from stereorecal.objectives._linear_rows import LinearRows
 from stereorecal.strategies import Budget, Objective, Problem, Traced
 

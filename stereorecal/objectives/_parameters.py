@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry import OF_MATRIX, StereoRig
 from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, GROUPS, NAMES, ROTATION
 from stereorecal.objectives._reach import Reach

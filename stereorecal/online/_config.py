@@ -5,8 +5,7 @@ from numbers import Real
 
 import numpy as np
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.decision import DEFAULT as USUAL, Tolerances, as_tolerances
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import checked_view_arguments

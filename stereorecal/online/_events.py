@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 
 EVENTS_SCHEMA = "stereorecal.events/1"
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, decide
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS

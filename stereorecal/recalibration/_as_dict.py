@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE

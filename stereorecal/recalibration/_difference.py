@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import refuse_tracers
+from stereorecal._arrays import json_data, refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal._json_data import json_data
 from stereorecal.geometry import (
     AXES,
     AnyView,

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._central_difference import central_differences
-from stereorecal._json_data import json_data
+from stereorecal._arrays import central_differences, json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.recalibration._interval import Interval

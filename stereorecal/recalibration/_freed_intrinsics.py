@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 from stereorecal.decision import Reason
 from stereorecal.estimation import Estimate
 from stereorecal.recalibration._uncertainty import OBSERVED

@@ -6,8 +6,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from stereorecal._arrays import refuse_tracers
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data, refuse_tracers
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import StereoRig, View, checked_rig, with_unit_baseline

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._json_data import json_data
+from stereorecal._arrays import json_data
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals
 from stereorecal.scoring import TILES
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._environment import versions
+from stereorecal._arrays import json_data
 from stereorecal._errors import InputError
-from stereorecal._json_data import json_data
+from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._intrinsics_table import intrinsics_table

@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import InputError
-from stereorecal._extras import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import text_of

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Num
 
-from stereorecal._cv2 import cv2
 from stereorecal._errors import InputError
 from stereorecal.geometry import UPRIGHT, Turns, whole_size
+from stereorecal.recordings._cv2 import cv2
 
 _LONGEST_READOUT = 1.0  # seconds
 _WHITE, _ROUNDING = 255.0, 0.5

@@ -13,8 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace, product
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, Extrinsics, namespace, product, register_pytree
 from stereorecal.geometry import (
     PINHOLE,
     Camera,

@@ -8,9 +8,8 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, refuse_tracers
+from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
 from stereorecal._errors import InputError
-from stereorecal._pytree import register_pytree
 from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view, checked_rig
 from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames

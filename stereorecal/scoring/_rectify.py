@@ -6,8 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Bool, Float
 
-from stereorecal._arrays import AnyArray, Extrinsics
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, Extrinsics, register_pytree
 from stereorecal.geometry import bilinear_warp, mapped_area, rectifying_maps, rotation_from_euler
 from stereorecal.scoring._prepare import ScoringData
 

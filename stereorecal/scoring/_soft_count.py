@@ -9,9 +9,8 @@ import numpy as np
 from jax.core import Tracer
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics
+from stereorecal._arrays import AnyArray, Extrinsics, register_pytree
 from stereorecal._errors import InputError
-from stereorecal._pytree import register_pytree
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._forward_gradient import forward_gradient

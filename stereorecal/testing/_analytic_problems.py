@@ -15,8 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, namespace
-from stereorecal._pytree import register_pytree
+from stereorecal._arrays import AnyArray, namespace, register_pytree
 from stereorecal.scoring import forward_gradient
 from stereorecal.strategies import Problem, Traced
 

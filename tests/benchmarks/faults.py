@@ -44,7 +44,7 @@ import builtins, errno, io, json, os, signal, sys
 import cv2, jax, matplotlib.figure, numpy
 import stereorecal.cli._compare, stereorecal.cli._recalibrate, stereorecal_paper._command
 from stereorecal.__main__ import run
-from stereorecal._signals import end_at_once
+from stereorecal.cli._signals import end_at_once
 from stereorecal.strategies import strategies
 strategies()
 for name in ("SIGINT", "SIGTERM", "SIGHUP"):

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 from slow import terminal
 
-from stereorecal import InputError, _signals, recalibrate_many
+from stereorecal import InputError, recalibrate_many
+from stereorecal.cli import _signals
 from stereorecal.io import load_scene
 
 

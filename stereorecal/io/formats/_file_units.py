@@ -5,8 +5,7 @@ import warnings
 import numpy as np
 
 from stereorecal._errors import CalibrationWarning, InputError
-from stereorecal._units import doubt_of_length
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, doubt_of_length
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Format
 

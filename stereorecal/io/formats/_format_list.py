@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from stereorecal._choices import checked_choice
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.io.formats import (
     _basalt,
     _boofcv,

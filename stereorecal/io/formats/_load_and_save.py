@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._units import checked_unit
-from stereorecal.geometry import StereoRig, checked_rig, fitted_to, whole_size
+from stereorecal.geometry import StereoRig, checked_rig, checked_unit, fitted_to, whole_size
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json

@@ -11,8 +11,7 @@ import numpy as np
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal._units import METRES
-from stereorecal.geometry import Camera, StereoRig
+from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._numbers import image_size, numbers, value

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal._units import METRES, checked_unit, inferred_unit
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import METRES, StereoRig, checked_unit, inferred_unit
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._camera_choice import chosen_cameras, left_first
 from stereorecal.io.formats._common_size import at_common_size

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal._units import METRES, checked_unit
-from stereorecal.geometry import StereoRig, same_camera, same_rig
+from stereorecal.geometry import METRES, StereoRig, checked_unit, same_camera, same_rig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._camera_choice import as_in_file, chosen_cameras
 from stereorecal.io.formats._common_size import at_own_sizes

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError
-from stereorecal._extras import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.io._read_files import note_input
 from stereorecal.io.images._frame_source import FrameSource, Image
 from stereorecal.io.images._ros_messages import image_of_message, in_a_line

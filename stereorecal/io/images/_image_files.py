@@ -10,11 +10,11 @@ import numpy as np
 from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
-from stereorecal._image_suffixes import IMAGE_SUFFIXES
 from stereorecal.io._atomic import make_folder, write_bytes
 from stereorecal.io._read_files import note_input
 from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
 
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour
 _MOST_BYTES = 1 << 28  # of an image, or of its file
 

@@ -8,8 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stereorecal._errors import InputError
-from stereorecal._existing_paths import check_exists
+from stereorecal._errors import InputError, check_exists
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._fit_to_cameras import Sizes, fitted, remark_orientation
 from stereorecal.io.images._image_files import decode_image, image_bytes, images_in, natural_order

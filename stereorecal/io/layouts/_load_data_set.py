@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from stereorecal._errors import InputError
-from stereorecal._existing_paths import existing_folder
+from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._camera_choice import warn_of_turns

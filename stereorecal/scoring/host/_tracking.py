@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
-from stereorecal._cv2 import cv2
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair
 from stereorecal.scoring._correspondences import Correspondences

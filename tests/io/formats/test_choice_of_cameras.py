@@ -12,8 +12,7 @@ from every import SAMPLES
 from test_refusals import refused
 from test_round_trip import ENDINGS, NEW, assert_same, place_of
 
-from stereorecal._units import METRES
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import METRES, StereoRig
 from stereorecal.io import gather_scene, load_rig, save_rig
 from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
 from stereorecal.io.formats._file_units import scaled
