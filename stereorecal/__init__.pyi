@@ -69,7 +69,6 @@ from .recalibration import (
     load_prior as load_prior,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
-    rescale_baseline as rescale_baseline,
 )
 from .recordings import (
     Log as Log,

@@ -32,7 +32,6 @@ from stereorecal.recalibration._recalibrate import (
     recalibrate as recalibrate,
     recalibrate_case as recalibrate_case,
 )
-from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
 from stereorecal.recalibration._result import (
     Findings as Findings,
     FramesUsed as FramesUsed,

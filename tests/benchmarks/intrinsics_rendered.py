@@ -137,9 +137,12 @@ def baseline(rigs: int) -> None:
             longer, yaw = np.random.default_rng([seed, draw]).normal(0.0, (0.01, np.radians(YAW)))
             turned = TRUE.extrinsics[:3] + np.array([0.0, yaw, 0.0])
             rig = TRUE.with_extrinsics(np.concatenate([turned, (1.0 + longer) * TRUE.extrinsics[3:]]))
-            found = sr.rescale_baseline(rig, scene.pairs, some_ranges(kind, 100 + seed, 0, 100, draw))
-            errors.append(100.0 * (float(found.rig.baseline / TRUE.baseline) - 1.0))
-            intervals.append(found.interval)
+            ranges = some_ranges(kind, 100 + seed, 0, 100, draw)
+            found = sr.recalibrate(rig, scene.pairs, free=("extrinsics", "baseline"), ranges=ranges).estimate
+            assert found is not None
+            low, high = found.intervals[found.names.index("baseline")]
+            errors.append(0.5 * (low + high) - 100.0 * (float(TRUE.baseline / rig.baseline) - 1.0))
+            intervals.append(0.5 * (high - low))
     rms, covered = float(np.sqrt(np.mean(np.square(errors)))), np.mean(np.abs(errors) < intervals)
     print(
         f"length of the baseline, {len(errors)} draws: rms {rms:.2f} %, covered {100 * covered:.0f} %, "

@@ -98,4 +98,4 @@ def _answer(solution: sr.Solution) -> Answer:
     return Answer(verdict, rigs, yaw, depth, solution)
 
 
-METHODS = {"library": library, "library-free": library_free, "library-joint": library_joint, "estimate": estimate}
+METHODS = {"library": library, "library-free": library_free, "estimate": estimate}

@@ -41,19 +41,6 @@ def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
     return [sr.Range(pair, tuple(p), times * m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
 
 
-@pytest.mark.slow(after=1)
-@pytest.mark.parametrize("percent", [-3.0, 0.0, 1.5])
-def test_the_length_of_the_baseline(harbour, percent):
-    bad = longer(RIG, percent)
-    found = sr.rescale_baseline(bad, harbour.pairs, some())
-    error = 100 * (found.rig.baseline / RIG.baseline - 1)
-    assert abs(error) < 0.8
-    assert abs(error) < found.interval < 2.5
-    assert found.used > 10
-    np.testing.assert_array_equal(found.rig.extrinsics[:3], bad.extrinsics[:3])
-    np.testing.assert_allclose(found.rig.translation / found.rig.baseline, bad.translation / bad.baseline)
-
-
 def test_disparities_err_as_their_deviations_say(harbour):
     """Of single pixels, whose ranges have no noise."""
     pixels, metres = measured("harbour", 2, number=200, noise=0.0)
@@ -90,14 +77,8 @@ def test_ranges_of_other_things_have_no_say(harbour):
     """A fifth of them belongs elsewhere."""
     ranges = some()
     wrong = [sr.Range(0, r.left_pixel, 3 * r.metres) if i % 5 == 0 else r for i, r in enumerate(ranges)]
-    found = sr.rescale_baseline(longer(RIG, 1.0), harbour.pairs, wrong)
+    found = sr.recalibrate(longer(RIG, -3.0), harbour.pairs, ranges=wrong)
     assert abs(100 * (found.rig.baseline / RIG.baseline - 1)) < 1.0
-
-
-def test_ranges_in_millimetres_are_no_length_of_the_baseline(harbour):
-    wrong = [sr.Range(0, r.left_pixel, 1000 * r.metres) for r in some()]
-    with pytest.raises(sr.InputError, match="matched ranges agree with one length of the baseline; check their unit"):
-        sr.rescale_baseline(RIG, harbour.pairs, wrong)
 
 
 @pytest.mark.slow(after=1)
@@ -218,8 +199,6 @@ def test_the_count_sees_no_ranges(harbour):
 
 def test_ranges_of_nothing(harbour):
     with pytest.raises(sr.InputError, match="no such pair was given"):
-        sr.rescale_baseline(RIG, harbour.pairs, [sr.Range("other", (1.0, 1.0), 3.0)])
+        sr.recalibrate(RIG, harbour.pairs, ranges=[sr.Range("other", (1.0, 1.0), 3.0)])
     with pytest.raises(sr.InputError, match="outside of the 640x480 image"):
-        sr.rescale_baseline(RIG, harbour.pairs, [sr.Range(0, (640.0, 1.0), 3.0)])
-    with pytest.raises(sr.InputError, match="reliable match"):
-        sr.rescale_baseline(RIG, harbour.pairs, [])
+        sr.recalibrate(RIG, harbour.pairs, ranges=[sr.Range(0, (640.0, 1.0), 3.0)])
