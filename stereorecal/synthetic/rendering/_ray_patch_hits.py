@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
 
-from stereorecal.synthetic.rendering._patch import Patch, Point
+from stereorecal.synthetic.rendering._patch import Patch, Point, clipped
 
 _BLOCK = 16  # rays across and down in a block; patches are culled block by block
 _NEAR = 0.5  # near plane [m], for culling
@@ -120,7 +120,7 @@ def _windows(
     high *= -1.0
     for outlines, which in (
         (corners[ahead.all(1)], ahead.all(1)),
-        *((_clip_near(corners[index])[None], [index]) for index in np.flatnonzero(ahead.any(1) & ~ahead.all(1))),
+        *((clipped(corners[index], _NEAR)[None], [index]) for index in np.flatnonzero(ahead.any(1) & ~ahead.all(1))),
     ):
         slopes = outlines[..., :2] / outlines[..., 2:]
         low[which], high[which] = slopes.min(1)[..., None, None] - 1e-4, slopes.max(1)[..., None, None] + 1e-4
@@ -138,14 +138,3 @@ def _span(touched: Bool[np.ndarray, "n blocks"]) -> list[list[int]]:
     blocks = touched.shape[1]
     first, last = touched.argmax(1), blocks - touched[:, ::-1].argmax(1)
     return (_BLOCK * np.where(touched.any(1), [first, last], 0)).T.tolist()
-
-
-def _clip_near(corners: Float[np.ndarray, "4 3"]) -> Float[np.ndarray, "_ 3"]:
-    """The polygon clipped to z >= _NEAR."""
-    kept = []
-    for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if p[2] >= _NEAR:
-            kept.append(p)
-        if (p[2] >= _NEAR) != (q[2] >= _NEAR):
-            kept.append(p + (q - p) * ((_NEAR - p[2]) / (q[2] - p[2])))
-    return np.array(kept).reshape(-1, 3)

@@ -1,12 +1,14 @@
 """The ground plane y = 0: a band-limited texture as a sum of octaves, and a map of shade."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.synthetic.rendering._noise import Texture
+from stereorecal.synthetic.rendering._patch import clipped
 
 _MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
 _MAP_SIZE = (1280, 512)  # columns, rows: about a pixel of the default rig each
@@ -72,25 +74,11 @@ def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Stain:
+class Stain(NamedTuple):
     """A convex polygon (n, 2) of ground points (x, z) [m] within which the light is multiplied by `factor`."""
 
     outline: Float[np.ndarray, "n 2"]
     factor: float
-
-
-def mirrored(a, b, height: float, eye: float, factor: float) -> list[Stain]:
-    """Stains of the reflection in water of a wall of `height` [m] from ground point a to b, seen from height `eye` [m].
-
-    The reflection fades towards the viewer, since waves blur it: four stains one over another.
-    """
-    a, b = np.array(a, float), np.array(b, float)
-    stains = []
-    for part in (0.15, 0.4, 0.7, 1.0):
-        near = eye / (eye + part * height)
-        stains.append(Stain(np.stack([a, b, b * near, a * near]), factor**0.33))
-    return stains
 
 
 def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
@@ -101,7 +89,7 @@ def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
     columns, rows = _MAP_SIZE
     shade = np.ones((rows, columns), np.float32)
     for stain in stains:
-        outline = _clipped(stain.outline)
+        outline = clipped(stain.outline, _MAP_NEAR)
         if len(outline) < 3:
             continue
         u = (0.5 + 0.5 * outline[:, 0] / outline[:, 1]) * columns
@@ -120,14 +108,3 @@ def shade_at(shade: Texture, x, z) -> Texture:
     u = (0.5 + 0.5 * x * inverse) * np.float32(columns)
     v = np.float32(_MAP_NEAR * rows) * inverse
     return cv2.remap(shade, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-
-
-def _clipped(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
-    """The polygon clipped to z >= _MAP_NEAR."""
-    kept = []
-    for p, q in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-        if p[1] >= _MAP_NEAR:
-            kept.append(p)
-        if (p[1] >= _MAP_NEAR) != (q[1] >= _MAP_NEAR):
-            kept.append(p + (q - p) * ((_MAP_NEAR - p[1]) / (q[1] - p[1])))
-    return np.array(kept).reshape(-1, 2)
