@@ -2,7 +2,6 @@
 
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,34 +18,18 @@ from stereorecal.strategies import (
     run_strategy,
 )
 from stereorecal.testing import _analytic_problems as problems
+from stereorecal.testing._checks import Check, Checks
 from stereorecal.testing._stereo_problem import stereo_objective
 
-Check = Callable[[AbstractStrategy], None]
 _PLENTY = Budget(evaluations=2000)  # our choice: ample for these problems, and every run ends
 
 
-@dataclass(frozen=True)
-class Applicable:
-    """A check, and the needs of the strategies that it applies to."""
-
-    check: Check
-    needs: frozenset[Need]
+STRATEGY_CHECKS = Checks()
 
 
-CHECKS: list[Applicable] = []
-
-
-def _check_for(*needs: Need):
-    def register(check: Check) -> Check:
-        CHECKS.append(Applicable(check, frozenset(needs)))
-        return check
-
-    return register
-
-
-def checks_for(strategy: AbstractStrategy) -> tuple[Check, ...]:
-    """The checks that apply to a strategy with its need."""
-    return tuple(entry.check for entry in CHECKS if strategy.needs in entry.needs)
+def _check_for(*needs: Need) -> Callable[[Check], Check]:
+    """Decorate a check of strategies with one of these needs."""
+    return STRATEGY_CHECKS.add(lambda strategy: strategy.needs in needs)
 
 
 _SCORES = (Need.HOST, Need.SMOOTH)
