@@ -13,7 +13,7 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._version import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
-from stereorecal.comparison._trial import Judged, Task, Trial, failed, run_trial
+from stereorecal.comparison._trial import JudgedScene, Task, Trial, failed, run_trial
 from stereorecal.comparison._trial_pictures import Shown
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig, checked_rig
@@ -146,7 +146,7 @@ def compare_scenes(
         f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()
     }
     made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
-    judged = [_judged(scene, matcher, reach, scale) for scene in scenes]
+    judged = [_judged_scene(scene, matcher, reach, scale) for scene in scenes]
     keys = [jax.random.fold_in(jax.random.key(seed), draw) for draw in range(draws)]
     tasks = [
         Task(one, entrant, decalibrate(one.rig, key, **asdict(drift)), draw, reach, budget, seed + draw, free)
@@ -187,14 +187,14 @@ def compare_scenes(
     return replace(so_far(), interrupted=False)
 
 
-def _judged(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> Judged:
+def _judged_scene(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> JudgedScene:
     """The scene with its matcher and its reference; what does not fit is refused now rather than trial by trial."""
     if scene.rig is None:
         raise InputError(f"{scene.name}: the scene has no calibration; a comparison needs one as reference.")
     images = pyramid(scene.rig, scene.pairs)
     matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
     matcher.scaled(scale).disparity_range(images.at(scale, 1).view.size[0])
-    return Judged(scene, scene.rig, matcher, *_reference(scene, scene.rig, matcher))
+    return JudgedScene(scene, scene.rig, matcher, *_reference(scene, scene.rig, matcher))
 
 
 def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[StereoRig, str]:
@@ -208,7 +208,7 @@ def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[
     return (solution.candidate, "consensus") if solution.reason.healthy else (rig, scene.reference)
 
 
-def _described(judged: Judged) -> dict[str, Any]:
+def _described(judged: JudgedScene) -> dict[str, Any]:
     return {
         "name": judged.scene.name,
         "image_size": list(judged.rig.left.size),

@@ -23,7 +23,7 @@ SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run,
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedScene:
     """A scene, and what its trials are run and judged with.
 
     Attributes:
@@ -49,7 +49,7 @@ class Task:
         free: what the strategies search.
     """
 
-    judged: Judged
+    judged: JudgedScene
     entrant: Entrant
     start: StereoRig
     draw: int

@@ -5,7 +5,7 @@ import numpy as np
 from stereorecal.synthetic.objects._building_paints import plain, weathered
 from stereorecal.synthetic.objects._studio import Ground, Studio, footprint
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, paint
+from stereorecal.synthetic.rendering._patch import Canvas, as_paint
 
 
 def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool) -> None:
@@ -35,7 +35,7 @@ def boat(studio: Studio, middle: Ground, length: float, turn: float, mast: bool)
     studio.stain(footprint(middle, length + 0.5, beam + 0.7, turn), 0.5)
 
 
-@paint
+@as_paint
 def _hull(canvas: Canvas, albedo: float, freeboard: float) -> Texture:
     """The side of a hull: waterline, sheer stripe, fenders or lettering."""
     image = np.full(canvas.shape, albedo, np.float32)
@@ -48,7 +48,7 @@ def _hull(canvas: Canvas, albedo: float, freeboard: float) -> Texture:
     return weathered(canvas, image, 1.1)
 
 
-@paint
+@as_paint
 def _bow(canvas: Canvas, albedo: float, freeboard: float) -> tuple[Texture, Texture]:
     """The bow of a hull: the stem rakes forward and the sheer rises."""
     u = canvas.x / canvas.width
@@ -57,7 +57,7 @@ def _bow(canvas: Canvas, albedo: float, freeboard: float) -> tuple[Texture, Text
     return _hull(albedo, freeboard)(canvas), (stem & sheer).astype(np.float32)
 
 
-@paint
+@as_paint
 def _cabin(canvas: Canvas) -> Texture:
     """A wheelhouse with a row of windows."""
     image = np.full(canvas.shape, canvas.rng.uniform(0.5, 0.8), np.float32)
@@ -68,7 +68,7 @@ def _cabin(canvas: Canvas) -> Texture:
     return weathered(canvas, image, 0.9)
 
 
-@paint
+@as_paint
 def _sail(canvas: Canvas) -> Texture:
     """A furled sail on its boom."""
     return 0.5 * np.exp(0.3 * canvas.noise(0.6, 0.08) + 0.1 * canvas.noise(1.0))

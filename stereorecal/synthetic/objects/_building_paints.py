@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Opaque, paint
+from stereorecal.synthetic.rendering._patch import Canvas, Opaque, as_paint
 
 
 def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
@@ -29,7 +29,7 @@ def _courses(canvas: Canvas, width: float, height: float, joint: float) -> tuple
     return (mixed - np.floor(mixed)).astype(np.float32), np.clip(1.5 - gap / soft, 0.0, 1.0) * min(1.0, joint / soft)
 
 
-@paint
+@as_paint
 def masonry(
     canvas: Canvas, albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5
 ) -> Texture:
@@ -39,7 +39,7 @@ def masonry(
     return weathered(canvas, stone * (1.0 - 0.55 * joints))
 
 
-@paint
+@as_paint
 def quay(canvas: Canvas, albedo: float, tide: float) -> Texture:
     """A quay wall of stone blocks, wet and overgrown with weed up to `tide` [m]."""
     image = masonry(albedo, 1.3, 0.55, 0.03, 0.45)(canvas)
@@ -52,7 +52,7 @@ def quay(canvas: Canvas, albedo: float, tide: float) -> Texture:
     return np.where(image == 0.0, cap, image)
 
 
-@paint
+@as_paint
 def paving(canvas: Canvas, albedo: float) -> Texture:
     """Worn paving slabs."""
     tint, joints = _courses(canvas, 1.2, 0.8, 0.02)
@@ -60,7 +60,7 @@ def paving(canvas: Canvas, albedo: float) -> Texture:
     return slab * np.exp(0.22 * canvas.noise(2.0))
 
 
-@paint
+@as_paint
 def boards(canvas: Canvas, albedo: float, width: float = 0.18, upright: bool = True) -> Texture:
     """Planks, each with its own tint and grain."""
     position = (canvas.x if upright else canvas.y) / width + 0 * (canvas.x + canvas.y)
@@ -73,7 +73,7 @@ def boards(canvas: Canvas, albedo: float, width: float = 0.18, upright: bool = T
     return weathered(canvas, image.astype(np.float32), 0.7)
 
 
-@paint
+@as_paint
 def corrugated(canvas: Canvas, albedo: float) -> Texture:
     """The wall of a shipping container: ribs, rust, a frame and lettering."""
     ribs = 1.0 + 0.2 * np.sin(canvas.x * (2 * np.pi / 0.28)) + 0 * canvas.y
@@ -100,7 +100,7 @@ def _lettering(canvas: Canvas, image: Texture, value: float) -> None:
         x += 0.75 * size
 
 
-@paint
+@as_paint
 def facade(canvas: Canvas, albedo: float, storey: float = 2.9, base: Opaque | None = None) -> Texture:
     """A house front: plaster or brick with rows of windows, a door, a plinth and a cornice."""
     rng = canvas.rng
@@ -149,7 +149,7 @@ def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, tr
     canvas.fill(image, x - half, x + half, low + 0.62 * (high - low), low + 0.66 * (high - low), frame)
 
 
-@paint
+@as_paint
 def tiles(canvas: Canvas, albedo: float) -> Texture:
     """Roof tiles."""
     tint, joints = _courses(canvas, 0.25, 0.33, 0.03)
@@ -157,7 +157,7 @@ def tiles(canvas: Canvas, albedo: float) -> Texture:
     return image * np.exp(0.25 * canvas.noise(2.5, 1.5))
 
 
-@paint
+@as_paint
 def plain(canvas: Canvas, albedo: float, blotch: float = 0.12) -> Texture:
     """One material with soft blotches."""
     return albedo * np.exp(blotch * canvas.noise(0.8, gain=0.8))

@@ -6,7 +6,7 @@ import numpy as np
 
 from stereorecal.synthetic.objects._studio import Ground, Studio, footprint
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, paint
+from stereorecal.synthetic.rendering._patch import Canvas, as_paint
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ def car(studio: Studio, middle: Ground, heading: Ground) -> None:
     studio.stain(under - 0.8 * studio.light.sun[[0, 2]] / max(0.3, studio.light.sun[1]), 0.6)
 
 
-@paint
+@as_paint
 def _side(canvas: Canvas, model: _Model, albedo: float) -> tuple[Texture, Texture]:
     """The paint of a side: body, windows, doors, lamps and wheels, cut out along the profile."""
     fraction, y = canvas.x / canvas.width, canvas.y
@@ -125,7 +125,7 @@ def _side(canvas: Canvas, model: _Model, albedo: float) -> tuple[Texture, Textur
     return (image * grime).astype(np.float32), mask.astype(np.float32)
 
 
-@paint
+@as_paint
 def _across(canvas: Canvas, part: str, albedo: float) -> Texture:
     """The paint of a surface that spans the width of the car: bonnet, glass, roof and so on."""
     width, rise = canvas.width, canvas.y / canvas.height

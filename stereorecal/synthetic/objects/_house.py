@@ -5,7 +5,7 @@ import numpy as np
 from stereorecal.synthetic.objects._building_paints import plain, tiles
 from stereorecal.synthetic.objects._studio import Ground, Studio
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Opaque, paint
+from stereorecal.synthetic.rendering._patch import Canvas, Opaque, as_paint
 
 
 def house(
@@ -42,7 +42,7 @@ def house(
         studio.box(spot, (0.7, 0.5 * rise + 0.6, 0.7), 0.0, eaves + 0.5 * rise, stack, stack)
 
 
-@paint
+@as_paint
 def _gable(canvas: Canvas, side: Opaque) -> tuple[Texture, Texture]:
     """A side wall cut to a triangle."""
     inset = np.minimum(canvas.x, canvas.width - canvas.x)

@@ -4,7 +4,7 @@ import numpy as np
 
 from stereorecal.synthetic.objects._studio import Studio
 from stereorecal.synthetic.rendering._noise import Texture, fractal
-from stereorecal.synthetic.rendering._patch import Canvas, paint
+from stereorecal.synthetic.rendering._patch import Canvas, as_paint
 
 
 def _relief(height: Texture, strength: float) -> Texture:
@@ -21,7 +21,7 @@ def _profile(canvas: Canvas, low: float, high: float, scale: float) -> Texture:
     return body * np.sqrt(taper)
 
 
-@paint
+@as_paint
 def hill(canvas: Canvas, low: float, high: float, rock: float, scale: float = 60.0) -> tuple[Texture, Texture]:
     """A hillside with woods and meadows, and bare rock at its foot; its skyline lies between `low` and `high` [m].
 
@@ -46,7 +46,7 @@ def hill(canvas: Canvas, low: float, high: float, rock: float, scale: float = 60
     return (image * foot).astype(np.float32), mask.astype(np.float32)
 
 
-@paint
+@as_paint
 def cliff(canvas: Canvas, low: float, high: float, albedo: float = 0.36) -> tuple[Texture, Texture]:
     """A bare cliff with strata, clefts and grass on top; its skyline lies between `low` and `high` [m]."""
     top = _profile(canvas, low, high, 18.0)
@@ -69,7 +69,7 @@ def _rock(canvas: Canvas) -> Texture:
     return image * (1.0 - 0.65 * clefts)
 
 
-@paint
+@as_paint
 def crown(canvas: Canvas, albedo: float) -> tuple[Texture, Texture]:
     """A clump of leaves with ragged edges and holes."""
     across = canvas.x / canvas.width * 2.0 - 1.0

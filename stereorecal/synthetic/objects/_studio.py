@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Paint, Patch, mipmap, paint
+from stereorecal.synthetic.rendering._patch import Canvas, Paint, Patch, as_paint, mipmap
 from stereorecal.synthetic.surroundings._daylight import daylight
 from stereorecal.synthetic.surroundings._ground import Stain
 
@@ -103,7 +103,7 @@ class Studio:
             self.stain(np.stack([a, b, b * near, a * near]), factor**0.33)
 
 
-@paint
+@as_paint
 def _round(canvas: Canvas, albedo: float) -> Texture:
     across = canvas.x / canvas.width
     shade = 0.45 + 0.55 * np.sin(np.pi * np.clip(across * 0.8 + 0.15, 0, 1))

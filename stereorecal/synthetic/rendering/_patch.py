@@ -68,7 +68,7 @@ Settings = ParamSpec("Settings")
 Colours = TypeVar("Colours")
 
 
-def paint(
+def as_paint(
     colour: Callable[Concatenate[Canvas, Settings], Colours],
 ) -> Callable[Settings, Callable[[Canvas], Colours]]:
     """What makes a paint of settings, from a function that colours a canvas by them."""

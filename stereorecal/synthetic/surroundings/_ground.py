@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture
+from stereorecal.synthetic.rendering._noise import Texture, tile_at, wrapped
 from stereorecal.synthetic.rendering._patch import clipped
 
 _MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
@@ -19,7 +19,7 @@ class Octaves:
     """Octaves of a periodic texture on the ground plane.
 
     Attributes:
-        tile: (n + 1, n + 1, c) float32, periodic with n texels (the last row and column repeat the first).
+        tile: (n + 1, n + 1, c) float32, `wrapped`.
         waves: wavelengths across the tile.
         lengths: wavelength [m] of each octave.
         strengths: amplitude of each octave.
@@ -40,7 +40,6 @@ class Octaves:
         An octave fades out where its wavelength nears the footprint [m] of the ray, as the sampling theorem demands:
         full strength from 3 footprints on, none below 4/3. `shifts` (k, 2) [m] moves the octaves.
         """
-        texels = self.tile.shape[0] - 1
         for index, (length, strength, turn) in enumerate(zip(self.lengths, self.strengths, self.turns, strict=True)):
             fade = np.clip(length / footprint * np.float32(0.6) - np.float32(0.8), 0.0, 1.0)
             if not fade.any():
@@ -50,9 +49,7 @@ class Octaves:
             start = self.offsets[index] + (0.0 if shifts is None else shifts[index] * scale)
             u = cos * x + sin * z + np.float32(start[0])
             v = cos * z - sin * x + np.float32(start[1])
-            u, v = (u - np.floor(u)) * np.float32(texels), (v - np.floor(v)) * np.float32(texels)
-            value = cv2.remap(self.tile, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-            yield turn, value.reshape(*x.shape, -1) * (np.float32(strength) * fade)[..., None]
+            yield turn, tile_at(self.tile, u, v).reshape(*x.shape, -1) * (np.float32(strength) * fade)[..., None]
 
 
 def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
@@ -63,15 +60,7 @@ def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
     count = len(strengths)
     lengths = tuple(float(longest * 0.47**i) for i in range(count))
     turns = tuple(float(t) for t in rng.uniform(-spread_of_turns, spread_of_turns, count))
-    wrapped = np.pad(tile.reshape(*tile.shape[:2], -1), ((0, 1), (0, 1), (0, 0)), mode="wrap")
-    return Octaves(
-        np.ascontiguousarray(wrapped, np.float32),
-        waves,
-        lengths,
-        tuple(strengths),
-        turns,
-        rng.uniform(0.0, 1.0, (count, 2)),
-    )
+    return Octaves(wrapped(tile), waves, lengths, tuple(strengths), turns, rng.uniform(0.0, 1.0, (count, 2)))
 
 
 class Stain(NamedTuple):
