@@ -117,14 +117,3 @@ def mipmap(texture: Float[np.ndarray, "h w 2"]) -> tuple[Float[np.ndarray, "_ _ 
         half = (max(2, (columns + 1) // 2), max(2, (rows + 1) // 2))
         levels.append(cv2.resize(levels[-1], half, interpolation=cv2.INTER_AREA))
     return tuple(levels)
-
-
-def clipped(polygon: Float[np.ndarray, "n d"], nearest: float) -> Float[np.ndarray, "_ d"]:
-    """The polygon as far as its last coordinate, z, is not less than `nearest`."""
-    kept = []
-    for p, q in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if p[-1] >= nearest:
-            kept.append(p)
-        if (p[-1] >= nearest) != (q[-1] >= nearest):
-            kept.append(p + (q - p) * ((nearest - p[-1]) / (q[-1] - p[-1])))
-    return np.array(kept).reshape(-1, polygon.shape[1])

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
 
-from stereorecal.synthetic.rendering._patch import Patch, Point, clipped
+from stereorecal.synthetic.rendering._patch import Patch, Point
 
 _BLOCK = 16  # rays across and down in a block; patches are culled block by block
 _NEAR = 0.5  # near plane [m], for culling
@@ -36,11 +36,13 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
         return depth, radiance
     lengths = np.linalg.norm(rays.directions, axis=-1)
     corners = np.stack([patch.corners for patch in patches])
-    windows = _windows(corners - rays.centre, _block_bounds(rays.directions, lengths))
+    touched = _touched(corners - rays.centre, _block_bounds(rays.directions, lengths))
     nearest_first = np.argsort(np.linalg.norm(corners.mean(axis=1) - rays.centre, axis=1), kind="stable")
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for index in nearest_first:
-            if (window := windows[index]) is not None:
+            rows, columns = (np.flatnonzero(touched[index].any(axis)) for axis in (1, 0))
+            if rows.size:
+                window = tuple(slice(_BLOCK * met[0], _BLOCK * (met[-1] + 1)) for met in (rows, columns))
                 of_rays = rays.directions[window], lengths[window], depth[window], radiance[window]
                 _meet(patches[index], rays.centre, rays.spread, *of_rays)
     return depth, radiance
@@ -106,35 +108,20 @@ def _block_bounds(
     return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
 
 
-def _windows(
+def _touched(
     corners: Float[np.ndarray, "n 4 3"], bounds: tuple[Shaped[np.ndarray, "rows columns"], ...]
-) -> list[tuple[slice, slice] | None]:
-    """For each patch the window of the grid outside which no ray can hit it; None if no ray can.
+) -> Bool[np.ndarray, "n rows columns"]:
+    """For each patch the blocks of the grid with rays that may hit it.
 
     Args:
         corners: as seen from where the rays start.
     """
     low_x, high_x, low_y, high_y = bounds
-    ahead = corners[..., 2] >= _NEAR
-    low, high = np.full((2, len(corners), 2, 1, 1), np.inf)
-    high *= -1.0
-    for outlines, which in (
-        (corners[ahead.all(1)], ahead.all(1)),
-        *((clipped(corners[index], _NEAR)[None], [index]) for index in np.flatnonzero(ahead.any(1) & ~ahead.all(1))),
-    ):
-        slopes = outlines[..., :2] / outlines[..., 2:]
-        low[which], high[which] = slopes.min(1)[..., None, None] - 1e-4, slopes.max(1)[..., None, None] + 1e-4
-    touched = (low_x <= high[:, 0]) & (high_x >= low[:, 0]) & (low_y <= high[:, 1]) & (high_y >= low[:, 1])
-    touched |= np.isinf(high_x)
-    spans = [_span(touched.any(axis)) for axis in (2, 1)]
-    return [
-        (slice(top, bottom), slice(left, right)) if bottom > top else None
-        for (top, bottom), (left, right) in zip(*spans, strict=True)
-    ]
-
-
-def _span(touched: Bool[np.ndarray, "n blocks"]) -> list[list[int]]:
-    """The first ray of the blocks that are touched, and one past the last; (0, 0) where none is."""
-    blocks = touched.shape[1]
-    first, last = touched.argmax(1), blocks - touched[:, ::-1].argmax(1)
-    return (_BLOCK * np.where(touched.any(1), [first, last], 0)).T.tolist()
+    depths = corners[..., 2:]
+    ahead = depths >= _NEAR
+    slopes = corners[..., :2] / np.where(ahead, depths, 1.0)
+    whole = np.all(ahead, axis=1)  # what passes the near plane may be anywhere
+    low = np.where(whole, slopes.min(axis=1) - 1e-4, -np.inf)[..., None, None]
+    high = np.where(whole, slopes.max(axis=1) + 1e-4, np.inf)[..., None, None]
+    met = (low_x <= high[:, 0]) & (high_x >= low[:, 0]) & (low_y <= high[:, 1]) & (high_y >= low[:, 1])
+    return (met & np.any(ahead, axis=1)[..., None]) | np.isinf(high_x)

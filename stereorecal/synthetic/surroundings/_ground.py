@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.synthetic.rendering._noise import Texture, tile_at, wrapped
-from stereorecal.synthetic.rendering._patch import clipped
 
 _MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
 _MAP_SIZE = (1280, 512)  # columns, rows: about a pixel of the default rig each
@@ -78,7 +77,7 @@ def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:
     columns, rows = _MAP_SIZE
     shade = np.ones((rows, columns), np.float32)
     for stain in stains:
-        outline = clipped(stain.outline, _MAP_NEAR)
+        outline = _clipped(stain.outline)
         if len(outline) < 3:
             continue
         u = (0.5 + 0.5 * outline[:, 0] / outline[:, 1]) * columns
@@ -97,3 +96,14 @@ def shade_at(shade: Texture, x, z) -> Texture:
     u = (0.5 + 0.5 * x * inverse) * np.float32(columns)
     v = np.float32(_MAP_NEAR * rows) * inverse
     return cv2.remap(shade, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _clipped(outline: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
+    """The polygon clipped to z >= _MAP_NEAR."""
+    kept = []
+    for p, q in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if p[1] >= _MAP_NEAR:
+            kept.append(p)
+        if (p[1] >= _MAP_NEAR) != (q[1] >= _MAP_NEAR):
+            kept.append(p + (q - p) * ((_MAP_NEAR - p[1]) / (q[1] - p[1])))
+    return np.array(kept).reshape(-1, 2)
