@@ -1,5 +1,6 @@
 """Ray casting onto patches: depth and radiance of the first patch that each ray hits."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -36,7 +37,7 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
         return depth, radiance
     lengths = np.linalg.norm(rays.directions, axis=-1)
     corners = np.stack([patch.corners for patch in patches])
-    touched = _touched(corners - rays.centre, _block_bounds(rays.directions, lengths))
+    touched = _touched(corners - rays.centre, *_block_bounds(rays.directions, lengths))
     nearest_first = np.argsort(np.linalg.norm(corners.mean(axis=1) - rays.centre, axis=1), kind="stable")
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for index in nearest_first:
@@ -80,48 +81,40 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, lengths, depth
 def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
     """Trilinear lookup in a mipmap at (u, v) in 0..1 and fractional `level`; only the values where `used` count."""
     level = np.clip(np.where(used, level, level[used].mean()), 0.0, len(levels) - 1.0).astype(np.float32)
-    total = None
+    total = np.zeros((*level.shape, levels[0].shape[-1]), np.float32)
     for index in range(int(np.floor(level.min())), int(np.ceil(level.max())) + 1):
         rows, columns = levels[index].shape[:2]
         x, y = u * np.float32(columns) - np.float32(0.5), v * np.float32(rows) - np.float32(0.5)
         x, y = (np.minimum(np.maximum(at, np.float32(-1.0)), np.float32(end)) for at, end in ((x, columns), (y, rows)))
         value = cv2.remap(levels[index], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        weighted = np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
-        total = weighted if total is None else total + weighted
-    assert total is not None
+        total += np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
     return total
 
 
 def _block_bounds(
     directions: Float[np.ndarray, "h w 3"], lengths: Float[np.ndarray, "h w"]
-) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
-    """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid; infinite where one of them goes
-    aside or back."""
+) -> Iterator[Shaped[np.ndarray, "rows columns 2"]]:
+    """The least, and then the largest, x/z and y/z over the rays of each block of the grid; infinite where one of them
+    goes aside or back."""
     aside = directions[..., 2:] < _ASIDE * lengths[..., None]
     slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
-    edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
-    below, above = slopes, slopes
-    if aside.any():
-        below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
-    low = np.minimum.reduceat(np.minimum.reduceat(below, edges[0], 0), edges[1], 1)
-    high = np.maximum.reduceat(np.maximum.reduceat(above, edges[0], 0), edges[1], 1)
-    return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
+    down, across = (np.arange(0, n, _BLOCK) for n in slopes.shape[:2])
+    for extreme, end in ((np.minimum, -np.inf), (np.maximum, np.inf)):
+        bound = np.where(aside, np.float32(end), slopes)
+        yield extreme.reduceat(extreme.reduceat(bound, down, 0), across, 1)
 
 
 def _touched(
-    corners: Float[np.ndarray, "n 4 3"], bounds: tuple[Shaped[np.ndarray, "rows columns"], ...]
+    corners: Float[np.ndarray, "n 4 3"],
+    least: Shaped[np.ndarray, "rows columns 2"],
+    largest: Shaped[np.ndarray, "rows columns 2"],
 ) -> Bool[np.ndarray, "n rows columns"]:
-    """For each patch the blocks of the grid with rays that may hit it.
-
-    Args:
-        corners: as seen from where the rays start.
-    """
-    low_x, high_x, low_y, high_y = bounds
-    depths = corners[..., 2:]
+    """For each patch, with corners as seen from where the rays start, the blocks with rays that may hit it."""
+    depths = corners[:, None, :, 2:]
     ahead = depths >= _NEAR
-    slopes = corners[..., :2] / np.where(ahead, depths, 1.0)
-    whole = np.all(ahead, axis=1)  # what passes the near plane may be anywhere
-    low = np.where(whole, slopes.min(axis=1) - 1e-4, -np.inf)[..., None, None]
-    high = np.where(whole, slopes.max(axis=1) + 1e-4, np.inf)[..., None, None]
-    met = (low_x <= high[:, 0]) & (high_x >= low[:, 0]) & (low_y <= high[:, 1]) & (high_y >= low[:, 1])
-    return (met & np.any(ahead, axis=1)[..., None]) | np.isinf(high_x)
+    slopes = corners[:, None, :, :2] / np.where(ahead, depths, 1.0)
+    whole = np.all(ahead, axis=2, keepdims=True)  # what passes the near plane may be anywhere
+    low = np.where(whole, slopes.min(axis=2, keepdims=True) - 1e-4, -np.inf)
+    high = np.where(whole, slopes.max(axis=2, keepdims=True) + 1e-4, np.inf)
+    met = np.all((least <= high) & (largest >= low), axis=-1)
+    return (met & np.any(ahead, axis=2)) | np.isinf(largest[..., 0])
