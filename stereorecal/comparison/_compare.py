@@ -13,7 +13,7 @@ from stereorecal._run_all import Progress, run_all
 from stereorecal._version import versions
 from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
-from stereorecal.comparison._trial import Task, Trial, failed, run_trial
+from stereorecal.comparison._trial import JudgedScene, Task, Trial, failed, run_trial
 from stereorecal.comparison._trial_pictures import Shown
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig, checked_rig
@@ -146,25 +146,12 @@ def compare_scenes(
         f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()
     }
     made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
-    planned = [_plan(scene, matcher, reach, scale) for scene in scenes]
+    judged = [_judged_scene(scene, matcher, reach, scale) for scene in scenes]
+    keys = [jax.random.fold_in(jax.random.key(seed), draw) for draw in range(draws)]
     tasks = [
-        Task(
-            scene=scene,
-            reference=reference,
-            start=decalibrate(_rig_of(scene), _draw_key(seed, draw), drift.degrees, drift.baseline_fraction),
-            draw=draw,
-            strategy_name=entrant.name,
-            matcher_name=name_of(matcher),
-            matcher=scene_matcher,
-            schedule=entrant.schedule,
-            strategies=tuple(entrant.running),
-            reach=reach,
-            budget=budget,
-            seed=seed + draw,
-            free=free,
-        )
-        for scene, scene_matcher, reference in planned
-        for draw in range(draws)
+        Task(one, entrant, decalibrate(one.rig, key, **asdict(drift)), draw, reach, budget, seed + draw, free)
+        for one in judged
+        for draw, key in enumerate(keys)
         for entrant in entrants
     ]
     settings = {
@@ -180,8 +167,8 @@ def compare_scenes(
         "budget": asdict(budget),
         "free": list(free.names),
     }
-    described = tuple(_describe(*plan) for plan in planned)
-    shown = {scene.name: Shown(_rig_of(scene), scene.pairs[0], own) for scene, own, _ in planned}
+    described = tuple(_described(one) for one in judged)
+    shown = {one.scene.name: Shown(one.rig, one.scene.pairs[0], one.matcher) for one in judged}
     nothing = Comparison(settings, made_with, described, (), interrupted=True, shown=shown)
     trials: dict[int, Trial] = {}
 
@@ -200,22 +187,14 @@ def compare_scenes(
     return replace(so_far(), interrupted=False)
 
 
-def _rig_of(scene: Scene) -> StereoRig:
+def _judged_scene(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> JudgedScene:
+    """The scene with its matcher and its reference; what does not fit is refused now rather than trial by trial."""
     if scene.rig is None:
         raise InputError(f"{scene.name}: the scene has no calibration; a comparison needs one as reference.")
-    return scene.rig
-
-
-_Plan = tuple[Scene, AbstractMatcher, tuple[StereoRig, str]]
-
-
-def _plan(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> _Plan:
-    """The scene, its matcher and its reference; what does not fit is refused now rather than trial by trial."""
-    rig = _rig_of(scene)
-    images = pyramid(rig, scene.pairs)
+    images = pyramid(scene.rig, scene.pairs)
     matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
     matcher.scaled(scale).disparity_range(images.at(scale, 1).view.size[0])
-    return scene, matcher, _reference(scene, rig, matcher)
+    return JudgedScene(scene, scene.rig, matcher, *_reference(scene, scene.rig, matcher))
 
 
 def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[StereoRig, str]:
@@ -229,18 +208,13 @@ def _reference(scene: Scene, rig: StereoRig, matcher: AbstractMatcher) -> tuple[
     return (solution.candidate, "consensus") if solution.reason.healthy else (rig, scene.reference)
 
 
-def _draw_key(seed: int, draw: int) -> jax.Array:
-    return jax.random.fold_in(jax.random.key(seed), draw)
-
-
-def _describe(scene: Scene, matcher: AbstractMatcher, reference: tuple[StereoRig, str]) -> dict[str, Any]:
-    rig = _rig_of(scene)
+def _described(judged: JudgedScene) -> dict[str, Any]:
     return {
-        "name": scene.name,
-        "image_size": list(rig.left.size),
-        "frames": len(scene.pairs),
-        "reference": reference[1],
-        "baseline_m": float(rig.baseline),
-        "min_disparity": matcher.min_disparity,
-        "num_disparities": matcher.num_disparities,
+        "name": judged.scene.name,
+        "image_size": list(judged.rig.left.size),
+        "frames": len(judged.scene.pairs),
+        "reference": judged.worth,
+        "baseline_m": float(judged.rig.baseline),
+        "min_disparity": judged.matcher.min_disparity,
+        "num_disparities": judged.matcher.num_disparities,
     }

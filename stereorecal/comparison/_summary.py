@@ -66,6 +66,9 @@ class Summary:
     depth_error_percent_median: dict[str, float] | None
 
 
+_NUMBERS = ("score_initial", "score_final", "score_reference", "ratio", "evaluations", "cost", "cost_total", "seconds")
+
+
 def succeeded(trial: Trial, thresholds: Thresholds) -> bool:
     """True if both the score and the rotation came back to within the thresholds."""
     if trial.ratio is None or trial.rotation_error_deg is None:
@@ -90,9 +93,9 @@ def _summary(
     scene: str, strategy: str, matcher: str, schedule: str, trials: list[Trial], thresholds: Thresholds
 ) -> Summary:
     finished = [t for t in trials if t.score_final is not None]
-    ratios = [t.ratio for t in finished if t.ratio is not None]
     wanted = [t for t in trials if t.status != SKIPPED]
     judged = [t.by_truth for t in finished if t.by_truth is not None]
+    reached = [t.score_at for t in finished if t.score_at]
     limits = thresholds.harmful_rows_px, thresholds.harmful_depth_percent
     return Summary(
         scene,
@@ -103,20 +106,13 @@ def _summary(
         draws=len(trials),
         failed=sum(t.status == FAILED for t in trials),
         skipped=len(trials) - len(wanted),
-        flagged=sum(r > thresholds.flagged_ratio for r in ratios),
+        flagged=sum(t.ratio is not None and t.ratio > thresholds.flagged_ratio for t in finished),
         out_of_budget=sum(t.status == Status.BUDGET.name for t in trials),
         success_rate=float(np.mean([succeeded(t, thresholds) for t in wanted])) if wanted else None,
-        score_initial_median=_median([t.score_initial for t in finished]),
-        score_final_median=_median([t.score_final for t in finished]),
-        score_reference_median=_median([t.score_reference for t in finished]),
-        ratio_median=_median(ratios),
         rotation_error_deg_median=_median_of_each([t.rotation_error_deg for t in finished]),
         translation_error_percent_median=_median_of_each([t.translation_error_percent for t in finished]),
-        evaluations_median=_median([t.evaluations for t in finished]),
-        cost_median=_median([t.cost for t in finished]),
-        cost_total_median=_median([t.cost_total for t in finished]),
-        seconds_median=_median([t.seconds for t in finished]),
-        score_at_median={str(cost): _median_at(finished, str(cost)) for cost in SCORE_AT},
+        score_at_median={cost: _median([scores[cost] for scores in reached]) for cost in map(str, SCORE_AT)},
+        **{f"{name}_median": _median([getattr(t, name) for t in finished]) for name in _NUMBERS},
         harmful=sum(is_harmful(errors, *limits) for errors in judged) if judged else None,
         row_error_px_median=_median_of_each([errors["row_error_px"] for errors in judged]),
         depth_error_percent_median=_median_of_each(
@@ -125,12 +121,10 @@ def _summary(
     )
 
 
-def _median_at(trials: Sequence[Trial], cost: str) -> float | None:
-    return _median([t.score_at[cost] for t in trials if t.score_at and t.score_at[cost] is not None])
-
-
-def _median(values: Sequence) -> float | None:
-    return float(np.median(values)) if values else None
+def _median(values: Sequence[float | None]) -> float | None:
+    """Of those that are known."""
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
 
 
 def _median_of_each(rows: Sequence) -> dict[str, float] | None:

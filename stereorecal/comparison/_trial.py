@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import NeedNotMet
+from stereorecal.comparison._entrants import Entrant
 from stereorecal.comparison._trial_course import course_of
 from stereorecal.comparison._truth import errors_by_truth
 from stereorecal.geometry import StereoRig, View, axis_errors
-from stereorecal.matching import AbstractMatcher
+from stereorecal.matching import AbstractMatcher, name_of
 from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
-from stereorecal.recalibration import Case, Schedule, Solution, as_settings, recalibrate_case
+from stereorecal.recalibration import Case, Solution, as_settings, recalibrate_case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
@@ -22,28 +23,36 @@ SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run,
 
 
 @dataclass(frozen=True)
+class JudgedScene:
+    """A scene, and what its trials are run and judged with.
+
+    Attributes:
+        rig: its calibration, from which drifts are drawn.
+        matcher: with its disparity range.
+        reference: the rig that N_GT is counted with and errors are measured against.
+        worth: of the reference: "truth", "consensus" or "stored".
+    """
+
+    scene: Scene
+    rig: StereoRig
+    matcher: AbstractMatcher
+    reference: StereoRig
+    worth: str
+
+
+@dataclass(frozen=True)
 class Task:
     """All that a worker needs for one trial; pickles small when the scene's pairs came from files.
 
     Attributes:
-        reference: the rig that N_GT is counted with and errors are measured against, and what it is worth: "truth",
-            "consensus" or "stored".
         start: the decalibrated rig.
-        matcher: with its disparity range.
-        schedule: with the strategy in it.
         free: what the strategies search.
-        strategies: names of all strategies that the schedule runs.
     """
 
-    scene: Scene
-    reference: tuple[StereoRig, str]
+    judged: JudgedScene
+    entrant: Entrant
     start: StereoRig
     draw: int
-    strategy_name: str
-    matcher_name: str
-    matcher: AbstractMatcher
-    schedule: Schedule
-    strategies: tuple[str, ...]
     reach: Reach
     budget: Budget
     seed: int
@@ -118,14 +127,14 @@ def failed(task: Task, error: BaseException) -> Trial:
 
 
 def _repair(task: Task) -> Solution:
-    options = {"matcher": task.matcher, "schedule": task.schedule, "reach": task.reach, "budget": task.budget}
-    settings = as_settings(options | {"seed": task.seed, "free": task.free})
-    case = Case(pyramid(task.start, task.scene.pairs), task.matcher, task.reach, task.free)
-    return recalibrate_case(case, settings)
+    matcher, named = task.judged.matcher, ("reach", "budget", "seed", "free")
+    options = {"matcher": matcher, "schedule": task.entrant.schedule} | {name: getattr(task, name) for name in named}
+    case = Case(pyramid(task.start, task.judged.scene.pairs), matcher, task.reach, task.free)
+    return recalibrate_case(case, as_settings(options))
 
 
 def _trial_of_solution(task: Task, solution: Solution) -> Trial:
-    reference, worth = task.reference
+    reference, one_score = task.judged.reference, len(task.entrant.schedule.stages) == 1
     initial, final, target = _counts(task, solution)
     errors = axis_errors(solution.rig, reference)
     return Trial(
@@ -144,26 +153,29 @@ def _trial_of_solution(task: Task, solution: Solution) -> Trial:
         cost=solution.cost.budgeted,
         cost_total=solution.cost.total,
         seconds=solution.seconds,
-        score_at=_scores_at(task, solution) if len(task.schedule.stages) == 1 else None,
-        course=course_of(reference, solution, one_score=len(task.schedule.stages) == 1),
+        score_at=_scores_at(task, solution) if one_score else None,
+        course=course_of(reference, solution, one_score=one_score),
         extrinsics={
-            "start": list(map(float, task.start.extrinsics)),
-            "final": list(map(float, solution.rig.extrinsics)),
-            "reference": list(map(float, reference.extrinsics)),
+            when: list(map(float, rig.extrinsics))
+            for when, rig in (("start", task.start), ("final", solution.rig), ("reference", reference))
         },
-        by_truth=errors_by_truth(task.start, solution.rig, reference, solution.view) if worth == "truth" else None,
+        by_truth=(
+            errors_by_truth(task.start, solution.rig, reference, solution.view)
+            if task.judged.worth == "truth"
+            else None
+        ),
     )
 
 
 def _counts(task: Task, solution: Solution) -> tuple[int, int, int]:
     """Of the start, of what the repair ended with and of the reference, over all frames: strategies do not compare on
     those that each of them left out."""
-    pairs, how = task.scene.pairs, {"matcher": task.matcher, "view": solution.view}
+    pairs, how = task.judged.scene.pairs, {"matcher": task.judged.matcher, "view": solution.view}
     before, after = solution.score_before, solution.score_after
     if len(solution.frames.used) < len(pairs):
         before, after = (score(rig, pairs, **how) for rig in (solution.initial, solution.candidate))
     final = after if solution.accepted else before
-    return before.count, final.count, score(task.reference[0], pairs, **how).count
+    return before.count, final.count, score(task.judged.reference, pairs, **how).count
 
 
 def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None:
@@ -188,11 +200,11 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None
 
 def _judge(task: Task, view: View) -> Objective:
     """The score of the only stage."""
-    images, scale = pyramid(task.start, task.scene.pairs, view), task.schedule.stages[0].scale
+    images, matcher = pyramid(task.start, task.judged.scene.pairs, view), task.judged.matcher
+    scale = task.entrant.schedule.stages[0].scale
     if task.free.shared:
-        chart = reach_chart(task.start, task.reach, task.free)
-        return rig_count_objective(images, task.matcher, chart, scale=scale)
-    return count_objective(images, task.matcher, task.reach, free=task.free.axes, scale=scale)
+        return rig_count_objective(images, matcher, reach_chart(task.start, task.reach, task.free), scale=scale)
+    return count_objective(images, matcher, task.reach, free=task.free.axes, scale=scale)
 
 
 def _unfinished(task: Task, status: str, message: str) -> Trial:
@@ -201,11 +213,11 @@ def _unfinished(task: Task, status: str, message: str) -> Trial:
 
 def _key(task: Task) -> dict:
     return {
-        "scene": task.scene.name,
-        "strategy": task.strategy_name,
-        "matcher": task.matcher_name,
-        "schedule": task.schedule.name,
+        "scene": task.judged.scene.name,
+        "strategy": task.entrant.name,
+        "matcher": name_of(task.judged.matcher),
+        "schedule": task.entrant.schedule.name,
         "draw": task.draw,
-        "reference": task.reference[1],
-        "strategies": task.strategies,
+        "reference": task.judged.worth,
+        "strategies": tuple(task.entrant.running),
     }

@@ -172,12 +172,12 @@ def view(
     formulas = projection_of(projection)
     if field is None:
         focal = _widest_focal(rig, projection)
-    elif 0.0 < field <= formulas.WIDEST:
+    elif 0.0 < field <= formulas.widest:
         focal = _focal_of_field(rig, projection, field)
     else:
         raise InputError(
             f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
-            f"{formulas.WIDEST:g}."
+            f"{formulas.widest:g}."
         )
     if focal > _MOST_ZOOM * _mean_focal(rig):
         if field is None:
@@ -228,7 +228,7 @@ def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
     for name in given:
         checked_choice(name, _ARGUMENTS, "argument of a view")
     projection, field, same_column = given.get("projection"), given.get("field"), given.get("zero_disparity", True)
-    widest = projection_of(str(projection or EQUIRECTANGULAR)).WIDEST
+    widest = projection_of(str(projection or EQUIRECTANGULAR)).widest
     number = isinstance(field, int | float) and not isinstance(field, bool)
     if field is not None and not (number and 0.0 < field <= widest):
         of_it = f" of {projection}" if projection else ""
@@ -255,7 +255,7 @@ def _widest_focal(rig: StereoRig, projection: str) -> float:
     if projection == PINHOLE and _usual_projection(rig, None) == PINHOLE:
         return float(np.clip(_shown_focal(rig), _LEAST_ZOOM * focal, focal))
     formulas = projection_of(projection)
-    return max(focal, 0.5 * rig.left.size[0] / formulas.edge(0.5 * float(np.radians(formulas.USUAL))))
+    return max(focal, 0.5 * rig.left.size[0] / formulas.edge(0.5 * float(np.radians(formulas.usual))))
 
 
 def _focal_of_field(rig: StereoRig, projection: str, field: float) -> float:

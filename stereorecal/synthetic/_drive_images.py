@@ -15,22 +15,23 @@ from platformdirs import user_cache_path
 
 from stereorecal.recordings import Pair
 from stereorecal.synthetic._drive import Drive
-from stereorecal.synthetic._make_world import make_world
-from stereorecal.synthetic._vehicle_course import make_course
 from stereorecal.synthetic._weather import lit, noise_of
 from stereorecal.synthetic.objects._boat import boat
 from stereorecal.synthetic.objects._car import car
+from stereorecal.synthetic.objects._studio import Studio
 from stereorecal.synthetic.rendering._camera_rays import pixel_rays, world_rays
 from stereorecal.synthetic.rendering._patch import Patch
-from stereorecal.synthetic.rendering._patch_builder import Studio
 from stereorecal.synthetic.rendering._sensor import expose
-from stereorecal.synthetic.surroundings._daylight import daylight
+from stereorecal.synthetic.scenes import make_world
+from stereorecal.synthetic.world._motion import drawn_course
 from stereorecal.synthetic.world._raycast import radiance
 
 Images = UInt8[np.ndarray, "n 2 h w"]
 
 _SECONDS_PER_FRAME = 0.1
 _MOVING = (0.05, 0.2)  # metres a frame
+_SPEED = {"harbour": 0.05, "coast": 0.05, "open-sea": 0.1, "street": 0.12}  # of the rig, likewise
+_SWAY_ON_LAND, _SWAY_AFLOAT = 0.004, 0.012  # of pitch and roll [rad]
 _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
 
 
@@ -79,7 +80,7 @@ def _rendered(drive: Drive, place: int) -> Images:
     kind, frames, weather = drive.kind(place), drive.frames_at(place), drive.weather[place * len(drive.frames_at(0))]
     world = make_world(kind, 1000 * drive.seed + place)
     draw = np.random.default_rng([drive.seed, place, 29])
-    course = make_course(kind, world.motion.eye, draw)
+    course = drawn_course(draw, world.motion.eye, _SPEED[kind], _SWAY_ON_LAND if kind == "street" else _SWAY_AFLOAT)
     moving = _moving(kind, draw, world.motion.eye) if drive.moving else ()
     cameras = drive.rig.left, drive.rig.right
     directions = [pixel_rays(camera) for camera in cameras]
@@ -103,12 +104,12 @@ def _rendered(drive: Drive, place: int) -> Images:
 
 def _moving(kind: str, draw: np.random.Generator, eye: float) -> tuple[tuple[Patch, np.ndarray], ...]:
     """Patches of a boat or a car, and how far each moves in a frame."""
-    studio, sign = Studio(draw, daylight(draw), eye), float(draw.choice([-1.0, 1.0]))
-    speed, far = sign * float(draw.uniform(*_MOVING)), float(draw.uniform(8.0, 14.0))
+    studio, sign = Studio(draw, eye), float(draw.choice([-1.0, 1.0]))
+    speed, far = sign * draw.uniform(*_MOVING), draw.uniform(8.0, 14.0)
     if kind == "street":
-        patches, _ = car(studio, (sign * -0.8, far), (0.0, sign))
+        car(studio, (sign * -0.8, far), (0.0, sign))
         way = np.array([0.0, 0.0, speed])
     else:
-        patches, _ = boat(studio, (-sign * 0.4 * far, far), float(draw.uniform(4.0, 6.0)), 0.0, True)
+        boat(studio, (-sign * 0.4 * far, far), draw.uniform(4.0, 6.0), 0.0, mast=True)
         way = np.array([speed, 0.0, 0.0])
-    return tuple((patch, way) for patch in patches)
+    return tuple((patch, way) for patch in studio.patches)

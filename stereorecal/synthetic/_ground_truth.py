@@ -7,8 +7,8 @@ from jaxtyping import Bool, Float
 
 from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, view as make_view
 from stereorecal.synthetic._default_rig import default_rig
-from stereorecal.synthetic._make_world import make_world
 from stereorecal.synthetic.rendering._camera_rays import pixel_grid, world_rays
+from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.world._raycast import depth
 
 

@@ -10,10 +10,10 @@ from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recordings import Pair, Scene
 from stereorecal.synthetic._default_rig import default_rig
-from stereorecal.synthetic._make_world import make_world
 from stereorecal.synthetic.rendering._camera_rays import supersampled_rays, world_rays
 from stereorecal.synthetic.rendering._noise import Texture
 from stereorecal.synthetic.rendering._sensor import expose
+from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.world._raycast import radiance
 
 _SECONDS_PER_FRAME = 0.2  # how far the waves run between frames; chosen

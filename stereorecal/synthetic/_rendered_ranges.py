@@ -5,8 +5,8 @@ from jaxtyping import Float
 
 from stereorecal.geometry import StereoRig
 from stereorecal.synthetic._default_rig import default_rig
-from stereorecal.synthetic._make_world import make_world
 from stereorecal.synthetic.rendering._camera_rays import world_rays
+from stereorecal.synthetic.scenes import make_world
 from stereorecal.synthetic.world._raycast import depth
 
 _TRIES = 20  # pixels for each that is wanted

@@ -1,6 +1,6 @@
 """Analytic problems on the unit box, each with one difficulty of real scores.
 
-Every problem has a host face and a traced face. The traced functions are pytrees that carry their data, which of a few
+A problem has a host face and a traced face. The traced functions are pytrees that carry their data, which of a few
 scores they are among it, so that one compiled program serves all problems of one dimension; and they count how often
 and where they run: a strategy cannot hide evaluations inside JAX.
 """
@@ -109,107 +109,65 @@ def _jacobian(primals: tuple, tangents: tuple) -> tuple[jax.Array, jax.Array]:
     return jax.jvp(counted.function, (z,), (direction,))
 
 
-def _problem(
-    dim: int,
-    values: Score,
-    soft: Score | None = None,
-    residuals: Score | None = None,
-    meter: Meter | None = None,
-) -> Problem:
+def problem(score: Score, dim: int, meter: Meter | None = None) -> Problem:
+    """Maximise a score of this module; of residuals, -½ |residuals|²."""
     meter = meter or Meter()
+    smooth = _SMOOTH.get(score, score)
+    group = next(scores for scores in (_SCORES, _RESIDUALS, (curved,)) if smooth in scores)
 
-    def metered(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
+    def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
         meter.on_host += len(points)
-        return np.asarray(values(points), float)
+        found = np.asarray(score(points), float)
+        return found if group is _SCORES else -0.5 * (found**2).sum(-1)
 
-    def counted(score: Score) -> _Counted:
-        group = next(scores for scores in (_SOFT, _SQUARE, (curved,)) if score in scores)
-        return _Counted(jnp.asarray(meter.key, jnp.int32), jnp.asarray(group.index(score), jnp.int32), group, 1)
-
-    traced = Traced(
-        soft_count=_Differentiable(counted(soft), _soft_count) if soft else None,
-        residuals=_Differentiable(counted(residuals), _residuals) if residuals else None,
-    )
-    return Problem(dim, metered, traced=traced)
+    key, chosen = (jnp.asarray(number, jnp.int32) for number in (meter.key, group.index(smooth)))
+    counted = _Counted(key, chosen, group, 1)
+    if group is _SCORES:
+        return Problem(dim, values, traced=Traced(soft_count=_Differentiable(counted, _soft_count)))
+    return Problem(dim, values, traced=Traced(residuals=_Differentiable(counted, _residuals)))
 
 
 def _summit(dim: int) -> Float[np.ndarray, "n"]:
     return np.linspace(-0.4, 0.3, dim) if dim > 1 else np.array([0.3])
 
 
-def _bowl(z: AnyArray) -> AnyArray:
+def bowl(z: AnyArray) -> AnyArray:
+    """A concave paraboloid; its maximum is 1."""
     return 1.0 - ((z - _summit(z.shape[-1])) ** 2).sum(-1)
 
 
-def bowl(dim: int, meter: Meter | None = None) -> Problem:
-    """A concave paraboloid; its maximum is 1."""
-    return _problem(dim, _bowl, _bowl, meter=meter)
+def staircase(z: np.ndarray) -> np.ndarray:
+    """The bowl in steps of 1/64: piecewise constant, as a count is."""
+    return np.floor(64.0 * bowl(z)) / 64.0
 
 
-def staircase(dim: int) -> Problem:
-    """The bowl in steps of 1/64: piecewise constant, as a count is. Its smooth score is the bowl itself."""
-    return _problem(dim, lambda points: np.floor(64.0 * _bowl(points)) / 64.0, _bowl)
-
-
-def _ridge(z: AnyArray) -> AnyArray:
-    # Nearly flat along the diagonal, steep across it: parameters that compensate each other make such a ridge.
+def tilted_ridge(z: AnyArray) -> AnyArray:
+    """A ridge along the diagonal, ten times as steep across, as of parameters that compensate each other."""
     offset = z - _summit(z.shape[-1])
     along = offset.mean(-1)
     across = ((offset - along[..., None]) ** 2).sum(-1)
     return 1.0 - 0.2 * along**2 - 2.0 * across
 
 
-def tilted_ridge(dim: int) -> Problem:
-    """A ridge along the diagonal, ten times as steep across as along."""
-    return _problem(dim, _ridge, _ridge)
+def cliff(z: AnyArray) -> AnyArray:
+    """A bowl that drops to a plateau not far from the start, as the count does where a matcher finds nothing."""
+    return namespace(z).where(z[..., 0] < -0.2, -4.0, 1.0 - ((z - 0.25) ** 2).sum(-1))
 
 
-def _cliff(z: AnyArray) -> AnyArray:
-    # Where a matcher finds nothing any more, the count drops to a plateau far below.
-    xp = namespace(z)
-    return xp.where(z[..., 0] < -0.2, -4.0, 1.0 - ((z - 0.25) ** 2).sum(-1))
+def noisy_bowl(z: np.ndarray) -> np.ndarray:
+    """The bowl with a fixed ripple of ±0.01, which makes many local maxima."""
+    return bowl(z) + 0.01 * np.sin(997.0 * z).mean(-1)
 
 
-def cliff(dim: int) -> Problem:
-    """A bowl that drops to a plateau not far from the start."""
-    return _problem(dim, _cliff, _cliff)
-
-
-def noisy_bowl(dim: int) -> Problem:
-    """The bowl with a fixed ripple of ±0.01, which makes many local maxima. Its soft count has no ripple."""
-
-    def values(points: AnyArray) -> AnyArray:
-        return _bowl(points) + 0.01 * np.sin(997.0 * points).mean(-1)
-
-    return _problem(dim, values, _bowl)
-
-
-def _pocket(z: AnyArray) -> AnyArray:
-    xp = namespace(z)
-    return xp.where(z[..., 0] > 0.1, xp.nan, _bowl(z))
-
-
-def nan_pocket(dim: int) -> Problem:
+def nan_pocket(z: AnyArray) -> AnyArray:
     """The bowl with NaN on one side, close to the start."""
-    return _problem(dim, _pocket, _pocket)
+    xp = namespace(z)
+    return xp.where(z[..., 0] > 0.1, xp.nan, bowl(z))
 
 
-def _constant(z: AnyArray) -> AnyArray:
-    return 1.0 + 0.0 * z.sum(-1)
-
-
-def flat(dim: int) -> Problem:
+def flat(z: AnyArray) -> AnyArray:
     """The same value everywhere."""
-    return _problem(dim, _constant, _constant)
-
-
-def least_squares(residuals: Score, dim: int, meter: Meter | None = None) -> Problem:
-    """Maximise -½ |residuals|²."""
-
-    def values(points: AnyArray) -> AnyArray:
-        return -0.5 * (np.asarray(residuals(points), float) ** 2).sum(-1)
-
-    return _problem(dim, values, residuals=residuals, meter=meter)
+    return 1.0 + 0.0 * z.sum(-1)
 
 
 def linear(z: AnyArray) -> AnyArray:
@@ -235,5 +193,9 @@ def broken(z: AnyArray) -> AnyArray:
     return xp.where(z[..., :1] > 0.1, xp.nan, linear(z))
 
 
-_SOFT = (_bowl, _ridge, _cliff, _pocket, _constant)
-_SQUARE = (linear, constant, broken)  # as many residuals as parameters
+AS_RESIDUALS: dict[Score, Score] = {bowl: linear, nan_pocket: broken, flat: constant}
+"""The residuals with the same difficulty as a score."""
+
+_SMOOTH: dict[Score, Score] = {staircase: bowl, noisy_bowl: bowl}  # whose soft count a rough score has
+_SCORES: tuple[Score, ...] = (bowl, tilted_ridge, cliff, nan_pocket, flat)
+_RESIDUALS: tuple[Score, ...] = (linear, constant, broken)  # as many as parameters

@@ -4,14 +4,14 @@ from typing import ClassVar
 
 from stereorecal.matching import AbstractMatcher
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.testing._matcher_checks import matcher_checks_for
-from stereorecal.testing._run_checks import CheckResult, add_tests, run_checks
-from stereorecal.testing._strategy_checks import checks_for
+from stereorecal.testing._checks import CheckResult
+from stereorecal.testing._matcher_checks import MATCHER_CHECKS
+from stereorecal.testing._strategy_checks import STRATEGY_CHECKS
 
 
 def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:
     """Run the conformance checks that apply to the strategy, without pytest; one result for each check."""
-    return run_checks(checks_for(strategy), strategy)
+    return STRATEGY_CHECKS.run(strategy)
 
 
 def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
@@ -19,7 +19,7 @@ def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
 
     The kit sets the disparity range: it replaces `min_disparity` and `num_disparities`.
     """
-    return run_checks(matcher_checks_for(matcher), matcher)
+    return MATCHER_CHECKS.run(matcher)
 
 
 class StrategyConformance:
@@ -31,7 +31,7 @@ class StrategyConformance:
 
     def __init_subclass__(cls, **options) -> None:
         super().__init_subclass__(**options)
-        add_tests(cls, checks_for(cls.strategy), cls.strategy)
+        STRATEGY_CHECKS.add_tests(cls, cls.strategy)
 
 
 class MatcherConformance:
@@ -43,4 +43,4 @@ class MatcherConformance:
 
     def __init_subclass__(cls, **options) -> None:
         super().__init_subclass__(**options)
-        add_tests(cls, matcher_checks_for(cls.matcher), cls.matcher)
+        MATCHER_CHECKS.add_tests(cls, cls.matcher)

@@ -4,7 +4,6 @@ They run on random texture that is smooth enough to interpolate and rich enough 
 """
 
 import pickle
-from collections.abc import Callable
 from dataclasses import replace
 
 import cv2
@@ -15,14 +14,16 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.testing._checks import Checks
 
 _SIZE = (160, 96)
 _BORDER = 24  # pixels at the border that results are not judged on: a matching window may not fit there
 _COUNT = 32  # num_disparities of most checks
 Image = Float[np.ndarray, "h w"]
-Check = Callable[[AbstractMatcher], None]
+MATCHER_CHECKS = Checks()
 
 
+@MATCHER_CHECKS.add()
 def returns_values_and_validity(matcher: AbstractMatcher) -> None:
     """It returns values (h, w) float32 and validity (h, w) bool, and does not modify its inputs."""
     left, right = _shifted_wall(5)
@@ -36,12 +37,14 @@ def returns_values_and_validity(matcher: AbstractMatcher) -> None:
     assert np.array_equal(right, before[1]), "it modifies the right image"
 
 
+@MATCHER_CHECKS.add()
 def finds_known_shifts(matcher: AbstractMatcher) -> None:
     """It finds the disparity x_left - x_right of shifted texture at most pixels, 0 and half pixels included."""
     for shift in (0, 7, 12.5):
         _assert_finds(matcher_at(matcher), shift)
 
 
+@MATCHER_CHECKS.add()
 def searches_its_range(matcher: AbstractMatcher) -> None:
     """It searches from `min_disparity` on, which may be negative; no disparity outside its range is valid."""
     for lowest, shift in ((-8, -4), (4, 9)):
@@ -52,6 +55,7 @@ def searches_its_range(matcher: AbstractMatcher) -> None:
         assert values.max() < lowest + 24, f"it finds {values.max()}, beyond its range"
 
 
+@MATCHER_CHECKS.add()
 def invents_nothing(matcher: AbstractMatcher) -> None:
     """Unrelated images leave a good part of the pixels invalid, and flat images all of them."""
     left, right = _texture(0), _texture(1)
@@ -61,6 +65,7 @@ def invents_nothing(matcher: AbstractMatcher) -> None:
     assert not np.any(matcher_at(matcher).match(flat, flat).valid), "flat images match"
 
 
+@MATCHER_CHECKS.add()
 def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
     """A vertical misalignment of six rows costs it a quarter of its matches: the count relies on this."""
     left, right = _shifted_wall(6)
@@ -69,6 +74,7 @@ def loses_matches_when_rows_do_not_align(matcher: AbstractMatcher) -> None:
     assert shifted < 0.75 * aligned, f"misaligned by 6 rows it still finds {shifted / aligned:.2f} of its matches"
 
 
+@MATCHER_CHECKS.add()
 def is_deterministic(matcher: AbstractMatcher) -> None:
     """The same images give the same result."""
     first, second = (matcher_at(matcher).match(*_shifted_wall(5)) for _ in range(2))
@@ -76,6 +82,7 @@ def is_deterministic(matcher: AbstractMatcher) -> None:
     assert same, "two runs differ"
 
 
+@MATCHER_CHECKS.add()
 def asks_for_its_range(matcher: AbstractMatcher) -> None:
     """It raises InputError without `num_disparities`, or with more of them than the image has columns."""
     for count in (None, _SIZE[0] + 32):
@@ -87,12 +94,14 @@ def asks_for_its_range(matcher: AbstractMatcher) -> None:
         raise AssertionError(f"it matches with num_disparities={count}, though {why}; raise InputError")
 
 
+@MATCHER_CHECKS.add()
 def travels(matcher: AbstractMatcher) -> None:
     """It pickles, and the copy is equal and has the same hash: programs are compiled once for each matcher."""
     assert pickle.loads(pickle.dumps(matcher)) == matcher, "a pickled copy is not equal"
     assert hash(matcher) == hash(pickle.loads(pickle.dumps(matcher))), "a copy has another hash"
 
 
+@MATCHER_CHECKS.add(lambda matcher: matcher.traceable)
 def can_be_traced(matcher: AbstractMatcher) -> None:
     """Under jit and vmap it finds what it finds eagerly."""
     traced, (left, right) = matcher_at(matcher), _shifted_wall(5)
@@ -105,20 +114,7 @@ def can_be_traced(matcher: AbstractMatcher) -> None:
         assert differs < 1e-3, f"{name}, {100 * differs:.1f} % of the pixels differ"
 
 
-def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
-    """Given some rows with its halo around them, it finds in these rows what it finds in the whole image."""
-    ranged, (left, right), halo = matcher_at(matcher), _shifted_wall(5), matcher.halo
-    assert halo is not None
-    whole = ranged.match(left, right)
-    first, last = 40, 56
-    start = max(0, first - max(halo, matcher.block_size // 2 + 1))  # the texture check looks that far
-    seen, kept = np.s_[start : last + first - start], np.s_[first - start : last - start]
-    part = ranged.match(left[seen], right[seen])
-    for name in ("values", "valid"):
-        here, there = np.asarray(getattr(part, name))[kept], np.asarray(getattr(whole, name))[first:last]
-        assert np.array_equal(here, there), f"{name} depend on rows more than {halo} away"
-
-
+@MATCHER_CHECKS.add(lambda matcher: matcher.smooth)
 def is_smooth(matcher: AbstractMatcher) -> None:
     """`soft_match` has confidences in [0, 1] that tend to `match`'s validity, and a finite gradient other than 0."""
     smooth, (left, right) = matcher_at(matcher), _shifted_wall(5.5)
@@ -133,26 +129,19 @@ def is_smooth(matcher: AbstractMatcher) -> None:
     assert np.any(np.asarray(gradient) != 0), "its gradient is 0"
 
 
-_ALL: tuple[Check, ...] = (
-    returns_values_and_validity,
-    finds_known_shifts,
-    searches_its_range,
-    invents_nothing,
-    loses_matches_when_rows_do_not_align,
-    is_deterministic,
-    asks_for_its_range,
-    travels,
-)
-
-
-def matcher_checks_for(matcher: AbstractMatcher) -> tuple[Check, ...]:
-    """The checks that apply to the matcher, by what it claims to be."""
-    claims = (
-        (can_be_traced, matcher.traceable),
-        (is_smooth, matcher.smooth),
-        (looks_no_farther_than_its_halo, matcher.halo is not None),
-    )
-    return (*_ALL, *(check for check, claimed in claims if claimed))
+@MATCHER_CHECKS.add(lambda matcher: matcher.halo is not None)
+def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
+    """Given some rows with its halo around them, it finds in these rows what it finds in the whole image."""
+    ranged, (left, right), halo = matcher_at(matcher), _shifted_wall(5), matcher.halo
+    assert halo is not None
+    whole = ranged.match(left, right)
+    first, last = 40, 56
+    start = max(0, first - max(halo, matcher.block_size // 2 + 1))  # the texture check looks that far
+    seen, kept = np.s_[start : last + first - start], np.s_[first - start : last - start]
+    part = ranged.match(left[seen], right[seen])
+    for name in ("values", "valid"):
+        here, there = np.asarray(getattr(part, name))[kept], np.asarray(getattr(whole, name))[first:last]
+        assert np.array_equal(here, there), f"{name} depend on rows more than {halo} away"
 
 
 def matcher_at(matcher: AbstractMatcher, lowest: int = 0, count: int = _COUNT) -> AbstractMatcher:

@@ -2,7 +2,6 @@
 
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,34 +18,19 @@ from stereorecal.strategies import (
     run_strategy,
 )
 from stereorecal.testing import _analytic_problems as problems
+from stereorecal.testing._analytic_problems import problem
+from stereorecal.testing._checks import Check, Checks
 from stereorecal.testing._stereo_problem import stereo_objective
 
-Check = Callable[[AbstractStrategy], None]
 _PLENTY = Budget(evaluations=2000)  # our choice: ample for these problems, and every run ends
 
 
-@dataclass(frozen=True)
-class Applicable:
-    """A check, and the needs of the strategies that it applies to."""
-
-    check: Check
-    needs: frozenset[Need]
+STRATEGY_CHECKS = Checks()
 
 
-CHECKS: list[Applicable] = []
-
-
-def _check_for(*needs: Need):
-    def register(check: Check) -> Check:
-        CHECKS.append(Applicable(check, frozenset(needs)))
-        return check
-
-    return register
-
-
-def checks_for(strategy: AbstractStrategy) -> tuple[Check, ...]:
-    """The checks that apply to a strategy with its need."""
-    return tuple(entry.check for entry in CHECKS if strategy.needs in entry.needs)
+def _check_for(*needs: Need) -> Callable[[Check], Check]:
+    """Decorate a check of strategies with one of these needs."""
+    return STRATEGY_CHECKS.add(lambda strategy: strategy.needs in needs)
 
 
 _SCORES = (Need.HOST, Need.SMOOTH)
@@ -64,51 +48,46 @@ def climbs_a_smooth_bowl(strategy: AbstractStrategy) -> None:
 def climbs_a_staircase(strategy: AbstractStrategy) -> None:
     """It climbs a piecewise constant bowl, as a count is; a strategy that needs a smooth score gets the smooth bowl."""
     for dim in _dimensions(strategy):
-        _assert_climbs(strategy, problems.staircase(dim), 0.7)
+        _assert_climbs(strategy, problem(problems.staircase, dim), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_tilted_ridge(strategy: AbstractStrategy) -> None:
     """It climbs most of a ridge along the diagonal, oblique to every axis."""
-    _assert_climbs(strategy, problems.tilted_ridge(_at_least(strategy, 3)), 0.7)
+    _assert_climbs(strategy, problem(problems.tilted_ridge, _at_least(strategy, 3)), 0.7)
 
 
 @_check_for(*_SCORES)
 def keeps_off_a_cliff(strategy: AbstractStrategy) -> None:
     """It climbs a bowl that drops to a plateau on one side."""
-    _assert_climbs(strategy, problems.cliff(_at_least(strategy, 2)), 0.7)
+    _assert_climbs(strategy, problem(problems.cliff, _at_least(strategy, 2)), 0.7)
 
 
 @_check_for(*_SCORES)
 def climbs_a_noisy_bowl(strategy: AbstractStrategy) -> None:
     """It climbs a bowl with ripples, none higher than a twentieth of the climb."""
-    _assert_climbs(strategy, problems.noisy_bowl(_at_least(strategy, 3)), 0.5)
+    _assert_climbs(strategy, problem(problems.noisy_bowl, _at_least(strategy, 3)), 0.5)
 
 
 @_check_for(Need.RESIDUALS)
 def solves_a_curved_valley(strategy: AbstractStrategy) -> None:
     """It solves Rosenbrock's valley as a least-squares problem."""
-    _assert_climbs(strategy, problems.least_squares(problems.curved, _at_least(strategy, 2)), 0.99)
+    _assert_climbs(strategy, problem(problems.curved, _at_least(strategy, 2)), 0.99)
 
 
 @_check_for(*_ANALYTIC)
 def survives_nan(strategy: AbstractStrategy) -> None:
     """It treats NaN as worse than any value and never nominates such a point."""
-    dim = _at_least(strategy, 2)
-    least_squares = strategy.needs is Need.RESIDUALS
-    problem = problems.least_squares(problems.broken, dim) if least_squares else problems.nan_pocket(dim)
-    outcome = _outcome(strategy, Objective(problem, _PLENTY))
-    assert np.isfinite(problem.values(outcome.best[None])).all(), "it nominates a point whose value is NaN"
+    pocket = _problem_of(strategy, problems.nan_pocket, _at_least(strategy, 2))
+    outcome = _outcome(strategy, Objective(pocket, _PLENTY))
+    assert np.isfinite(pocket.values(outcome.best[None])).all(), "it nominates a point whose value is NaN"
 
 
 @_check_for(*_ANALYTIC)
 def ends_on_a_flat_score(strategy: AbstractStrategy) -> None:
     """It ends on a constant score; where the core sees the values, the run is reported as NO_SIGNAL."""
     dim = _at_least(strategy, 2)
-    if strategy.needs is Need.RESIDUALS:
-        run_strategy(strategy, Objective(problems.least_squares(problems.constant, dim), _PLENTY), np.zeros(dim))
-        return
-    run = run_strategy(strategy, Objective(problems.flat(dim), _PLENTY), np.zeros(dim))
+    run = run_strategy(strategy, Objective(_problem_of(strategy, problems.flat, dim), _PLENTY), np.zeros(dim))
     if strategy.needs is Need.HOST:
         assert run.status is Status.NO_SIGNAL, f"the run ended as {run.status.name}, not NO_SIGNAL"
 
@@ -150,12 +129,12 @@ def keeps_any_budget(strategy: AbstractStrategy) -> None:
 @_check_for(*_ANALYTIC)
 def is_honest(strategy: AbstractStrategy) -> None:
     """It nominates a point that is as good as the best one that it evaluated."""
-    problem = _bowl(strategy, _at_least(strategy, 3))
-    objective = Objective(problem, _PLENTY)
+    bowl = _bowl(strategy, _at_least(strategy, 3))
+    objective = Objective(bowl, _PLENTY)
     outcome = _outcome(strategy, objective)
     evaluated = objective.trace.points
-    value = float(problem.values(outcome.best[None])[0])
-    best = problem.values(evaluated).max() if len(evaluated) else -np.inf
+    value = float(bowl.values(outcome.best[None])[0])
+    best = bowl.values(evaluated).max() if len(evaluated) else -np.inf
     assert value >= best - 1e-6, f"it nominates a point of value {value} although it evaluated one of {best}"
 
 
@@ -165,8 +144,8 @@ def is_deterministic(strategy: AbstractStrategy) -> None:
     dim = _at_least(strategy, 3)
     traces = []
     for _ in range(2):
-        problem = _bowl(strategy, dim) if strategy.needs is Need.RESIDUALS else problems.staircase(dim)
-        objective = Objective(problem, Budget(evaluations=300))
+        stairs = problems.linear if strategy.needs is Need.RESIDUALS else problems.staircase
+        objective = Objective(problem(stairs, dim), Budget(evaluations=300))
         _outcome(strategy, objective)
         traces.append(objective.trace.points)
     assert np.array_equal(*traces), "two runs with the same seed differ"
@@ -261,17 +240,22 @@ def _at_least(strategy: AbstractStrategy, dim: int) -> int:
 
 
 def _bowl(strategy: AbstractStrategy, dim: int, meter: problems.Meter | None = None) -> Problem:
-    if strategy.needs is Need.RESIDUALS:
-        return problems.least_squares(problems.linear, dim, meter)
-    return problems.bowl(dim, meter)
+    return _problem_of(strategy, problems.bowl, dim, meter)
 
 
-def _assert_climbs(strategy: AbstractStrategy, problem: Problem, share: float) -> None:
-    run = run_strategy(strategy, Objective(problem, _PLENTY), np.zeros(problem.dim))
+def _problem_of(
+    strategy: AbstractStrategy, score: problems.Score, dim: int, meter: problems.Meter | None = None
+) -> Problem:
+    """The problem of a score, or of the residuals that stand for it, by what the strategy needs."""
+    return problem(problems.AS_RESIDUALS[score] if strategy.needs is Need.RESIDUALS else score, dim, meter)
+
+
+def _assert_climbs(strategy: AbstractStrategy, climb: Problem, share: float) -> None:
+    run = run_strategy(strategy, Objective(climb, _PLENTY), np.zeros(climb.dim))
     top = 0.0 if strategy.needs is Need.RESIDUALS else 1.0
     climbed = (run.value - run.start_value) / (top - run.start_value)
     assert climbed >= share, (
-        f"in {problem.dim} dimensions it climbs {climbed:.1%} of the way up, and less than {share:.0%}; let it search "
+        f"in {climb.dim} dimensions it climbs {climbed:.1%} of the way up, and less than {share:.0%}; let it search "
         "longer, or shrink its step more slowly"
     )
 

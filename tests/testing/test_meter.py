@@ -58,9 +58,9 @@ jits = pytest.mark.parametrize("jitted", [False, True], ids=["eager", "jit"])
 def count_of(task, jitted, kind):
     meter = problems.Meter()
     if kind == "soft count":
-        f = problems.bowl(3, meter).traced.soft_count
+        f = problems.problem(problems.bowl, 3, meter).traced.soft_count
     else:
-        f = problems.least_squares(problems.linear, 3, meter).traced.residuals
+        f = problems.problem(problems.linear, 3, meter).traced.residuals
     (jax.jit(task) if jitted else task)(f, POINT)
     return meter.total
 
@@ -88,7 +88,7 @@ def test_a_derivative_of_residuals(task, jitted):
 @jits
 def test_nothing_is_counted_twice_or_dropped_over_several_calls(jitted):
     meter = problems.Meter()
-    f = problems.bowl(3, meter).traced.soft_count
+    f = problems.problem(problems.bowl, 3, meter).traced.soft_count
     both = jax.jit(value_and_gradient) if jitted else value_and_gradient
     for number in range(1, 4):
         both(f, POINT)
@@ -96,7 +96,7 @@ def test_nothing_is_counted_twice_or_dropped_over_several_calls(jitted):
 
 
 def test_every_mode_gives_the_same_gradient():
-    f = problems.bowl(3).traced.soft_count
+    f = problems.problem(problems.bowl, 3).traced.soft_count
     expected = -2.0 * (np.asarray(POINT) - np.linspace(-0.4, 0.3, 3))
     for task in (gradient, forward_jacobian, reverse_jacobian):
         np.testing.assert_allclose(task(f, POINT), expected, rtol=1e-5, atol=1e-6)
@@ -105,6 +105,6 @@ def test_every_mode_gives_the_same_gradient():
 
 def test_a_point_is_seen_where_it_was_evaluated():
     meter = problems.Meter()
-    f = problems.bowl(3, meter).traced.soft_count
+    f = problems.problem(problems.bowl, 3, meter).traced.soft_count
     forward_jacobian(f, 1.5 * jnp.ones(3))
     assert meter.farthest == 1.5

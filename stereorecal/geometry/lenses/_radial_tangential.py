@@ -1,4 +1,4 @@
-"""OpenCV's lens distortion: none, 4, 5, 8, 12 or 14 coefficients (k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty)."""
+"""OpenCV's lens distortion."""
 
 from functools import lru_cache, partial
 from typing import Any
@@ -9,47 +9,42 @@ import numpy as np
 from jaxtyping import Float, Inexact
 
 from stereorecal._arrays import AnyArray, is_host, namespace
-from stereorecal.geometry.lenses._model import FLAT_LIMIT
-
-NAME = "radtan"
-ABOUT = "OpenCV's radial-tangential model, 0, 4, 5, 8, 12 or 14 coefficients"
-TERMS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
-CALIBRATED = ("k1", "k2", "p1", "p2", "k3", "s1", "s2", "s3", "s4")
-COUNTS = (0, 4, 5, 8, 12, 14)
-WIDE = False
+from stereorecal.geometry.lenses._model import FLAT_LIMIT, Coefficients, LensModel
 
 
-def check(coefficients: Float[np.ndarray, "c"]) -> None:
-    """Nothing: where the image folds back, `field` ends."""
+class RadialTangential(LensModel):
+    """None, 4, 5, 8, 12 or 14 coefficients: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tx ty."""
 
+    NAME = "radtan"
+    ABOUT = "OpenCV's radial-tangential model, 0, 4, 5, 8, 12 or 14 coefficients"
+    TERMS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4")
+    CALIBRATED = ("k1", "k2", "p1", "p2", "k3", "s1", "s2", "s3", "s4")
+    COUNTS = (0, 4, 5, 8, 12, 14)
+    WIDE = False
 
-def project(x: Any, y: Any, z: Any, coefficients: Any) -> tuple:
-    """Image points of directions ahead of the camera."""
-    return distort_planes(x / z, y / z, coefficients)
+    def check(self, coefficients: Coefficients) -> None:
+        """Nothing: where the image folds back, `field` ends."""
 
+    def project(self, x: Any, y: Any, z: Any, coefficients: Any) -> tuple:
+        """Of directions ahead of the camera."""
+        return distort_planes(x / z, y / z, coefficients)
 
-def unproject(
-    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], start: Float[np.ndarray, "*n 2"] | None = None
-) -> Float[AnyArray, "*n 3"]:
-    """Rays (x/z, y/z, 1)."""
-    flat = undistort(points, coefficients, start=start)
-    xp = namespace(flat)
-    return xp.concatenate([flat, xp.ones_like(flat[..., :1])], axis=-1)
+    def unproject(self, points: AnyArray, coefficients: AnyArray, start: np.ndarray | None = None) -> AnyArray:
+        """Rays (x/z, y/z, 1)."""
+        flat = undistort(points, coefficients, start=start)
+        xp = namespace(flat)
+        return xp.concatenate([flat, xp.ones_like(flat[..., :1])], axis=-1)
 
+    def field(self, coefficients: Coefficients) -> float:
+        """Where the radial terms fold back."""
+        return float(np.arctan(self.flat_radius(coefficients)))
 
-def magnification(coefficients: Float[np.ndarray, "c"]) -> float:
-    """1, as the model counts it: what tilts and prisms add is left out."""
-    return 1.0
-
-
-def field(coefficients: Float[np.ndarray, "c"]) -> float:
-    """Where the radial terms fold back."""
-    return float(np.arctan(field_radius(coefficients)))
-
-
-def flat_radius(coefficients: Float[np.ndarray, "c"]) -> float:
-    """The tangent of the same."""
-    return field_radius(coefficients)
+    def flat_radius(self, coefficients: Coefficients) -> float:
+        """Beyond it the polynomial folds back into the image, and pixels there would show the wrong rays."""
+        radial_only = np.array(coefficients, float)
+        radial_only[2:4] = 0.0
+        radial_only[8:] = 0.0
+        return _turning_point(tuple(radial_only.tolist()))
 
 
 def distort(points: Inexact[AnyArray, "*n 2"], coefficients: Inexact[AnyArray, "c"]) -> Inexact[AnyArray, "*n 2"]:
@@ -197,20 +192,10 @@ def _undistort(
     return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
 
 
-def field_radius(coefficients: Float[np.ndarray, "c"], limit: float = FLAT_LIMIT) -> float:
-    """Largest undistorted radius (tan of the angle off axis) up to which the radial model is monotone.
-
-    Beyond it the polynomial folds back into the image, and pixels there would show the wrong rays.
-    """
-    radial_only = np.array(coefficients, float)
-    radial_only[2:4] = 0.0
-    radial_only[8:] = 0.0
-    return _turning_point(tuple(radial_only.tolist()), limit)
-
-
 @lru_cache(maxsize=64)  # each camera asks twice, for its radius and its field, and many cameras have one lens
-def _turning_point(radial_only: tuple[float, ...], limit: float) -> float:
-    radii = np.linspace(0.0, limit, 4001)
+def _turning_point(radial_only: tuple[float, ...]) -> float:
+    """The undistorted radius up to which the model is monotone."""
+    radii = np.linspace(0.0, FLAT_LIMIT, 4001)
     distorted, _ = distort_planes(radii, np.zeros_like(radii), np.array(radial_only))
     falling = np.diff(distorted) <= 0.0
-    return float(radii[np.argmax(falling)]) if falling.any() else limit
+    return float(radii[np.argmax(falling)]) if falling.any() else FLAT_LIMIT

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Opaque
+from stereorecal.synthetic.rendering._patch import Canvas, Opaque, as_paint
 
 
 def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
@@ -14,13 +14,14 @@ def weathered(canvas: Canvas, albedo: Texture, amount: float = 1.0) -> Texture:
     return albedo * np.exp(amount * (0.17 * blotches + 0.16 * streaks)) * foot
 
 
-def _courses(canvas: Canvas, width: float, height: float, joint: float, rows_shifted: bool):
-    """Courses of blocks: a random number 0..1 for each block (h, w), and the coverage 0..1 of the joints (h, w)."""
+def _courses(canvas: Canvas, width: float, height: float, joint: float) -> tuple[Texture, Texture]:
+    """Courses of blocks, each shifted by half a block, as two textures: a random number 0..1 for each block, and the
+    coverage 0..1 of the joints."""
     row = np.floor(canvas.y / height)
-    x = canvas.x / width + (0.5 * np.mod(row, 2) if rows_shifted else 0.0)
+    x = canvas.x / width + 0.5 * np.mod(row, 2)
     column = np.floor(x)
     # The usual hash of graphics shaders: the fraction of a large sine.
-    mixed = np.sin(row * 12.9898 + column * 78.233 + float(canvas.rng.uniform(0, 9))) * 43758.5453
+    mixed = np.sin(row * 12.9898 + column * 78.233 + canvas.rng.uniform(0, 9)) * 43758.5453
     edge_x = np.minimum(x - column, column + 1.0 - x) * width
     edge_y = np.minimum(canvas.y / height - row, row + 1.0 - canvas.y / height) * height
     gap = np.minimum(edge_x, edge_y)
@@ -28,120 +29,103 @@ def _courses(canvas: Canvas, width: float, height: float, joint: float, rows_shi
     return (mixed - np.floor(mixed)).astype(np.float32), np.clip(1.5 - gap / soft, 0.0, 1.0) * min(1.0, joint / soft)
 
 
-def masonry(albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5) -> Opaque:
+@as_paint
+def masonry(
+    canvas: Canvas, albedo: float, width: float, height: float, joint: float = 0.012, contrast: float = 0.5
+) -> Texture:
     """Bricks or stone blocks of `width` by `height` [m]."""
-
-    def paint(canvas: Canvas) -> Texture:
-        tint, joints = _courses(canvas, width, height, joint, rows_shifted=True)
-        stone = albedo * (1.0 + contrast * (tint - 0.5)) * (1.0 + 0.14 * canvas.noise(0.5 * height))
-        return weathered(canvas, stone * (1.0 - 0.55 * joints))
-
-    return paint
+    tint, joints = _courses(canvas, width, height, joint)
+    stone = albedo * (1.0 + contrast * (tint - 0.5)) * (1.0 + 0.14 * canvas.noise(0.5 * height))
+    return weathered(canvas, stone * (1.0 - 0.55 * joints))
 
 
-def quay(albedo: float, tide: float) -> Opaque:
+@as_paint
+def quay(canvas: Canvas, albedo: float, tide: float) -> Texture:
     """A quay wall of stone blocks, wet and overgrown with weed up to `tide` [m]."""
-    blocks = masonry(albedo, 1.3, 0.55, 0.03, 0.45)
-
-    def paint(canvas: Canvas) -> Texture:
-        image = blocks(canvas)
-        ragged = canvas.y - tide - 0.12 * canvas.noise(1.2, 0.6)
-        wet = np.clip(0.5 - ragged / 0.25, 0.0, 1.0)
-        weed = 0.045 * np.exp(0.45 * canvas.noise(0.4, 0.5))
-        image = image * (1 - wet) + wet * weed
-        canvas.fill(image, 0.0, canvas.width, canvas.height - 0.22, canvas.height, 0.0)
-        cap = 0.42 * np.exp(0.15 * canvas.noise(1.5, 0.2))
-        return np.where(image == 0.0, cap, image)
-
-    return paint
+    image = masonry(albedo, 1.3, 0.55, 0.03, 0.45)(canvas)
+    ragged = canvas.y - tide - 0.12 * canvas.noise(1.2, 0.6)
+    wet = np.clip(0.5 - ragged / 0.25, 0.0, 1.0)
+    weed = 0.045 * np.exp(0.45 * canvas.noise(0.4, 0.5))
+    image = image * (1 - wet) + wet * weed
+    canvas.fill(image, 0.0, canvas.width, canvas.height - 0.22, canvas.height, 0.0)
+    cap = 0.42 * np.exp(0.15 * canvas.noise(1.5, 0.2))
+    return np.where(image == 0.0, cap, image)
 
 
-def paving(albedo: float) -> Opaque:
+@as_paint
+def paving(canvas: Canvas, albedo: float) -> Texture:
     """Worn paving slabs."""
-
-    def paint(canvas: Canvas) -> Texture:
-        tint, joints = _courses(canvas, 1.2, 0.8, 0.02, rows_shifted=True)
-        slab = albedo * (1.0 + 0.3 * (tint - 0.5)) * (1.0 - 0.4 * joints)
-        return slab * np.exp(0.22 * canvas.noise(2.0))
-
-    return paint
+    tint, joints = _courses(canvas, 1.2, 0.8, 0.02)
+    slab = albedo * (1.0 + 0.3 * (tint - 0.5)) * (1.0 - 0.4 * joints)
+    return slab * np.exp(0.22 * canvas.noise(2.0))
 
 
-def boards(albedo: float, width: float = 0.18, upright: bool = True) -> Opaque:
+@as_paint
+def boards(canvas: Canvas, albedo: float, width: float = 0.18, upright: bool = True) -> Texture:
     """Planks, each with its own tint and grain."""
-
-    def paint(canvas: Canvas) -> Texture:
-        position = (canvas.x if upright else canvas.y) / width + 0 * (canvas.x + canvas.y)
-        board = np.floor(position)
-        mixed = np.sin(board * 91.7 + float(canvas.rng.uniform(0, 9))) * 47453.5
-        tint = mixed - np.floor(mixed)
-        grain = canvas.noise(*((0.04, 1.2) if upright else (1.2, 0.04)))
-        gap = np.clip(1.0 - np.minimum(position - board, board + 1 - position) * width / 0.012, 0.0, 1.0)
-        image = albedo * (0.7 + 0.6 * tint) * np.exp(0.2 * grain) * (1.0 - 0.6 * gap)
-        return weathered(canvas, image.astype(np.float32), 0.7)
-
-    return paint
+    position = (canvas.x if upright else canvas.y) / width + 0 * (canvas.x + canvas.y)
+    board = np.floor(position)
+    mixed = np.sin(board * 91.7 + canvas.rng.uniform(0, 9)) * 47453.5
+    tint = mixed - np.floor(mixed)
+    grain = canvas.noise(*((0.04, 1.2) if upright else (1.2, 0.04)))
+    gap = np.clip(1.0 - np.minimum(position - board, board + 1 - position) * width / 0.012, 0.0, 1.0)
+    image = albedo * (0.7 + 0.6 * tint) * np.exp(0.2 * grain) * (1.0 - 0.6 * gap)
+    return weathered(canvas, image.astype(np.float32), 0.7)
 
 
-def corrugated(albedo: float) -> Opaque:
+@as_paint
+def corrugated(canvas: Canvas, albedo: float) -> Texture:
     """The wall of a shipping container: ribs, rust, a frame and lettering."""
-
-    def paint(canvas: Canvas) -> Texture:
-        ribs = 1.0 + 0.2 * np.sin(canvas.x * (2 * np.pi / 0.28)) + 0 * canvas.y
-        rust = np.clip(canvas.noise(0.8, 1.2, gain=0.8) - 0.7, 0.0, 1.0)
-        image = albedo * ribs * (1.0 - rust) + 0.09 * rust
-        _lettering(canvas, image, min(0.92, 2.2 * albedo + 0.1))
-        for low in (0.0, canvas.height - 0.14):
-            canvas.fill(image, 0.0, canvas.width, low, low + 0.14, 0.6 * albedo)
-        for left in (0.0, canvas.width - 0.14):
-            canvas.fill(image, left, left + 0.14, 0.0, canvas.height, 0.6 * albedo)
-        return weathered(canvas, image.astype(np.float32), 0.9)
-
-    return paint
+    ribs = 1.0 + 0.2 * np.sin(canvas.x * (2 * np.pi / 0.28)) + 0 * canvas.y
+    rust = np.clip(canvas.noise(0.8, 1.2, gain=0.8) - 0.7, 0.0, 1.0)
+    image = albedo * ribs * (1.0 - rust) + 0.09 * rust
+    _lettering(canvas, image, min(0.92, 2.2 * albedo + 0.1))
+    for low in (0.0, canvas.height - 0.14):
+        canvas.fill(image, 0.0, canvas.width, low, low + 0.14, 0.6 * albedo)
+    for left in (0.0, canvas.width - 0.14):
+        canvas.fill(image, left, left + 0.14, 0.0, canvas.height, 0.6 * albedo)
+    return weathered(canvas, image.astype(np.float32), 0.9)
 
 
 def _lettering(canvas: Canvas, image: Texture, value: float) -> None:
     """Draw a line of strokes that resembles letters into `image`."""
     size = 0.16 * canvas.height
-    x, y = 0.12 * canvas.width, canvas.height * float(canvas.rng.uniform(0.45, 0.7))
+    x, y = 0.12 * canvas.width, canvas.height * canvas.rng.uniform(0.45, 0.7)
     while x < 0.7 * canvas.width:
-        stroke = float(canvas.rng.uniform(0.1, 0.3)) * size
+        stroke = canvas.rng.uniform(0.1, 0.3) * size
         canvas.fill(image, x, x + stroke, y, y + size, value)
         if canvas.rng.uniform() < 0.6:
-            level = y + size * float(canvas.rng.uniform(0.0, 0.8))
+            level = y + size * canvas.rng.uniform(0.0, 0.8)
             canvas.fill(image, x, x + 0.6 * size, level, level + 0.2 * size, value)
         x += 0.75 * size
 
 
-def facade(albedo: float, storey: float = 2.9, base: Opaque | None = None) -> Opaque:
+@as_paint
+def facade(canvas: Canvas, albedo: float, storey: float = 2.9, base: Opaque | None = None) -> Texture:
     """A house front: plaster or brick with rows of windows, a door, a plinth and a cornice."""
-
-    def paint(canvas: Canvas) -> Texture:
-        rng = canvas.rng
-        image = base(canvas) if base else weathered(canvas, np.full(canvas.shape, albedo, np.float32), 0.65)
-        bay = float(rng.uniform(1.9, 2.9))
-        count = max(1, int(canvas.width / bay))
-        bay, width, height = canvas.width / count, float(rng.uniform(0.9, 1.2)), float(rng.uniform(1.3, 1.7))
-        door = int(rng.integers(count))
-        frame = float(rng.choice([0.12, 0.6, 0.75]))
-        trim = albedo * float(rng.choice([0.7, 1.35]))
-        for level in range(int(canvas.height / storey)):
-            for column in range(count):
-                x = (column + 0.5) * bay
-                low, high = level * storey + 0.95, level * storey + 0.95 + height
-                if level == 0 and column == door:
-                    canvas.fill(image, x - 0.62, x + 0.62, 0.0, 2.35, trim)
-                    canvas.fill(image, x - 0.5, x + 0.5, 0.0, 2.2, float(rng.uniform(0.04, 0.25)))
-                    canvas.fill(image, x - 0.3, x + 0.3, 1.2, 2.0, 0.05)
-                    continue
-                _window(canvas, image, x, low, high, 0.5 * width, frame, trim)
-        for low, high, value in ((0.0, 0.45, 0.6), (canvas.height - 0.3, canvas.height, 1.25)):
-            rows = (canvas.y >= low) & (canvas.y < high)
-            image = np.where(rows, image * np.float32(value), image)
-        canvas.fill(image, canvas.width - 0.16, canvas.width - 0.07, 0.0, canvas.height, 0.5 * albedo)
-        return image * np.exp(0.05 * canvas.noise(0.15, octaves=5, gain=0.9))
-
-    return paint
+    rng = canvas.rng
+    image = base(canvas) if base else weathered(canvas, np.full(canvas.shape, albedo, np.float32), 0.65)
+    bay = rng.uniform(1.9, 2.9)
+    count = max(1, int(canvas.width / bay))
+    bay, width, height = canvas.width / count, rng.uniform(0.9, 1.2), rng.uniform(1.3, 1.7)
+    door = int(rng.integers(count))
+    frame = float(rng.choice([0.12, 0.6, 0.75]))
+    trim = albedo * float(rng.choice([0.7, 1.35]))
+    for level in range(int(canvas.height / storey)):
+        for column in range(count):
+            x = (column + 0.5) * bay
+            low, high = level * storey + 0.95, level * storey + 0.95 + height
+            if level == 0 and column == door:
+                canvas.fill(image, x - 0.62, x + 0.62, 0.0, 2.35, trim)
+                canvas.fill(image, x - 0.5, x + 0.5, 0.0, 2.2, rng.uniform(0.04, 0.25))
+                canvas.fill(image, x - 0.3, x + 0.3, 1.2, 2.0, 0.05)
+                continue
+            _window(canvas, image, x, low, high, 0.5 * width, frame, trim)
+    for low, high, value in ((0.0, 0.45, 0.6), (canvas.height - 0.3, canvas.height, 1.25)):
+        rows = (canvas.y >= low) & (canvas.y < high)
+        image = np.where(rows, image * np.float32(value), image)
+    canvas.fill(image, canvas.width - 0.16, canvas.width - 0.07, 0.0, canvas.height, 0.5 * albedo)
+    return image * np.exp(0.05 * canvas.noise(0.15, octaves=5, gain=0.9))
 
 
 def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, trim: float) -> None:
@@ -150,32 +134,30 @@ def _window(canvas: Canvas, image: Texture, x, low, high, half, frame: float, tr
     canvas.fill(image, x - half - 0.1, x + half + 0.1, low - 0.05, high + 0.12, trim)
     canvas.fill(image, x - half - 0.18, x + half + 0.18, low - 0.14, low - 0.05, min(0.9, 1.4 * trim))
     canvas.fill(image, x - half, x + half, low, high, frame)
-    glass = float(rng.uniform(0.03, 0.12))
+    glass = rng.uniform(0.03, 0.12)
     inner = half - 0.06
     canvas.fill(image, x - inner, x + inner, low + 0.06, high - 0.06, glass)
     canvas.fill(image, x - inner, x + inner, high - 0.22, high - 0.06, 0.5 * glass)
     if rng.uniform() < 0.6:
-        drape = float(rng.uniform(0.2, 0.5)) * inner
-        canvas.fill(image, x - inner, x - inner + drape, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4)))
-        canvas.fill(image, x + inner - drape, x + inner, low + 0.06, high - 0.2, float(rng.uniform(0.15, 0.4)))
+        drape = rng.uniform(0.2, 0.5) * inner
+        canvas.fill(image, x - inner, x - inner + drape, low + 0.06, high - 0.2, rng.uniform(0.15, 0.4))
+        canvas.fill(image, x + inner - drape, x + inner, low + 0.06, high - 0.2, rng.uniform(0.15, 0.4))
     else:
-        edge = low + float(rng.uniform(0.3, 0.8)) * (high - low)
-        canvas.fill(image, x - inner, x + inner, edge, high - 0.2, float(rng.uniform(0.12, 0.45)))
+        edge = low + rng.uniform(0.3, 0.8) * (high - low)
+        canvas.fill(image, x - inner, x + inner, edge, high - 0.2, rng.uniform(0.12, 0.45))
     canvas.fill(image, x - 0.03, x + 0.03, low, high, frame)
     canvas.fill(image, x - half, x + half, low + 0.62 * (high - low), low + 0.66 * (high - low), frame)
 
 
-def tiles(albedo: float) -> Opaque:
+@as_paint
+def tiles(canvas: Canvas, albedo: float) -> Texture:
     """Roof tiles."""
-
-    def paint(canvas: Canvas) -> Texture:
-        tint, joints = _courses(canvas, 0.25, 0.33, 0.03, rows_shifted=True)
-        image = albedo * (0.75 + 0.5 * tint) * (1.0 - 0.5 * joints)
-        return image * np.exp(0.25 * canvas.noise(2.5, 1.5))
-
-    return paint
+    tint, joints = _courses(canvas, 0.25, 0.33, 0.03)
+    image = albedo * (0.75 + 0.5 * tint) * (1.0 - 0.5 * joints)
+    return image * np.exp(0.25 * canvas.noise(2.5, 1.5))
 
 
-def plain(albedo: float, blotch: float = 0.12) -> Opaque:
+@as_paint
+def plain(canvas: Canvas, albedo: float, blotch: float = 0.12) -> Texture:
     """One material with soft blotches."""
-    return lambda canvas: albedo * np.exp(blotch * canvas.noise(0.8, gain=0.8))
+    return albedo * np.exp(blotch * canvas.noise(0.8, gain=0.8))

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.synthetic.objects._things import Things
+from stereorecal.synthetic.objects._studio import Ground, Studio, footprint
 from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas
-from stereorecal.synthetic.rendering._patch_builder import Ground, Studio, footprint
-from stereorecal.synthetic.surroundings._ground import Stain
+from stereorecal.synthetic.rendering._patch import Canvas, as_paint
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +63,8 @@ _MODELS = (
 _PARTS = ("nose", "nose", "bonnet", "glass", "roof", "glass", "boot", "tail")
 
 
-def car(studio: Studio, middle: Ground, heading: Ground) -> Things:
-    """A car at ground point `middle`, facing along the unit vector `heading` (x, z), and its shadow."""
+def car(studio: Studio, middle: Ground, heading: Ground) -> None:
+    """Park a car at ground point `middle`, facing along the unit vector `heading` (x, z), with its shadow."""
     rng = studio.rng
     model = _MODELS[int(rng.choice(4, p=[0.3, 0.3, 0.25, 0.15]))]
     albedo = float(rng.choice([0.03, 0.06, 0.13, 0.25, 0.4, 0.68]))
@@ -78,96 +76,81 @@ def car(studio: Studio, middle: Ground, heading: Ground) -> Things:
         return np.array([ground[0], height, ground[1]])
 
     side = _side(model, albedo)
-    patches = []
     half = 0.5 * model.width
     for across in (-half, half):
         start = place(0.0, 0.0, across)
         top = np.array([0.0, max(model.heights), 0.0])
-        patches.append(studio.patch(start, place(1.0, 0.0, across) - start, top, side))
+        studio.patch(start, place(1.0, 0.0, across) - start, top, side)
     profile = list(zip(model.places, model.heights, strict=True))
     for part, low, high in zip(_PARTS, profile, profile[1:], strict=False):
         start = place(*low, -half)
-        paint = _across(part, albedo)
-        patches.append(studio.patch(start, place(*low, half) - start, place(*high, -half) - start, paint))
-    under = footprint((middle[0], middle[1]), model.width + 0.2, model.length + 0.1, _turn(ahead))
-    cast = under - 0.8 * studio.light.sun[[0, 2]] / max(0.3, studio.light.sun[1])
-    return patches, [Stain(under, 0.25), Stain(cast, 0.6)]
+        studio.patch(start, place(*low, half) - start, place(*high, -half) - start, _across(part, albedo))
+    under = footprint(middle, model.width + 0.2, model.length + 0.1, np.arctan2(-ahead[0], ahead[1]))
+    studio.stain(under, 0.25)
+    studio.stain(under - 0.8 * studio.light.sun[[0, 2]] / max(0.3, studio.light.sun[1]), 0.6)
 
 
-def _turn(ahead) -> float:
-    """Rotation [rad] of a footprint whose depth lies along `ahead` (x, z)."""
-    return float(np.arctan2(-ahead[0], ahead[1]))
-
-
-def _side(model: _Model, albedo: float):
+@as_paint
+def _side(canvas: Canvas, model: _Model, albedo: float) -> tuple[Texture, Texture]:
     """The paint of a side: body, windows, doors, lamps and wheels, cut out along the profile."""
-
-    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
-        fraction, y = canvas.x / canvas.width, canvas.y
-        top = np.interp(fraction, model.places, model.heights)
-        body = (y < top) & (y > model.heights[0])
-        shine = np.exp(-(((y - 0.82 * model.waist) / 0.05) ** 2)) - 0.5 * np.exp(
-            -(((y - 0.6 * model.waist) / 0.08) ** 2)
-        )
-        image = albedo * (0.6 + 0.4 * y / model.waist) + (0.08 + 0.2 * albedo) * shine + 0 * fraction
-        image = np.where(y < 0.36, 0.04, image)
-        window = (y > model.waist) & (y < top - 0.09)
-        glass = 0.03 + 0.1 * np.clip(canvas.noise(0.9, 0.35), 0.0, 1.5)
-        image = np.where(window, glass, image)
-        for post in (0.36, 0.57, 0.78):
-            pillar = np.abs(fraction - post - 0.02 * (y - model.waist)) < 0.012
-            image = np.where(window & pillar, albedo, image)
-            if post < 0.7:
-                gap = (np.abs(fraction - post) < 0.003) & (y < model.waist) & (y > 0.4)
-                image = np.where(gap, 0.02, image)
-                handle = (np.abs(fraction - post - 0.12) < 0.02) & (np.abs(y - 0.86 * model.waist) < 0.02)
-                image = np.where(handle, 0.02, image)
-        lamp = (np.abs(y - 0.68) < 0.06) & (fraction < 0.06)
-        tail = (np.abs(y - 0.82) < 0.09) & (fraction > 0.955)
-        image = np.where(lamp, 0.8, np.where(tail, 0.12, image))
-        mask = body
-        for hub in (0.19, 0.8):
-            radius = np.hypot((fraction - hub) * model.length, y - model.wheel)
-            spokes = np.cos(5 * np.arctan2(y - model.wheel, (fraction - hub) * model.length)) > -0.3
-            rim = np.where((radius < 0.6 * model.wheel) & spokes, 0.38, 0.025)
-            image = np.where(radius < 1.16 * model.wheel, 0.015, image)
-            image = np.where(radius < model.wheel, rim, image)
-            mask = mask | (radius < model.wheel)
-        grime = np.exp(0.12 * canvas.noise(0.9, 0.4, 6, 0.8))
-        return (image * grime).astype(np.float32), mask.astype(np.float32)
-
-    return paint
+    fraction, y = canvas.x / canvas.width, canvas.y
+    top = np.interp(fraction, model.places, model.heights)
+    body = (y < top) & (y > model.heights[0])
+    shine = np.exp(-(((y - 0.82 * model.waist) / 0.05) ** 2)) - 0.5 * np.exp(-(((y - 0.6 * model.waist) / 0.08) ** 2))
+    image = albedo * (0.6 + 0.4 * y / model.waist) + (0.08 + 0.2 * albedo) * shine + 0 * fraction
+    image = np.where(y < 0.36, 0.04, image)
+    window = (y > model.waist) & (y < top - 0.09)
+    glass = 0.03 + 0.1 * np.clip(canvas.noise(0.9, 0.35), 0.0, 1.5)
+    image = np.where(window, glass, image)
+    for post in (0.36, 0.57, 0.78):
+        pillar = np.abs(fraction - post - 0.02 * (y - model.waist)) < 0.012
+        image = np.where(window & pillar, albedo, image)
+        if post < 0.7:
+            gap = (np.abs(fraction - post) < 0.003) & (y < model.waist) & (y > 0.4)
+            image = np.where(gap, 0.02, image)
+            handle = (np.abs(fraction - post - 0.12) < 0.02) & (np.abs(y - 0.86 * model.waist) < 0.02)
+            image = np.where(handle, 0.02, image)
+    lamp = (np.abs(y - 0.68) < 0.06) & (fraction < 0.06)
+    tail = (np.abs(y - 0.82) < 0.09) & (fraction > 0.955)
+    image = np.where(lamp, 0.8, np.where(tail, 0.12, image))
+    mask = body
+    for hub in (0.19, 0.8):
+        radius = np.hypot((fraction - hub) * model.length, y - model.wheel)
+        spokes = np.cos(5 * np.arctan2(y - model.wheel, (fraction - hub) * model.length)) > -0.3
+        rim = np.where((radius < 0.6 * model.wheel) & spokes, 0.38, 0.025)
+        image = np.where(radius < 1.16 * model.wheel, 0.015, image)
+        image = np.where(radius < model.wheel, rim, image)
+        mask = mask | (radius < model.wheel)
+    grime = np.exp(0.12 * canvas.noise(0.9, 0.4, 6, 0.8))
+    return (image * grime).astype(np.float32), mask.astype(np.float32)
 
 
-def _across(part: str, albedo: float):
+@as_paint
+def _across(canvas: Canvas, part: str, albedo: float) -> Texture:
     """The paint of a surface that spans the width of the car: bonnet, glass, roof and so on."""
-
-    def paint(canvas: Canvas) -> Texture:
-        width, rise = canvas.width, canvas.y / canvas.height
-        grime = np.exp(0.12 * canvas.noise(0.8, 0.4, 6, 0.8))
-        if part == "glass":
-            image = (0.04 + 0.16 * rise**2) * np.exp(0.35 * canvas.noise(0.7, 0.5)) + 0 * canvas.x
-            for left, right in ((0.0, 0.06), (width - 0.06, width)):
-                canvas.fill(image, left, right, 0.0, canvas.height, albedo)
-            return image
-        image = (albedo * (0.7 + 0.3 * rise) + 0 * canvas.x) * grime
-        if part in ("bonnet", "roof", "boot"):
-            mirrored = 0.12 * np.exp(0.4 * canvas.noise(0.9, 0.5))
-            return image + mirrored
-        if part == "nose" and canvas.height > 0.2:
-            canvas.fill(image, 0.0, width, 0.0, 0.1, 0.04)
-            canvas.fill(image, 0.45, width - 0.45, 0.06, 0.3, 0.03)
-            canvas.fill(image, 0.5 * width - 0.26, 0.5 * width + 0.26, 0.1, 0.21, 0.7)
-        elif part == "nose":
-            canvas.fill(image, 0.42, width - 0.42, 0.0, canvas.height, 0.05)
-            for left in (0.05, width - 0.4):
-                canvas.fill(image, left, left + 0.35, 0.02, canvas.height - 0.02, 0.85)
-        elif part == "tail":
-            # The rear profile runs downwards, so the canvas is upside down.
-            canvas.fill(image, 0.0, width, canvas.height - 0.12, canvas.height, 0.04)
-            canvas.fill(image, 0.5 * width - 0.26, 0.5 * width + 0.26, 0.28, 0.39, 0.7)
-            for left in (0.04, width - 0.29):
-                canvas.fill(image, left, left + 0.25, 0.03, 0.2, 0.14)
+    width, rise = canvas.width, canvas.y / canvas.height
+    grime = np.exp(0.12 * canvas.noise(0.8, 0.4, 6, 0.8))
+    if part == "glass":
+        image = (0.04 + 0.16 * rise**2) * np.exp(0.35 * canvas.noise(0.7, 0.5)) + 0 * canvas.x
+        for left, right in ((0.0, 0.06), (width - 0.06, width)):
+            canvas.fill(image, left, right, 0.0, canvas.height, albedo)
         return image
-
-    return paint
+    image = (albedo * (0.7 + 0.3 * rise) + 0 * canvas.x) * grime
+    if part in ("bonnet", "roof", "boot"):
+        mirrored = 0.12 * np.exp(0.4 * canvas.noise(0.9, 0.5))
+        return image + mirrored
+    if part == "nose" and canvas.height > 0.2:
+        canvas.fill(image, 0.0, width, 0.0, 0.1, 0.04)
+        canvas.fill(image, 0.45, width - 0.45, 0.06, 0.3, 0.03)
+        canvas.fill(image, 0.5 * width - 0.26, 0.5 * width + 0.26, 0.1, 0.21, 0.7)
+    elif part == "nose":
+        canvas.fill(image, 0.42, width - 0.42, 0.0, canvas.height, 0.05)
+        for left in (0.05, width - 0.4):
+            canvas.fill(image, left, left + 0.35, 0.02, canvas.height - 0.02, 0.85)
+    elif part == "tail":
+        # The rear profile runs downwards, so the canvas is upside down.
+        canvas.fill(image, 0.0, width, canvas.height - 0.12, canvas.height, 0.04)
+        canvas.fill(image, 0.5 * width - 0.26, 0.5 * width + 0.26, 0.28, 0.39, 0.7)
+        for left in (0.04, width - 0.29):
+            canvas.fill(image, left, left + 0.25, 0.03, 0.2, 0.14)
+    return image

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from stereorecal.synthetic.objects._things import Things
+from stereorecal.synthetic.objects._studio import Studio
 from stereorecal.synthetic.rendering._noise import Texture, fractal
-from stereorecal.synthetic.rendering._patch import Canvas, Paint
-from stereorecal.synthetic.rendering._patch_builder import Studio
-from stereorecal.synthetic.surroundings._ground import Stain
+from stereorecal.synthetic.rendering._patch import Canvas, as_paint
 
 
 def _relief(height: Texture, strength: float) -> Texture:
@@ -23,48 +21,42 @@ def _profile(canvas: Canvas, low: float, high: float, scale: float) -> Texture:
     return body * np.sqrt(taper)
 
 
-def hill(low: float, high: float, rock: float, scale: float = 60.0) -> Paint:
+@as_paint
+def hill(canvas: Canvas, low: float, high: float, rock: float, scale: float = 60.0) -> tuple[Texture, Texture]:
     """A hillside with woods and meadows, and bare rock at its foot; its skyline lies between `low` and `high` [m].
 
     Args:
         rock: height [m] of the bare rock.
         scale: width [m] of the largest features of the skyline.
     """
-
-    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
-        top = _profile(canvas, low, high, scale)
-        bumps = 0.25 * canvas.noise(1.6, 0.9, 6, 0.9)
-        mask = np.clip(0.5 + (top + bumps - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
-        folds = canvas.noise(0.35 * scale, 0.15 * scale, 8, 0.6)
-        crowns = canvas.noise(2.6, 1.7, 6, 0.85)
-        woods = 0.085 * np.exp(0.55 * crowns + 0.35 * _relief(crowns, 6.0))
-        meadow = 0.22 * np.exp(0.2 * canvas.noise(7.0, 1.2, 8, 0.8))
-        open_land = np.clip(0.5 + 2.5 * (canvas.noise(16.0, 3.0, 7, 0.7) - 0.3), 0.0, 1.0)
-        image = woods + open_land * (meadow - woods)
-        image = image * np.exp(0.3 * _relief(folds, 14.0))
-        ragged = rock * (1.0 + 0.45 * canvas.noise(9.0, 5.0, 7))
-        bare = np.clip(0.5 + (ragged - canvas.y) / 0.6, 0.0, 1.0)
-        image = image + bare * (_rock(canvas) - image)
-        foot = np.clip(canvas.y / 0.5, 0.25, 1.0)
-        return (image * foot).astype(np.float32), mask.astype(np.float32)
-
-    return paint
+    top = _profile(canvas, low, high, scale)
+    bumps = 0.25 * canvas.noise(1.6, 0.9, 6, 0.9)
+    mask = np.clip(0.5 + (top + bumps - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
+    folds = canvas.noise(0.35 * scale, 0.15 * scale, 8, 0.6)
+    crowns = canvas.noise(2.6, 1.7, 6, 0.85)
+    woods = 0.085 * np.exp(0.55 * crowns + 0.35 * _relief(crowns, 6.0))
+    meadow = 0.22 * np.exp(0.2 * canvas.noise(7.0, 1.2, 8, 0.8))
+    open_land = np.clip(0.5 + 2.5 * (canvas.noise(16.0, 3.0, 7, 0.7) - 0.3), 0.0, 1.0)
+    image = woods + open_land * (meadow - woods)
+    image = image * np.exp(0.3 * _relief(folds, 14.0))
+    ragged = rock * (1.0 + 0.45 * canvas.noise(9.0, 5.0, 7))
+    bare = np.clip(0.5 + (ragged - canvas.y) / 0.6, 0.0, 1.0)
+    image = image + bare * (_rock(canvas) - image)
+    foot = np.clip(canvas.y / 0.5, 0.25, 1.0)
+    return (image * foot).astype(np.float32), mask.astype(np.float32)
 
 
-def cliff(low: float, high: float, albedo: float = 0.36) -> Paint:
+@as_paint
+def cliff(canvas: Canvas, low: float, high: float, albedo: float = 0.36) -> tuple[Texture, Texture]:
     """A bare cliff with strata, clefts and grass on top; its skyline lies between `low` and `high` [m]."""
-
-    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
-        top = _profile(canvas, low, high, 18.0)
-        mask = np.clip(0.5 + (top + 0.12 * canvas.noise(1.2) - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
-        image = _rock(canvas) * (albedo / 0.3)
-        cap = np.clip(0.5 + (canvas.y - top + 1.2 + 0.5 * canvas.noise(3.0)) / 0.4, 0.0, 1.0)
-        grass = 0.12 * np.exp(0.4 * canvas.noise(1.2, 0.6, 6, 0.9))
-        image = image + cap * (grass - image)
-        wet = np.clip(1.4 - canvas.y / 0.7 + 0.3 * canvas.noise(2.0), 0.0, 1.0)
-        return (image * (1.0 - 0.7 * wet)).astype(np.float32), mask.astype(np.float32)
-
-    return paint
+    top = _profile(canvas, low, high, 18.0)
+    mask = np.clip(0.5 + (top + 0.12 * canvas.noise(1.2) - canvas.y) / (2.0 * canvas.texel), 0.0, 1.0)
+    image = _rock(canvas) * (albedo / 0.3)
+    cap = np.clip(0.5 + (canvas.y - top + 1.2 + 0.5 * canvas.noise(3.0)) / 0.4, 0.0, 1.0)
+    grass = 0.12 * np.exp(0.4 * canvas.noise(1.2, 0.6, 6, 0.9))
+    image = image + cap * (grass - image)
+    wet = np.clip(1.4 - canvas.y / 0.7 + 0.3 * canvas.noise(2.0), 0.0, 1.0)
+    return (image * (1.0 - 0.7 * wet)).astype(np.float32), mask.astype(np.float32)
 
 
 def _rock(canvas: Canvas) -> Texture:
@@ -77,34 +69,31 @@ def _rock(canvas: Canvas) -> Texture:
     return image * (1.0 - 0.65 * clefts)
 
 
-def crown(albedo: float) -> Paint:
+@as_paint
+def crown(canvas: Canvas, albedo: float) -> tuple[Texture, Texture]:
     """A clump of leaves with ragged edges and holes."""
-
-    def paint(canvas: Canvas) -> tuple[Texture, Texture]:
-        across = canvas.x / canvas.width * 2.0 - 1.0
-        up = canvas.y / canvas.height * 2.0 - 1.0
-        radius = np.sqrt(across**2 + up**2)
-        leaves = canvas.noise(0.5, 0.45, 6, 0.95)
-        clumps = canvas.noise(0.35 * canvas.width, octaves=4)
-        mask = 0.5 + 2.0 * (0.78 - radius) + 0.55 * leaves + 0.45 * clumps
-        mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
-        lit = 0.75 + 0.35 * up - 0.1 * across
-        image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
-        return image.astype(np.float32), np.clip(mask, 0.0, 1.0).astype(np.float32)
-
-    return paint
+    across = canvas.x / canvas.width * 2.0 - 1.0
+    up = canvas.y / canvas.height * 2.0 - 1.0
+    radius = np.sqrt(across**2 + up**2)
+    leaves = canvas.noise(0.5, 0.45, 6, 0.95)
+    clumps = canvas.noise(0.35 * canvas.width, octaves=4)
+    mask = 0.5 + 2.0 * (0.78 - radius) + 0.55 * leaves + 0.45 * clumps
+    mask = mask - 12.0 * np.clip(np.maximum(np.abs(across), np.abs(up)) - 0.84, 0.0, 1.0) * (1.0 + 0.5 * leaves)
+    lit = 0.75 + 0.35 * up - 0.1 * across
+    image = albedo * lit * np.exp(0.4 * leaves + 0.35 * clumps)
+    return image.astype(np.float32), np.clip(mask, 0.0, 1.0).astype(np.float32)
 
 
-def tree(studio: Studio, foot: tuple[float, float], tall: float) -> Things:
-    """A tree `tall` [m] at ground point `foot`: a trunk, clumps of leaves around it, and its shadow."""
+def tree(studio: Studio, foot: tuple[float, float], tall: float) -> None:
+    """Grow a tree `tall` [m] at ground point `foot`: a trunk, clumps of leaves around it, and its shadow."""
     rng = studio.rng
-    patches = [studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)]
+    studio.pole(foot, 0.28, 0.0, 0.55 * tall, 0.1)
     for _ in range(7):
         away, angle = rng.uniform(0.1, 0.26) * tall, rng.uniform(0.0, 2 * np.pi)
         spot = (foot[0] + away * np.cos(angle), foot[1] + away * np.sin(angle))
-        width, low = float(rng.uniform(0.32, 0.5)) * tall, float(rng.uniform(0.36, 0.68)) * tall
-        patches.append(studio.card(spot, width, low, low + 0.85 * width, crown(float(rng.uniform(0.08, 0.16)))))
+        width, low = rng.uniform(0.32, 0.5) * tall, rng.uniform(0.36, 0.68) * tall
+        studio.card(spot, width, low, low + 0.85 * width, crown(rng.uniform(0.08, 0.16)))
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
     shift = studio.light.sun[[0, 2]] * (-0.6 * tall / studio.light.sun[1])
     circle = np.array(foot) + shift + 0.3 * tall * np.stack([np.cos(angles), np.sin(angles)], -1)
-    return patches, [Stain(circle, 0.6)]
+    studio.stain(circle, 0.6)

@@ -50,6 +50,18 @@ def periodic(rng: np.random.Generator, size: int, spectrum) -> Texture:
     return (field / field.std()).astype(np.float32)
 
 
+def wrapped(field: Float[np.ndarray, "n n *c"]) -> Float[np.ndarray, "m m *c"]:
+    """A periodic field, float32, with its first row and column once more at the end, for `tile_at`."""
+    ends = [(0, 1), (0, 1), (0, 0)]
+    return np.ascontiguousarray(np.pad(field, ends[: field.ndim], mode="wrap"), np.float32)
+
+
+def tile_at(tile: Float[np.ndarray, "m m *c"], u: Texture, v: Texture) -> Float[np.ndarray, "h w *c"]:
+    """Values of a `wrapped` field at (u, v) in periods."""
+    u, v = ((at - np.floor(at)) * np.float32(tile.shape[0] - 1) for at in (u, v))
+    return cv2.remap(tile, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
+
 def wave_slopes(rng: np.random.Generator, size: int, waves: float, heading: float) -> Float[np.ndarray, "n n 2"]:
     """Slopes (d/dx, d/dy) of a periodic sea surface, (size, size, 2) float32 with a mean squared slope of 1.
 

@@ -7,6 +7,7 @@ above the origin in the first frame.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Concatenate, ParamSpec, TypeVar
 
 import cv2
 import numpy as np
@@ -15,28 +16,6 @@ from jaxtyping import Float
 from stereorecal.synthetic.rendering._noise import Texture, fractal
 
 Point = Float[np.ndarray, "3"]
-
-_PIXEL_ANGLE = 1.0 / 600.0  # [rad], of the default rig (focal length about 600 px); sets the size of texels
-_MOST_TEXELS = 450_000  # of a patch; bounds memory and time
-
-
-@dataclass(frozen=True, eq=False)
-class Light:
-    """Sunlight and skylight.
-
-    Attributes:
-        sun: (3,) unit vector towards the sun.
-        direct, ambient: irradiance of the sun at normal incidence and of the sky, relative: an albedo of 1 under an
-            irradiance of 1 gives a radiance of 1.
-    """
-
-    sun: Point
-    direct: float
-    ambient: float
-
-    def on(self, normal: Point) -> float:
-        """Irradiance of a surface with this unit normal (Lambert's cosine law; vertical surfaces get less skylight)."""
-        return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(0.0, float(normal @ self.sun))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +59,20 @@ class Canvas:
 Opaque = Callable[[Canvas], Texture]
 """A paint without holes: returns the albedo (h, w), 0..1."""
 
-Paint = Callable[[Canvas], Texture | tuple[Texture, Texture]]
-"""Returns the albedo (h, w), or the albedo and an alpha mask (h, w) that is above 0.5 where the surface is opaque."""
+Cutout = Callable[[Canvas], tuple[Texture, Texture]]
+"""Returns the albedo and an alpha mask (h, w) that is above 0.5 where the surface is opaque."""
+
+Paint = Opaque | Cutout
+
+Settings = ParamSpec("Settings")
+Colours = TypeVar("Colours")
+
+
+def as_paint(
+    colour: Callable[Concatenate[Canvas, Settings], Colours],
+) -> Callable[Settings, Callable[[Canvas], Colours]]:
+    """What makes a paint of settings, from a function that colours a canvas by them."""
+    return lambda *values, **named: lambda canvas: colour(canvas, *values, **named)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +81,7 @@ class Patch:
 
     Attributes:
         origin, across, up: (3,) [m], world frame.
-        levels: mipmap of radiance and mask, (h, w, 2) float32, each level half as fine as the one before; row 0 is
-            b = 1.
+        levels: `mipmap` of radiance and mask, (h, w, 2) float32; row 0 is b = 1.
         texel: size [m] of a texel of level 0.
     """
 
@@ -119,25 +109,8 @@ class Patch:
         return replace(self, origin=self.origin + way)
 
 
-def painted(rng: np.random.Generator, light: Light, origin, across, up, paint: Paint, eye=(0.0, 2.5, 0.0)) -> Patch:
-    """A patch textured by `paint` and lit by `light`, with texels as fine as a camera at `eye` (3,) [m] can resolve."""
-    origin, across, up, eye = (np.array(v, float) for v in (origin, across, up, eye))
-    width, height = float(np.linalg.norm(across)), float(np.linalg.norm(up))
-    grid = np.linspace(0.0, 1.0, 9)
-    points = origin + grid[:, None, None] * across + grid[None, :, None] * up
-    # A texel covers 0.7 pixels at the nearest point of the patch; what is nearer than 4 m gets no finer ones.
-    near = max(4.0, float(np.linalg.norm(points - eye, axis=-1).min()))
-    texel = max(0.7 * near * _PIXEL_ANGLE, np.sqrt(width * height / _MOST_TEXELS))
-    normal = np.cross(across, up) / (width * height)
-    normal = normal * np.sign(normal @ (eye - origin) or 1.0)
-    result = paint(Canvas(rng, width, height, texel))
-    albedo, mask = result if isinstance(result, tuple) else (result, np.ones_like(result))
-    radiance = np.clip(albedo, 0.01, 1.0) * np.float32(light.on(normal / np.linalg.norm(normal)))
-    return Patch(origin, across, up, _levels(np.stack([radiance, mask], axis=-1).astype(np.float32)), texel)
-
-
-def _levels(texture: Float[np.ndarray, "h w 2"]) -> tuple[Float[np.ndarray, "_ _ 2"], ...]:
-    """Mipmap of a texture, at most seven levels."""
+def mipmap(texture: Float[np.ndarray, "h w 2"]) -> tuple[Float[np.ndarray, "_ _ 2"], ...]:
+    """The texture, and at most six levels of it, each half as fine as the one before."""
     levels = [texture]
     while max(levels[-1].shape[:2]) > 4 and len(levels) < 7:
         rows, columns = levels[-1].shape[:2]

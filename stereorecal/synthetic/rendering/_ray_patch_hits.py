@@ -1,5 +1,6 @@
 """Ray casting onto patches: depth and radiance of the first patch that each ray hits."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
@@ -36,11 +37,13 @@ def trace(patches: tuple[Patch, ...], rays: Rays) -> tuple[Float[np.ndarray, "h 
         return depth, radiance
     lengths = np.linalg.norm(rays.directions, axis=-1)
     corners = np.stack([patch.corners for patch in patches])
-    windows = _windows(corners - rays.centre, _block_bounds(rays.directions, lengths))
+    touched = _touched(corners - rays.centre, *_block_bounds(rays.directions, lengths))
     nearest_first = np.argsort(np.linalg.norm(corners.mean(axis=1) - rays.centre, axis=1), kind="stable")
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for index in nearest_first:
-            if (window := windows[index]) is not None:
+            rows, columns = (np.flatnonzero(touched[index].any(axis)) for axis in (1, 0))
+            if rows.size:
+                window = tuple(slice(_BLOCK * met[0], _BLOCK * (met[-1] + 1)) for met in (rows, columns))
                 of_rays = rays.directions[window], lengths[window], depth[window], radiance[window]
                 _meet(patches[index], rays.centre, rays.spread, *of_rays)
     return depth, radiance
@@ -78,74 +81,40 @@ def _meet(patch: Patch, centre: Point, spread: float, directions, lengths, depth
 def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
     """Trilinear lookup in a mipmap at (u, v) in 0..1 and fractional `level`; only the values where `used` count."""
     level = np.clip(np.where(used, level, level[used].mean()), 0.0, len(levels) - 1.0).astype(np.float32)
-    total = None
+    total = np.zeros((*level.shape, levels[0].shape[-1]), np.float32)
     for index in range(int(np.floor(level.min())), int(np.ceil(level.max())) + 1):
         rows, columns = levels[index].shape[:2]
         x, y = u * np.float32(columns) - np.float32(0.5), v * np.float32(rows) - np.float32(0.5)
         x, y = (np.minimum(np.maximum(at, np.float32(-1.0)), np.float32(end)) for at, end in ((x, columns), (y, rows)))
         value = cv2.remap(levels[index], x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        weighted = np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
-        total = weighted if total is None else total + weighted
-    assert total is not None
+        total += np.maximum(0.0, 1.0 - np.abs(level - index))[..., None] * value
     return total
 
 
 def _block_bounds(
     directions: Float[np.ndarray, "h w 3"], lengths: Float[np.ndarray, "h w"]
-) -> tuple[Shaped[np.ndarray, "rows columns"], ...]:
-    """Minimum and maximum of x/z, then of y/z, over the rays of each block of the grid; infinite where one of them goes
-    aside or back."""
+) -> Iterator[Shaped[np.ndarray, "rows columns 2"]]:
+    """The least, and then the largest, x/z and y/z over the rays of each block of the grid; infinite where one of them
+    goes aside or back."""
     aside = directions[..., 2:] < _ASIDE * lengths[..., None]
     slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
-    edges = [np.arange(0, n, _BLOCK) for n in slopes.shape[:2]]
-    below, above = slopes, slopes
-    if aside.any():
-        below, above = (np.where(aside, np.float32(end), slopes) for end in (-np.inf, np.inf))
-    low = np.minimum.reduceat(np.minimum.reduceat(below, edges[0], 0), edges[1], 1)
-    high = np.maximum.reduceat(np.maximum.reduceat(above, edges[0], 0), edges[1], 1)
-    return low[..., 0], high[..., 0], low[..., 1], high[..., 1]
+    down, across = (np.arange(0, n, _BLOCK) for n in slopes.shape[:2])
+    for extreme, end in ((np.minimum, -np.inf), (np.maximum, np.inf)):
+        bound = np.where(aside, np.float32(end), slopes)
+        yield extreme.reduceat(extreme.reduceat(bound, down, 0), across, 1)
 
 
-def _windows(
-    corners: Float[np.ndarray, "n 4 3"], bounds: tuple[Shaped[np.ndarray, "rows columns"], ...]
-) -> list[tuple[slice, slice] | None]:
-    """For each patch the window of the grid outside which no ray can hit it; None if no ray can.
-
-    Args:
-        corners: as seen from where the rays start.
-    """
-    low_x, high_x, low_y, high_y = bounds
-    ahead = corners[..., 2] >= _NEAR
-    low, high = np.full((2, len(corners), 2, 1, 1), np.inf)
-    high *= -1.0
-    for outlines, which in (
-        (corners[ahead.all(1)], ahead.all(1)),
-        *((_clip_near(corners[index])[None], [index]) for index in np.flatnonzero(ahead.any(1) & ~ahead.all(1))),
-    ):
-        slopes = outlines[..., :2] / outlines[..., 2:]
-        low[which], high[which] = slopes.min(1)[..., None, None] - 1e-4, slopes.max(1)[..., None, None] + 1e-4
-    touched = (low_x <= high[:, 0]) & (high_x >= low[:, 0]) & (low_y <= high[:, 1]) & (high_y >= low[:, 1])
-    touched |= np.isinf(high_x)
-    spans = [_span(touched.any(axis)) for axis in (2, 1)]
-    return [
-        (slice(top, bottom), slice(left, right)) if bottom > top else None
-        for (top, bottom), (left, right) in zip(*spans, strict=True)
-    ]
-
-
-def _span(touched: Bool[np.ndarray, "n blocks"]) -> list[list[int]]:
-    """The first ray of the blocks that are touched, and one past the last; (0, 0) where none is."""
-    blocks = touched.shape[1]
-    first, last = touched.argmax(1), blocks - touched[:, ::-1].argmax(1)
-    return (_BLOCK * np.where(touched.any(1), [first, last], 0)).T.tolist()
-
-
-def _clip_near(corners: Float[np.ndarray, "4 3"]) -> Float[np.ndarray, "_ 3"]:
-    """The polygon clipped to z >= _NEAR."""
-    kept = []
-    for p, q in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        if p[2] >= _NEAR:
-            kept.append(p)
-        if (p[2] >= _NEAR) != (q[2] >= _NEAR):
-            kept.append(p + (q - p) * ((_NEAR - p[2]) / (q[2] - p[2])))
-    return np.array(kept).reshape(-1, 3)
+def _touched(
+    corners: Float[np.ndarray, "n 4 3"],
+    least: Shaped[np.ndarray, "rows columns 2"],
+    largest: Shaped[np.ndarray, "rows columns 2"],
+) -> Bool[np.ndarray, "n rows columns"]:
+    """For each patch, with corners as seen from where the rays start, the blocks with rays that may hit it."""
+    depths = corners[:, None, :, 2:]
+    ahead = depths >= _NEAR
+    slopes = corners[:, None, :, :2] / np.where(ahead, depths, 1.0)
+    whole = np.all(ahead, axis=2, keepdims=True)  # what passes the near plane may be anywhere
+    low = np.where(whole, slopes.min(axis=2, keepdims=True) - 1e-4, -np.inf)
+    high = np.where(whole, slopes.max(axis=2, keepdims=True) + 1e-4, np.inf)
+    met = np.all((least <= high) & (largest >= low), axis=-1)
+    return (met & np.any(ahead, axis=2)) | np.isinf(largest[..., 0])

@@ -1,12 +1,13 @@
 """The ground plane y = 0: a band-limited texture as a sum of octaves, and a map of shade."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture
+from stereorecal.synthetic.rendering._noise import Texture, tile_at, wrapped
 
 _MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
 _MAP_SIZE = (1280, 512)  # columns, rows: about a pixel of the default rig each
@@ -17,7 +18,7 @@ class Octaves:
     """Octaves of a periodic texture on the ground plane.
 
     Attributes:
-        tile: (n + 1, n + 1, c) float32, periodic with n texels (the last row and column repeat the first).
+        tile: (n + 1, n + 1, c) float32, `wrapped`.
         waves: wavelengths across the tile.
         lengths: wavelength [m] of each octave.
         strengths: amplitude of each octave.
@@ -38,7 +39,6 @@ class Octaves:
         An octave fades out where its wavelength nears the footprint [m] of the ray, as the sampling theorem demands:
         full strength from 3 footprints on, none below 4/3. `shifts` (k, 2) [m] moves the octaves.
         """
-        texels = self.tile.shape[0] - 1
         for index, (length, strength, turn) in enumerate(zip(self.lengths, self.strengths, self.turns, strict=True)):
             fade = np.clip(length / footprint * np.float32(0.6) - np.float32(0.8), 0.0, 1.0)
             if not fade.any():
@@ -48,9 +48,7 @@ class Octaves:
             start = self.offsets[index] + (0.0 if shifts is None else shifts[index] * scale)
             u = cos * x + sin * z + np.float32(start[0])
             v = cos * z - sin * x + np.float32(start[1])
-            u, v = (u - np.floor(u)) * np.float32(texels), (v - np.floor(v)) * np.float32(texels)
-            value = cv2.remap(self.tile, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-            yield turn, value.reshape(*x.shape, -1) * (np.float32(strength) * fade)[..., None]
+            yield turn, tile_at(self.tile, u, v).reshape(*x.shape, -1) * (np.float32(strength) * fade)[..., None]
 
 
 def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
@@ -61,36 +59,14 @@ def octaves(rng, tile, waves, longest, strengths, spread_of_turns) -> Octaves:
     count = len(strengths)
     lengths = tuple(float(longest * 0.47**i) for i in range(count))
     turns = tuple(float(t) for t in rng.uniform(-spread_of_turns, spread_of_turns, count))
-    wrapped = np.pad(tile.reshape(*tile.shape[:2], -1), ((0, 1), (0, 1), (0, 0)), mode="wrap")
-    return Octaves(
-        np.ascontiguousarray(wrapped, np.float32),
-        waves,
-        lengths,
-        tuple(strengths),
-        turns,
-        rng.uniform(0.0, 1.0, (count, 2)),
-    )
+    return Octaves(wrapped(tile), waves, lengths, tuple(strengths), turns, rng.uniform(0.0, 1.0, (count, 2)))
 
 
-@dataclass(frozen=True, eq=False)
-class Stain:
+class Stain(NamedTuple):
     """A convex polygon (n, 2) of ground points (x, z) [m] within which the light is multiplied by `factor`."""
 
     outline: Float[np.ndarray, "n 2"]
     factor: float
-
-
-def mirrored(a, b, height: float, eye: float, factor: float) -> list[Stain]:
-    """Stains of the reflection in water of a wall of `height` [m] from ground point a to b, seen from height `eye` [m].
-
-    The reflection fades towards the viewer, since waves blur it: four stains one over another.
-    """
-    a, b = np.array(a, float), np.array(b, float)
-    stains = []
-    for part in (0.15, 0.4, 0.7, 1.0):
-        near = eye / (eye + part * height)
-        stains.append(Stain(np.stack([a, b, b * near, a * near]), factor**0.33))
-    return stains
 
 
 def shade_map(stains: list[Stain], blur: tuple[float, float]) -> Texture:

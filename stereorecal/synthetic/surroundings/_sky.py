@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, periodic
+from stereorecal.synthetic.rendering._noise import Texture, periodic, tile_at, wrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,7 +15,7 @@ class Sky:
     Attributes:
         horizon, zenith: radiance at the horizon and overhead.
         cover: contrast of the clouds.
-        clouds: (n + 1, n + 1) float32, periodic, 0..1.
+        clouds: (n + 1, n + 1) float32, `wrapped`, 0..1.
         drift: (2,) offset of the clouds, in tiles.
     """
 
@@ -35,10 +34,8 @@ class Sky:
         """Radiance in unit directions (h, w, 3), world frame."""
         x, y, z = (np.ascontiguousarray(directions[..., i]) for i in range(3))
         scale = np.float32(0.35) / (np.maximum(y, 0.0) + np.float32(0.15))
-        texels = self.clouds.shape[0] - 1
         u, v = x * scale + np.float32(self.drift[0]), z * scale * np.float32(0.5) + np.float32(self.drift[1])
-        u, v = (u - np.floor(u)) * np.float32(texels), (v - np.floor(v)) * np.float32(texels)
-        cloud = cv2.remap(self.clouds, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        cloud = tile_at(self.clouds, u, v)
         fade = np.clip(y * np.float32(6.0), 0.0, 1.0)
         return self.gradient(y) + np.float32(self.cover) * fade * cloud
 
@@ -47,5 +44,4 @@ def make_sky(rng: np.random.Generator, horizon: float, zenith: float, cover: flo
     """Draw a sky with clouds from `rng`."""
     field = periodic(rng, 256, lambda kx, ky: 1.0 / (4.0 + kx**2 + ky**2) ** 0.85)
     soft = 1.0 / (1.0 + np.exp(-2.0 * (field - 0.2)))
-    clouds = np.pad(soft, (0, 1), mode="wrap").astype(np.float32)
-    return Sky(horizon, zenith, cover, clouds, rng.uniform(0.0, 1.0, 2))
+    return Sky(horizon, zenith, cover, wrapped(soft), rng.uniform(0.0, 1.0, 2))

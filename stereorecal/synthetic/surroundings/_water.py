@@ -59,7 +59,7 @@ class Water:
 
 def make_water(rng: np.random.Generator, roughness: float, longest: float, body: float, shade: Texture) -> Water:
     """Draw water with waves up to `longest` [m] long; `roughness` is the rms slope of its strongest octaves."""
-    heading = float(rng.uniform(-np.pi, np.pi))
+    heading = rng.uniform(-np.pi, np.pi)
     tile = wave_slopes(rng, 256, _WAVES, heading)
     strengths = [roughness * s for s in (0.7, 0.8, 0.9, 1.0, 1.0, 0.9, 0.8)]
     return Water(octaves(rng, tile, _WAVES, longest, strengths, 0.7), heading, body, shade)

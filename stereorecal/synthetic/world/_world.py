@@ -6,7 +6,7 @@ from stereorecal.synthetic.rendering._patch import Patch
 from stereorecal.synthetic.surroundings._road import Road
 from stereorecal.synthetic.surroundings._sky import Sky
 from stereorecal.synthetic.surroundings._water import Water
-from stereorecal.synthetic.world._rig_motion import RigMotion
+from stereorecal.synthetic.world._motion import RigMotion
 
 
 @dataclass(frozen=True, eq=False)
