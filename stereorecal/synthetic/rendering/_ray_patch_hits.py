@@ -93,28 +93,27 @@ def sample(levels, u, v, level, used) -> Float[np.ndarray, "h w c"]:
 
 def _block_bounds(
     directions: Float[np.ndarray, "h w 3"], lengths: Float[np.ndarray, "h w"]
-) -> Iterator[Shaped[np.ndarray, "rows columns 2"]]:
+) -> Iterator[Shaped[np.ndarray, "2 rows columns"]]:
     """The least, and then the largest, x/z and y/z over the rays of each block of the grid; infinite where one of them
     goes aside or back."""
-    aside = directions[..., 2:] < _ASIDE * lengths[..., None]
-    slopes = directions[..., :2] / np.where(aside, np.float32(1.0), directions[..., 2:])
-    down, across = (np.arange(0, n, _BLOCK) for n in slopes.shape[:2])
+    aside = directions[..., 2] < _ASIDE * lengths
+    slopes = np.moveaxis(directions[..., :2], -1, 0) / np.where(aside, np.float32(1.0), directions[..., 2])
+    down, across = (np.arange(0, n, _BLOCK) for n in aside.shape)
     for extreme, end in ((np.minimum, -np.inf), (np.maximum, np.inf)):
         bound = np.where(aside, np.float32(end), slopes)
-        yield extreme.reduceat(extreme.reduceat(bound, down, 0), across, 1)
+        yield extreme.reduceat(extreme.reduceat(bound, down, 1), across, 2)
 
 
 def _touched(
     corners: Float[np.ndarray, "n 4 3"],
-    least: Shaped[np.ndarray, "rows columns 2"],
-    largest: Shaped[np.ndarray, "rows columns 2"],
+    least: Shaped[np.ndarray, "2 rows columns"],
+    largest: Shaped[np.ndarray, "2 rows columns"],
 ) -> Bool[np.ndarray, "n rows columns"]:
     """For each patch, with corners as seen from where the rays start, the blocks with rays that may hit it."""
-    depths = corners[:, None, :, 2:]
-    ahead = depths >= _NEAR
-    slopes = corners[:, None, :, :2] / np.where(ahead, depths, 1.0)
-    whole = np.all(ahead, axis=2, keepdims=True)  # what passes the near plane may be anywhere
-    low = np.where(whole, slopes.min(axis=2, keepdims=True) - 1e-4, -np.inf)
-    high = np.where(whole, slopes.max(axis=2, keepdims=True) + 1e-4, np.inf)
-    met = np.all((least <= high) & (largest >= low), axis=-1)
-    return (met & np.any(ahead, axis=2)) | np.isinf(largest[..., 0])
+    ahead = corners[..., 2:] >= _NEAR
+    slopes = corners[..., :2] / np.where(ahead, corners[..., 2:], 1.0)
+    whole = np.all(ahead, axis=1)  # what passes the near plane may be anywhere
+    low = np.where(whole, slopes.min(axis=1) - 1e-4, -np.inf)[..., None, None]
+    high = np.where(whole, slopes.max(axis=1) + 1e-4, np.inf)[..., None, None]
+    met = np.all((least <= high) & (largest >= low), axis=1)
+    return (met & np.any(ahead, axis=1)[..., None]) | np.isinf(largest[0])
