@@ -8,9 +8,8 @@ from pathlib import Path
 
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.io._read_files import AnyPath, about
-from stereorecal.io.formats._camera_choice import checked_cameras, warn_of_turns
-from stereorecal.io.formats._file_sizes import warn_of_size
-from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._file_warnings import warn_of_size, warn_of_turns, warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._format_list import named
 from stereorecal.io.formats._read_rig import rig_in

@@ -10,7 +10,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._lens_numbers import (
     check_model,
     check_no_lens,
@@ -21,14 +21,7 @@ from stereorecal.io.formats._lens_numbers import (
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, optional, unpacked, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
-from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._keys import Keys
-
-NAME = "kalibr"
-ABOUT = "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)"
-SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
-FILES = 1
-UNIT = "m"
+from stereorecal.io.formats.text._splice import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
 _USUAL = ("cam0", "cam1")
@@ -48,23 +41,17 @@ cam{index}:
 _POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether there is a cam0 or a cam1."""
-    content = documents[0].content
-    return len(documents) == 1 and any(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
-
-
-def cameras(documents: Documents) -> tuple[str, ...]:
+def _cameras(documents: Documents) -> tuple[str, ...]:
     """The names of the cameras, along the chain."""
     content = documents[0].content
     named = (key for key in content if re.fullmatch(r"cam\d+", str(key)) and isinstance(content[key], Mapping))
     return tuple(sorted(named, key=lambda name: int(name[3:])))
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a Kalibr camchain: T_cn_cnm1 takes points of the camera before to this one; where the file has none,
+def _read(documents: Documents, hints: Hints) -> StereoRig:
+    """T_cn_cnm1 takes points of the camera before to this one; where the file has none,
     the poses of both cameras on the IMU tell."""
-    content, chain, names = documents[0].content, cameras(documents), hints.cameras or _USUAL
+    content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _USUAL
     for key in names:
         if key not in chain:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
@@ -157,50 +144,42 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
         return Camera(image_size(camera, "resolution"), matrix, lens, model=_DISTORTIONS[distortion])
 
 
-def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """A chain of two."""
-    texts = []
+    text = ""
     for index, camera in enumerate((rig.left, rig.right)):
         kind, distortion, lens, intrinsics = "pinhole", camera.model, _NONE, _NONE
         if camera.model in _SPHERES:
             kind, distortion, lens, intrinsics = camera.model, "none", "[]", "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
         elif camera.model == _OMNI:
             kind, distortion, intrinsics = _OMNI, "radtan", "[0.0, 1.0, 1.0, 0.0, 0.0]"
-        about_lens = {"lens": lens, "numbers": intrinsics}
+        about_lens = {"kind": kind, "distortion": distortion, "lens": lens, "numbers": intrinsics}
         size = {"width": camera.size[0], "height": camera.size[1]}
-        texts.append(
-            _CAMERA.format(
-                index=index, pose=_POSE if index else "", kind=kind, distortion=distortion, **about_lens, **size
-            )
-        )
-    return ("".join(texts),)
+        text += _CAMERA.format(index=index, pose=_POSE if index else "", **about_lens, **size)
+    return (text,)
 
 
-def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """A Kalibr camchain: of the two cameras the later one moves, and with it what follows it in the chain: its
-    T_cn_cnm1, and the poses of all these on the IMU."""
-    (document,) = target.documents
-    content, chain, names = document.content, cameras(target.documents), target.hints.cameras or _USUAL
-    motion = left_to_right(rig)
+def _write(rig: StereoRig, target: Target) -> list[Values]:
+    """Of the two cameras the later one moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
+    all these on the IMU."""
+    content, chain = target.documents[0].content, _cameras(target.documents)
+    names, motion = target.hints.cameras or _USUAL, left_to_right(rig)
     first, last = sorted(names, key=chain.index)
     values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
-    for key, camera, wanted in ((names[0], rig.left, target.left), (names[1], rig.right, target.right)):
-        if wanted:
-            if camera.model in _SPHERES:
-                values[(key, "intrinsics")] = [*np.asarray(camera.distortion).tolist(), *pinhole_numbers(camera)]
-                continue
-            if camera.model == _OMNI:
-                xi, *distortion = np.asarray(camera.distortion).tolist()
-                values[(key, "intrinsics")] = [xi, *pinhole_numbers(camera)]
-                values.update(_radtan(content, key, np.array(distortion)))
-                continue
-            values[(key, "intrinsics")] = pinhole_numbers(camera)
-            if camera.model == "equidistant":
-                values.update(matrix_values(content, (key, "distortion_coeffs"), np.asarray(camera.distortion)))
-                continue
+    for side, camera in target.cameras(rig):
+        key, lens, before = names[side], np.asarray(camera.distortion), 0
+        if camera.model in _SPHERES:
+            before = 2
+        elif camera.model == _OMNI:
+            before = 1
+        elif camera.model == "radtan":
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
-            values.update(_radtan(content, key, lens))
-    return (document.with_values(values),)
+        values[(key, "intrinsics")] = [*lens[:before].tolist(), *pinhole_numbers(camera)]
+        if camera.model == "equidistant":
+            values |= matrix_values(content, (key, "distortion_coeffs"), lens)
+        elif camera.model not in _SPHERES:
+            values |= _radtan(content, key, lens[before:])
+    return [values]
 
 
 def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys, Any]:
@@ -234,3 +213,16 @@ def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: s
                 pose = to_camera if key == _FROM_IMU else inverse(to_camera)
                 values |= matrix_values(content, (name, key), pose)
     return values
+
+
+FORMAT = Format(
+    "kalibr",
+    "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)",
+    "m",
+    lambda document: any(isinstance(document.content.get(key), Mapping) for key in _USUAL),
+    _read,
+    cameras=_cameras,
+    syntax=YAML,
+    blank=_blank,
+    write=_write,
+)

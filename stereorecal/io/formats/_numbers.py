@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,11 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
             f"{key} must hold {expected}, not {_shape_text(array.shape) or 'one'}; correct it, or copy the file again."
         )
     return array
+
+
+def scalars(content: Mapping[str, Any], keys: Sequence[str]) -> Float[np.ndarray, "n"]:
+    """The numbers under these keys, one under each."""
+    return np.array([float(numbers(content, key, ())) for key in keys])
 
 
 def array_or_none(stated: Any) -> Float[np.ndarray, "..."] | None:

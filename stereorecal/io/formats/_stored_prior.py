@@ -12,9 +12,8 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about, read_text
 from stereorecal.io._strict_json import parse_json
-from stereorecal.io.formats import _stereorecal
-from stereorecal.io.formats._prior_content import StoredPrior
-from stereorecal.io.formats._rig_file import file_of
+from stereorecal.io.formats._rig_file import StoredPrior, file_of
+from stereorecal.io.formats._stereorecal import NAME
 from stereorecal.io.formats.text._document import Syntax, document
 
 KEY = "prior"
@@ -58,7 +57,7 @@ def read_stored_prior(path: Path) -> StoredPrior | None:
 def stored_prior(rig: StereoRig) -> StoredPrior | None:
     """The prior in the file that a rig came from; None if there is none."""
     source = file_of(rig)
-    if source is None or source.format != _stereorecal.NAME:
+    if source is None or source.format != NAME:
         return None if source is None else source.stored_prior
     content = source.documents[0].content.get(KEY)
     return None if content is None else StoredPrior(f"{source.documents[0].name}, {KEY!r}", content)
@@ -76,7 +75,7 @@ def own_prior(rig: StereoRig) -> dict[str, Any] | None:
 
 def prior_place(paths: Sequence[Path], format: str) -> Path | None:
     """The file beside a calibration to be written; None if the format has a key for it, or it goes to a device."""
-    if format == _stereorecal.NAME or (paths[0].exists() and not paths[0].is_file()):
+    if format == NAME or (paths[0].exists() and not paths[0].is_file()):
         return None
     return prior_file(paths[0])
 

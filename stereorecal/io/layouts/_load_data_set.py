@@ -6,8 +6,7 @@ from pathlib import Path
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._camera_choice import warn_of_turns
-from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_turns, warn_of_units
 from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
 from stereorecal.io.layouts._layout import Layout
 from stereorecal.io.layouts._log_of_sequences import folder_name

@@ -12,7 +12,7 @@ from stereorecal.io._read_files import about, read_text
 from stereorecal.io.formats.text import _json, _lines, _numbers_only, _titled, _xml, _yaml
 from stereorecal.io.formats.text._binary import binary_text
 from stereorecal.io.formats.text._guard import check_flat
-from stereorecal.io.formats.text._keys import Values
+from stereorecal.io.formats.text._splice import Values
 
 
 class Syntax(Enum):

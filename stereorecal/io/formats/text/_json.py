@@ -8,7 +8,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import parse_json
-from stereorecal.io.formats.text._keys import Values
+from stereorecal.io.formats.text._splice import Values
 
 _Edit = tuple[int, int, str]  # from, to, what stands there then
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:"\s]+')

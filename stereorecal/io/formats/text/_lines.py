@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Values, leaves, number_text
+from stereorecal.io.formats.text._splice import Values, leaves, number_text
 
 
 def _parsed_colons(text: str) -> dict[str, Any]:

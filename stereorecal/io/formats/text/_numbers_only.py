@@ -6,7 +6,7 @@ from typing import Any, NoReturn
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Values
+from stereorecal.io.formats.text._splice import Values
 
 _SECTION = re.compile(r"\[(.+)\]")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Keys, Values, leaves, number_text
+from stereorecal.io.formats.text._splice import Keys, Values, leaves, number_text
 
 if TYPE_CHECKING:
     from xml.etree import ElementTree

@@ -12,7 +12,7 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Values, number_text
+from stereorecal.io.formats.text._splice import Values, number_text
 
 _Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}

@@ -1,4 +1,5 @@
-"""The size of images that the user says, where a calibration file says none."""
+"""What is to be said of a calibration file that was read; to be called by the function that users call: the warning
+points at their line."""
 
 import warnings
 from dataclasses import replace
@@ -6,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import CalibrationWarning, InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, described_turns, doubt_of_length
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format_list import named
 from stereorecal.io.formats._read_rig import rig_in
@@ -48,3 +49,35 @@ def _states_size(source: RigFile) -> bool:
     except InputError:
         return True
     return rig.left.size != other
+
+
+def warn_of_units(path: AnyPath, *rigs: StereoRig | None) -> None:
+    """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
+    than its own.
+
+    To be called by the function that users call: the warning points at their line.
+    """
+    for rig in rigs:
+        if rig is None:
+            continue
+        length, source = float(rig.baseline), rig.source
+        message = doubt_of_length(length, "m" if source is None else source.unit)
+        if message is None and source is not None and source.inferred:
+            message = (
+                f"the file has no unit; its translation is taken to be in {source.unit}, a baseline of {length:.3g} m: "
+                f"say unit='{source.unit}' (--unit {source.unit}) if that is right, or another unit if it is not."
+            )
+        if message is not None:
+            warnings.warn(f"{path}: {message}", CalibrationWarning, stacklevel=3)
+            return
+
+
+def warn_of_turns(path: AnyPath, *rigs: StereoRig | None) -> None:
+    """Say once, of what `path` holds, that images are turned.
+
+    Warns:
+        CalibrationWarning: if they are.
+    """
+    for turns in {rig.turns for rig in rigs if rig is not None and any(rig.turns)}:
+        done = f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
+        warnings.warn(f"{path}: {done}", CalibrationWarning, stacklevel=3)

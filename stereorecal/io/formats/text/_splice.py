@@ -1,10 +1,15 @@
 """Paths of keys in a text, and the values under them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 Keys = tuple[str | int, ...]
 Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
+
+
+def under(place: Keys, keys: Iterable[str | int], values: Iterable[Any]) -> dict[Keys, Any]:
+    """What to write below a place: a value under each key."""
+    return {(*place, key): value for key, value in zip(keys, values, strict=True)}
 
 
 def number_text(value: Any) -> str:
