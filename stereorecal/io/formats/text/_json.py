@@ -8,9 +8,8 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import parse_json
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._splice import Edit, Values, spliced
 
-_Edit = tuple[int, int, str]  # from, to, what stands there then
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:"\s]+')
 
 
@@ -31,7 +30,7 @@ def with_values(text: str, values: Values) -> str:
     again, with the same keys in the same order, and the same indentation."""
     tokens = _TOKEN.finditer(text)
     root = _node(next(tokens), tokens)
-    edits: list[_Edit] = []
+    edits: list[Edit] = []
     for keys, value in values.items():
         node: _Node | None = root
         for key in keys:
@@ -39,9 +38,7 @@ def with_values(text: str, values: Values) -> str:
         if node is None:
             return _written_again(text, values)
         edits += _edits(text, node, value)
-    for start, end, new in sorted(edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+    return spliced(text, edits)
 
 
 @dataclass(frozen=True)
@@ -71,7 +68,7 @@ def _node(first: re.Match[str], tokens: Iterator[re.Match[str]]) -> _Node:
     raise AssertionError("the text was parsed before")
 
 
-def _edits(text: str, node: _Node, value: Any) -> Iterator[_Edit]:
+def _edits(text: str, node: _Node, value: Any) -> Iterator[Edit]:
     old = json.loads(text[node.start : node.end])
     if isinstance(old, list) and isinstance(value, list) and len(old) == len(value):
         for index, item in enumerate(value):
