@@ -14,11 +14,7 @@ _NUMBERS = ("0", "1")  # and in those that name none
 
 
 def chosen_cameras(format: Format, documents: Documents, hints: Hints) -> tuple[Hints, bool]:
-    """What a format is to read, and whether the second one of its two cameras is the left one.
-
-    Raises:
-        InputError: if the file has no such cameras.
-    """
+    """What a format is to read, and whether the second one of its two cameras is the left one."""
     names = tuple(format.cameras(documents)) if format.cameras else _NUMBERS
     given = hints.cameras
     for first, second in (_SIDES, names[:2] if len(names) > 1 else _NUMBERS):
@@ -37,11 +33,7 @@ def chosen_cameras(format: Format, documents: Documents, hints: Hints) -> tuple[
 
 
 def checked_cameras(given: object) -> tuple[str, str] | None:
-    """The names of the left and the right camera, as they were given.
-
-    Raises:
-        InputError: if it is no such pair.
-    """
+    """The names of the left and the right camera, as they were given."""
     if given is None:
         return None
     if not isinstance(given, tuple | list) or len(given) != 2 or not all(isinstance(name, str) for name in given):
@@ -58,9 +50,6 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
     Args:
         exchanged: whether the second one of the file is the left one.
         hints, files: with which it was read, and how many files it takes, for the message.
-
-    Raises:
-        InputError: if the first camera is the right one then, or the two stand otherwise.
     """
     rig = _exchanged(rig) if exchanged else rig
     x, y, z = np.asarray(rig.side_by_side().translation)

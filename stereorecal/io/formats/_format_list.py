@@ -52,11 +52,7 @@ _USUAL = {".json": _stereorecal.FORMAT, **dict.fromkeys((".yaml", ".yml", ".xml"
 
 
 def named(name: str) -> Format:
-    """The format of that name.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The format of that name."""
     return FORMATS[NAMES.index(checked_choice(name, NAMES, "calibration format"))]
 
 
@@ -71,11 +67,7 @@ def half_of(documents: Documents) -> Format | None:
 
 
 def usual(path: Path) -> Format:
-    """The format of a new file of that name.
-
-    Raises:
-        InputError: if the ending does not tell.
-    """
+    """The format of a new file of that name."""
     ending = path.suffix.lower()
     if ending not in ("", *_USUAL):
         raise InputError(

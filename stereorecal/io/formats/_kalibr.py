@@ -67,11 +67,7 @@ def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
 
 
 def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Pose:
-    """What takes points of one camera to a later one of the chain.
-
-    Raises:
-        InputError: if the file does not say, or says two things.
-    """
+    """What takes points of one camera to a later one of the chain."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
     stated = [
@@ -105,11 +101,7 @@ def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Pose:
 
 
 def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
-    """A rigid motion, stated as four rows or as sixteen numbers.
-
-    Raises:
-        InputError: if it is none.
-    """
+    """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
         stated = unpacked(value(content[name], key))
         flat = isinstance(stated, list) and len(stated) == 16

@@ -46,9 +46,6 @@ def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
     Args:
         models: that it holds.
         what: for the message: whose lens models these are.
-
-    Raises:
-        InputError: naming formats that hold it.
     """
     if camera.model not in models:
         raise InputError(
@@ -69,9 +66,6 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     Args:
         counts: that are possible, rising.
         what, instead: for the message: whose lens model is too small, and the formats that hold more.
-
-    Raises:
-        InputError: if the camera has more, or another lens model.
     """
     check_held(camera, ("radtan",), what or "this file")
     own = np.asarray(camera.distortion, float)
@@ -95,11 +89,7 @@ def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
 def check_model(
     model: object, known: Sequence[str], camera: object = "pinhole", cameras: Sequence[str] = ("pinhole",)
 ) -> None:
-    """Refuse a camera model, or a distortion model of it, that is not one of those known.
-
-    Raises:
-        UnsupportedModelError: if the name of either is not one of those known.
-    """
+    """Refuse a camera model, or a distortion model of it, that is not one of those known."""
     if camera not in cameras or model not in known:
         raise UnsupportedModelError(
             f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
@@ -107,11 +97,7 @@ def check_model(
 
 
 def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
-    """Refuse coefficients of a lens that is said to have none.
-
-    Raises:
-        InputError: if model is "" or "none" and a coefficient is not zero.
-    """
+    """Refuse coefficients of a lens that is said to have none."""
     if model in ("", "none") and np.any(lens):
         raise InputError(
             f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
@@ -125,11 +111,7 @@ def is_turned(rig: StereoRig) -> bool:
 
 
 def check_straight(rig_has: object, what: str) -> None:
-    """Refuse a rotation or a lens in a format of rectified images.
-
-    Raises:
-        InputError: if there is something.
-    """
+    """Refuse a rotation or a lens in a format of rectified images."""
     if rig_has:
         raise InputError(
             f"{what} has no place for a rotation or a lens; write it as opencv, kalibr or stereorecal instead."
@@ -137,11 +119,7 @@ def check_straight(rig_has: object, what: str) -> None:
 
 
 def model_named(stated: Any) -> str:
-    """The model of `Camera` that a word means, which a remark may follow; that of OpenCV's pinhole for None.
-
-    Raises:
-        UnsupportedModelError: if there is none.
-    """
+    """The model of `Camera` that a word means, which a remark may follow; that of OpenCV's pinhole for None."""
     name = str(stated or "").lower()
     base = re.split(r"[(;,]", name)[0].strip()
     if any(word in name for word in _FISHEYE):
@@ -157,11 +135,7 @@ def model_named(stated: Any) -> str:
 
 
 def model_word(rig: StereoRig) -> str:
-    """The word for both lenses.
-
-    Raises:
-        InputError: if they are of different models.
-    """
+    """The word for both lenses."""
     if rig.left.model != rig.right.model:
         raise InputError(
             f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "

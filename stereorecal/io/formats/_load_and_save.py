@@ -15,9 +15,8 @@ from stereorecal.io.formats._file_warnings import warn_of_size, warn_of_units
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._matrix_entries import calibration_template
 from stereorecal.io.formats._read_rig import read_files
-from stereorecal.io.formats._rig_file import file_of
+from stereorecal.io.formats._rig_file import KEY, PriorData, file_of, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
-from stereorecal.io.formats._stored_prior import KEY, PriorData, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._write_rig import chosen_format, texts_of
 
 _MOST_FILES = 12  # one for each matrix, and some beside

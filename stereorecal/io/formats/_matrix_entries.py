@@ -87,11 +87,7 @@ def _entries(content: Any, place: Keys) -> Iterator[Entry]:
 
 
 def pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
-    """The two entries whose names differ by their side alone, left first; None if there are none.
-
-    Raises:
-        InputError: if there are several pairs, with other numbers.
-    """
+    """The two entries whose names differ by their side alone, left first; None if there are none."""
     by_name = {entry.name.lower(): entry for entry in entries}
     pairs = [(entry, by_name[other]) for name, entry in by_name.items() for other in partners(name) if other in by_name]
     if len({same_as(*pair) for pair in pairs}) > 1:
@@ -129,11 +125,7 @@ def said_of(documents: Documents) -> str:
 
 
 def calibration_template(paths: Sequence[AnyPath]) -> str:
-    """A calib.json without numbers, and beside them, under `found`, those of some files, to be copied from there.
-
-    Raises:
-        InputError: if a file is missing; one that cannot be read adds nothing.
-    """
+    """A calib.json without numbers, and beside them, under `found`, those of some files, to be copied from there."""
     documents: list[Document] = []
     for path in map(Path, paths):
         if not path.exists():

@@ -77,11 +77,7 @@ class _Matrices:
 
     @staticmethod
     def of(documents: Documents) -> "_Matrices":
-        """What documents hold.
-
-        Raises:
-            InputError: if there are two readings.
-        """
+        """What documents hold."""
         entries = entries_of(documents)
         content = {entry.name: entry.value for entry in entries}
         return _Matrices(content, {entry.name: entry.place for entry in entries}, _names(entries, content), (*entries,))
@@ -98,11 +94,7 @@ class _Matrices:
         return inside[0] if len(inside) == 1 else None
 
     def size(self, hints: Hints) -> tuple[int, int]:
-        """Of the images.
-
-        Raises:
-            InputError: if neither the file nor the hints have one.
-        """
+        """Of the images."""
         for key in _SIZES:
             if key in self.content:
                 return image_size(self.content, key)
@@ -245,11 +237,7 @@ def _lens(camera: Camera, counts: Sequence[int] = _COUNTS) -> Array:
 
 
 def _model(content: Mapping[str, Any]) -> str:
-    """Of both lenses.
-
-    Raises:
-        UnsupportedModelError: if the file names one that is not known.
-    """
+    """Of both lenses."""
     if any(re.fullmatch(r"(.*[._])?xi[_\d]*", str(name), re.IGNORECASE) for name in content):
         raise UnsupportedModelError(
             "xi is a lens of cv2.omnidir; give sr.StereoRig.from_matrices(…, model='omni') with D = xi k1 k2 p1 p2."

@@ -15,8 +15,7 @@ from stereorecal.io.formats._camera_choice import chosen_cameras, left_first
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
 from stereorecal.io.formats._lens_numbers import trimmed
-from stereorecal.io.formats._rig_file import RigFile
-from stereorecal.io.formats._stored_prior import ENDING, read_stored_prior
+from stereorecal.io.formats._rig_file import ENDING, RigFile, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
 
@@ -73,11 +72,7 @@ def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_mi
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
-    """The rig described by the files of a format; lengths in metres.
-
-    Raises:
-        InputError, UnsupportedModelError: as `read_files`.
-    """
+    """The rig described by the files of a format; lengths in metres."""
     names = " and ".join(document.name for document in documents)
     if len(documents) < format.files:
         raise InputError(f"{names}: {format.name} has a file for each camera; give the left and the right one.")
@@ -106,11 +101,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
 def _unit_in(format: Format, given: str | None) -> str | None:
     """The unit of lengths in files: the given one, else that of the format; None if neither tells.
 
-    A format's unit is what its programs expect, and ROS, Kalibr and others write whatever the board was measured in.
-
-    Raises:
-        InputError: if the files have a place for their unit, and another one is given.
-    """
+    A format's unit is what its programs expect, and ROS, Kalibr and others write whatever the board was measured in."""
     if format.name in _STATED and given not in (None, format.unit):
         raise InputError(
             f"lengths of a {format.name} file are in the unit that it states ({_STATED[format.name]}), not in {given}; "
@@ -163,11 +154,7 @@ def _recognised(documents: Documents) -> Format:
 
 def _likely(documents: Documents, names: str) -> Format:
     """The format of two files that none can read together: that of one of them, whose reader says what the other one
-    lacks.
-
-    Raises:
-        InputError: if they are of different kinds, or each is a whole calibration.
-    """
+    lacks."""
     looks = [recognised((document,)) or half_of((document,)) for document in documents]
     found = [format for format in looks if format is not None]
     if not found:
@@ -184,11 +171,7 @@ def _likely(documents: Documents, names: str) -> Format:
 
 
 def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
-    """The file of a folder that holds a calibration, or the two that do so together; where none does, the likely ones.
-
-    Raises:
-        InputError: if there is none, or there are several.
-    """
+    """The file of a folder that holds a calibration, or the two that do so together; if none does, the likely ones."""
     if format is None and (folder / _SCENE).is_file():
         return (read_document(folder / _SCENE),)
     found = _documents_in(folder, format)

@@ -98,11 +98,7 @@ def _parts_of(document: Document) -> list[_Part]:
 
 
 def _only(document: Document) -> _Part:
-    """The one camera of a file, or the file itself, whose reader says what it lacks.
-
-    Raises:
-        InputError: if there are several.
-    """
+    """The one camera of a file, or the file itself, whose reader says what it lacks."""
     parts = _parts_of(document) or [_Part(document, ((),), "")]
     if len(parts) > 1:
         raise InputError(

@@ -54,11 +54,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
 
 
 def calibration_text(content: Mapping[str, Any]) -> str:
-    """The text of a calib.json. Unlike a report, a calibration is refused rather than written with null for NaN.
-
-    Raises:
-        InputError: if JSON cannot hold a value.
-    """
+    """The text of a calib.json. Unlike a report, a calibration is refused rather than written with null for NaN."""
     try:
         return strict_json_text(content)
     except (TypeError, ValueError, RecursionError) as error:
@@ -66,12 +62,7 @@ def calibration_text(content: Mapping[str, Any]) -> str:
 
 
 def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
-    """The rig that a calib.json describes; None if both camera matrices are null.
-
-    Raises:
-        InputError: if a key is missing, or the values are not a valid calibration.
-        UnsupportedModelError: if the distortion model is not known.
-    """
+    """The rig that a calib.json describes; None if both camera matrices are null."""
     if all(value(content, key) is None for key in ("K_left", "K_right")):
         return None
     model, size = model_named(optional(content, "distortion_model")), image_size(content, "image_size")

@@ -64,11 +64,7 @@ def _at_own_sizes(rig: StereoRig, own: StereoRig) -> StereoRig:
 
 
 def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
-    """The given format, or that of the source if it is written, or the usual one for such a name.
-
-    Raises:
-        InputError: if the given format is read only.
-    """
+    """The given format, or that of the source if it is written, or the usual one for such a name."""
     if format is not None:
         chosen = named(format)
         if chosen.syntax:
@@ -82,11 +78,7 @@ def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | N
 
 
 def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
-    """The syntax of what is written under a name.
-
-    Raises:
-        InputError: if the name contradicts the format, or there are too many or too few.
-    """
+    """The syntax of what is written under a name."""
     own = source if source is not None and source.format == format.name else None
     files = len(own.documents) if own else format.files
     if len(paths) != files:

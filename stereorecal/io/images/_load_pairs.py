@@ -14,7 +14,7 @@ from stereorecal.io.images._fit_to_cameras import Sizes, fitted, remark_orientat
 from stereorecal.io.images._image_files import decode_image, image_bytes, images_in, natural_order
 from stereorecal.io.images._image_headers import announced_size, orientation
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
-from stereorecal.io.images._time_in_name import counted_times
+from stereorecal.io.images._match_by_time import counted_times
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 
@@ -132,11 +132,7 @@ def load_matched(
 
 
 def find_images(where: AnyPath) -> list[Path]:
-    """The image files of a glob pattern, a folder or a file, in natural order.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The image files of a glob pattern, a folder or a file, in natural order."""
     path = Path(where)
     if path.is_file():
         return [path]

@@ -15,8 +15,7 @@ from stereorecal.io.images._frame_source import FrameSource, halves
 from stereorecal.io.images._image_files import read_image
 from stereorecal.io.images._load_pairs import find_images, load_matched
 from stereorecal.io.images._match_by_name import find_partners
-from stereorecal.io.images._match_by_time import pairs_by_time
-from stereorecal.io.images._time_in_name import counts_per_second, has_time, time_of
+from stereorecal.io.images._match_by_time import counts_per_second, has_time, pairs_by_time, time_of
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 

@@ -10,8 +10,7 @@ from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import match_equal
-from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
+from stereorecal.io.layouts._layout import Sequence, log_of, sides_in
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"
@@ -26,11 +25,7 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The sequences whose images have been unpacked.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
+    """The sequences whose images have been unpacked."""
     places = [folder] if _is_sequence(folder) else _sequence_folders(folder)
     return log_of(folder, (_sequence(place, limit) for place in places))
 

@@ -12,8 +12,7 @@ from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
-from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
+from stereorecal.io.layouts._layout import Sequence, log_of, sides_in
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it"
@@ -34,11 +33,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
     `_sync` images are rectified: the rig comes from P_rect and has no rotation or distortion. `_extract` images are
     raw: the rig comes from K, D, R and T. Their numbers do not correspond between cameras, so they are paired by time,
-    and one that only one camera took is left out.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
+    and one that only one camera took is left out."""
     drives = [folder] if _is_drive(folder) else _drives(folder)
     return log_of(folder, (_sequence(drive, limit) for drive in drives))
 

@@ -8,8 +8,7 @@ from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._file_warnings import warn_of_turns, warn_of_units
 from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
-from stereorecal.io.layouts._layout import Layout
-from stereorecal.io.layouts._log_of_sequences import folder_name
+from stereorecal.io.layouts._layout import Layout, folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
@@ -82,11 +81,7 @@ def is_data_set(folder: AnyPath) -> bool:
 
 
 def _layout_of(folder: Path) -> Layout | None:
-    """The first that recognises a folder.
-
-    Raises:
-        InputError: if a distribution reads such folders, and is not installed.
-    """
+    """The first that recognises a folder."""
     for layout in _layouts():
         if layout.recognises(folder):
             return layout

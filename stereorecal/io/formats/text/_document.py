@@ -77,11 +77,7 @@ class Document:
     content: Mapping[str, Any]
 
     def with_values(self, values: Values) -> str:
-        """The text with other values under some keys, and everything else as it was.
-
-        Raises:
-            InputError: naming the file, if it has other kinds of values there.
-        """
+        """The text with other values under some keys, and everything else as it was."""
         with about(self.name):
             if values and self.syntax not in _WRITERS:
                 raise InputError("a text without keys is read, not written; write a new file, such as calib.json.")
@@ -94,9 +90,6 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
     Args:
         syntax: default: as the text looks; a text that looks like none has no values.
         lines: whether it may look like lines of keys and values.
-
-    Raises:
-        InputError: naming the file, if it cannot be parsed.
     """
     with about(name):
         guessed = syntax is None and lines and not _YAML.match(_first_line(text))

@@ -14,11 +14,7 @@ _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:"\s]+')
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The keys and values of a JSON object.
-
-    Raises:
-        InputError: if it is none.
-    """
+    """The keys and values of a JSON object."""
     content = parse_json(text)
     if not isinstance(content, dict):
         raise InputError("there is no JSON object of named values in the file; correct it.")

@@ -45,11 +45,7 @@ DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 def parsed(text: str) -> dict[str, Any]:
     """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all. Several
-    documents of the same keys, as messages that were printed one after the other, are a list under `documents`.
-
-    Raises:
-        InputError: if it is no YAML, or no mapping, or a key occurs twice with different numbers.
-    """
+    documents of the same keys, as messages that were printed one after the other, are a list under `documents`."""
     try:
         content = _plain_node(_composed(_spaced(text.lstrip(_MARK))))
     except RecursionError:
@@ -61,11 +57,7 @@ def parsed(text: str) -> dict[str, Any]:
 
 def with_values(text: str, values: Values) -> str:
     """The text with other numbers. Lists may grow; every character that is no number of theirs stays, but that a space
-    is put after a colon where YAML needs one.
-
-    Raises:
-        InputError: if a value is of another kind than the text has there.
-    """
+    is put after a colon where YAML needs one."""
     body = text.lstrip(_MARK)
     head, body = text[: len(text) - len(body)], _spaced(body)
     root = _composed(body)
@@ -105,11 +97,7 @@ def _is_empty(node: Node) -> bool:
 
 
 def _list_of(nodes: list[Node]) -> Node:
-    """Several documents as one.
-
-    Raises:
-        InputError: if they are not of one kind.
-    """
+    """Several documents as one."""
     keys = {frozenset(str(key.value) for key, _ in one.value) for one in nodes if isinstance(one, MappingNode)}
     if len(keys) != 1 or not all(isinstance(one, MappingNode) for one in nodes):
         raise InputError(SEVERAL)
