@@ -13,7 +13,7 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._camera_choice import checked_cameras
-from stereorecal.io.formats._file_warnings import warn_of_size, warn_of_turns, warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._format_list import named
 from stereorecal.io.formats._numbers import image_size
@@ -131,9 +131,7 @@ def calibrated_scene(
     with about(where):
         scene = scene_of(name, found, read)
     remark_sizes(where, sizes)
-    warn_of_size(where, scene.rig)
-    warn_of_units(where, scene.rig)
-    warn_of_turns(where, scene.rig)
+    warn_of_file(where, scene.rig)
     return scene
 
 
@@ -163,8 +161,7 @@ def bag_scene(
     with about(place):
         scene = scene_of(str(place), Calibration(rig.sizes_taken[0], replace(rig, source=None)), read)
     remark_sizes(str(place), sizes)
-    warn_of_units(str(place), scene.rig)
-    warn_of_turns(str(place), scene.rig)
+    warn_of_file(place, scene.rig)
     return scene
 
 

@@ -26,10 +26,15 @@ from stereorecal.io.formats.text._splice import Keys, Values
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
 _USUAL = ("cam0", "cam1")
 _ROUNDING = 1e-3  # of the entries of a pose (metres, in its last column), as people round them
-# Distortion models of its pinhole, and cameras of its own whose intrinsics begin with two numbers of the lens.
-_DISTORTIONS = {"radtan": "radtan", "none": "radtan", "equidistant": "equidistant"}
-_SPHERES, _OMNI = {"ds": "ds", "eucm": "eucm"}, "omni"  # the last one's with one, and radtan besides
-_NONE = "[0.0, 0.0, 0.0, 0.0]"
+# Of each camera model: how many numbers of the lens its intrinsics begin with, and the distortion models that it takes.
+_KINDS = {
+    "pinhole": (0, ("radtan", "equidistant", "none")),
+    "omni": (1, ("radtan", "none")),
+    "ds": (2, ("none",)),
+    "eucm": (2, ("none",)),
+}
+_BLANKS = {"pinhole": "[0.0, 0.0, 0.0, 0.0]", "omni": "[0.0, 1.0, 1.0, 0.0, 0.0]"}
+_SPHERE = "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
 _CAMERA = """\
 cam{index}:
 {pose}  camera_model: {kind}
@@ -118,36 +123,34 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
     with about(key):
         camera = content[key]
         kind, distortion = value(camera, "camera_model"), value(camera, "distortion_model")
-        if kind in _SPHERES:
-            check_model(distortion, ("none",), kind, tuple(_SPHERES))
-            lens, pinhole = np.split(numbers(camera, "intrinsics", (6,)), [2])
-            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_SPHERES[kind])
-        if kind == _OMNI:
-            check_model(distortion, ("radtan", "none"), kind, (_OMNI,))
-            xi, pinhole = np.split(numbers(camera, "intrinsics", (5,)), [1])
-            none = distortion == "none"
-            lens = numbers(camera, "distortion_coeffs", (-1 if none else 4,))
-            check_no_lens(distortion, lens)
-            lens = np.concatenate([xi, np.zeros(4) if none else lens])
-            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_OMNI)
-        check_model(distortion, tuple(_DISTORTIONS), kind)
-        matrix, lens = pinhole_matrix(numbers(camera, "intrinsics", (4,))), numbers(camera, "distortion_coeffs", (-1,))
-        check_no_lens(distortion, lens)
-        return Camera(image_size(camera, "resolution"), matrix, lens, model=_DISTORTIONS[distortion])
+        before, known = _KINDS.get(kind, (0, ()))
+        check_model(distortion, known, kind, tuple(_KINDS))
+        lens, pinhole = np.split(numbers(camera, "intrinsics", (before + 4,)), [before])
+        if before < 2:
+            omni, none = kind == "omni", distortion == "none"
+            beside = numbers(camera, "distortion_coeffs", (4 if omni and not none else -1,))
+            check_no_lens(distortion, beside)
+            lens = np.concatenate([lens, np.zeros(4) if omni and none else beside])
+        model = kind if before else "equidistant" if distortion == "equidistant" else Camera.model
+        return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=model)
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """A chain of two."""
     text = ""
     for index, camera in enumerate((rig.left, rig.right)):
-        kind, distortion, lens, intrinsics = "pinhole", camera.model, _NONE, _NONE
-        if camera.model in _SPHERES:
-            kind, distortion, lens, intrinsics = camera.model, "none", "[]", "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
-        elif camera.model == _OMNI:
-            kind, distortion, intrinsics = _OMNI, "radtan", "[0.0, 1.0, 1.0, 0.0, 0.0]"
-        about_lens = {"kind": kind, "distortion": distortion, "lens": lens, "numbers": intrinsics}
-        size = {"width": camera.size[0], "height": camera.size[1]}
-        text += _CAMERA.format(index=index, pose=_POSE if index else "", **about_lens, **size)
+        kind = camera.model if camera.model in _KINDS else "pinhole"
+        sphere = _KINDS[kind][0] == 2
+        text += _CAMERA.format(
+            index=index,
+            pose=_POSE if index else "",
+            kind=kind,
+            distortion="none" if sphere else "radtan" if kind == "omni" else camera.model,
+            lens="[]" if sphere else "[0.0, 0.0, 0.0, 0.0]",
+            numbers=_BLANKS.get(kind, _SPHERE),
+            width=camera.size[0],
+            height=camera.size[1],
+        )
     return (text,)
 
 
@@ -159,17 +162,13 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     first, last = sorted(names, key=chain.index)
     values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
     for side, camera in target.cameras(rig):
-        key, lens, before = names[side], np.asarray(camera.distortion), 0
-        if camera.model in _SPHERES:
-            before = 2
-        elif camera.model == _OMNI:
-            before = 1
-        elif camera.model == "radtan":
+        key, lens, (before, _) = names[side], np.asarray(camera.distortion), _KINDS.get(camera.model, (0, ()))
+        if camera.model == Camera.model:
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
         values[(key, "intrinsics")] = [*lens[:before].tolist(), *pinhole_numbers(camera)]
         if camera.model == "equidistant":
             values |= matrix_values(content, (key, "distortion_coeffs"), lens)
-        elif camera.model not in _SPHERES:
+        elif before < 2:
             values |= _radtan(content, key, lens[before:])
     return [values]
 

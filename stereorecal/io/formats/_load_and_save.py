@@ -11,7 +11,7 @@ from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
-from stereorecal.io.formats._file_warnings import warn_of_size, warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._matrix_entries import calibration_template
 from stereorecal.io.formats._read_rig import read_files
@@ -68,8 +68,7 @@ def load_rig(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
             f"leave size out, and {fitted_to(rig.left.size, size)}."
         )
-    warn_of_size(" and ".join(map(str, paths)), rig)
-    warn_of_units(" and ".join(map(str, paths)), rig)
+    warn_of_file(" and ".join(map(str, paths)), rig)
     return rig
 
 
@@ -120,7 +119,7 @@ def save_rig(
     else:
         template_rig = _read_template(template, unit, rig)
         source = file_of(template_rig)
-        warn_of_units(str(template), template_rig)
+        warn_of_file(str(template), template_rig, sized=False)
     texts = list(texts_of(rig, paths, source, format, unit))
     if prior is not None:
         prior.check(rig)

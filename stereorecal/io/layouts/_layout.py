@@ -10,6 +10,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._scenes import Calibration, fitting
+from stereorecal.io.images._image_files import natural_order
 from stereorecal.recordings import LazyPairs, Log, Mission
 
 
@@ -66,6 +67,13 @@ def _rig_key(rig: StereoRig) -> Hashable:
     """A key that is equal for equal rigs."""
     leaves, structure = jax.tree.flatten(rig)
     return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)
+
+
+def sequences_in(folder: Path, pattern: str, choices: Iterable[Sides]) -> list[Path]:
+    """The folder, if it has images of such cameras, else those below it that have some, in natural order."""
+    sides = [side for sides in choices for side in sides]
+    places = [place for place in (folder, *folder.glob(pattern)) if any((place / side).is_dir() for side in sides)]
+    return [folder] if folder in places else natural_order(places)
 
 
 def sides_in(folder: Path, choices: Iterable[Sides]) -> Sides:

@@ -6,7 +6,7 @@ from pathlib import Path
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._file_warnings import warn_of_turns, warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
 from stereorecal.io.layouts._layout import Layout, folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
@@ -40,8 +40,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     """
     folder = existing_folder(folder)
     log = _read_log(folder, limit)
-    warn_of_units(folder, *log.calibrations.values())
-    warn_of_turns(folder, *log.calibrations.values())
+    warn_of_file(folder, *log.calibrations.values(), sized=False)
     return log
 
 
@@ -69,8 +68,7 @@ def load_scene(
     """
     folder = existing_folder(folder)
     scene = _read_scene(folder, limit, choose)
-    warn_of_units(folder, scene.rig)
-    warn_of_turns(folder, scene.rig)
+    warn_of_file(folder, scene.rig, sized=False)
     return scene
 
 
