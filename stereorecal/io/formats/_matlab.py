@@ -25,8 +25,8 @@ _DIFFERENT = 1e-3
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a struct, wherever it is in the file; lengths in millimetres."""
-    content = _struct(documents[0].content)
-    assert content is not None
+    whole = documents[0].content
+    content = _struct(whole) or whole
     left, right = (_camera(content[name], name, hints) for name in _CAMERAS)
     rotation, translation = _motion(content)
     word = next((content[name].get("WorldUnits") for name in _CAMERAS if content[name].get("WorldUnits")), "")

@@ -80,15 +80,6 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
     return values
 
 
-def derived_values(content: Mapping[str, Any], arrays: Mapping[str, Array]) -> dict[Keys, Any]:
-    """What to write for those arrays that the file has."""
-    values: dict[Keys, Any] = {}
-    for key, array in arrays.items():
-        if key in content:
-            values.update(matrix_values(content, (key,), array))
-    return values
-
-
 def size_of(content: Mapping[str, Any], keys: Keys) -> int:
     """How many numbers stand under a key; 0 if there is none, or they are no array."""
     stated = unpacked(at(content, keys))

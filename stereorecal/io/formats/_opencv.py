@@ -28,7 +28,6 @@ from stereorecal.io.formats._matrix_roles import (
 from stereorecal.io.formats._matrix_values import (
     Array,
     camera_matrix,
-    derived_values,
     lens_coefficients,
     matrix_values,
     rotation_matrix,
@@ -190,8 +189,10 @@ def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
     made = rectification_of(rig, _rectify_options(target, matrices)) | {"E": essential(rig), "F": fundamental(rig)}
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
-    named = {matrices.own_name(key) or key: array for key, array in arrays.items()}
-    values.update(derived_values(matrices.content, named))
+    for key, array in arrays.items():
+        name = matrices.own_name(key) or key
+        if name in matrices.content:
+            values |= matrix_values(matrices.content, (name,), array)
     placed = [dict[Keys, Any]() for _ in target.documents]
     for (name, *rest), value in values.items():
         document, *place = matrices.places[str(name)]

@@ -33,9 +33,7 @@ def _looks(document: Document) -> bool:
 def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of stereo settings; T_c1_c2 takes points from the right camera to the left one."""
     content = documents[0].content
-    first = _first(content)
-    assert first is not None
-    left = _camera(content, first, hints)
+    left = _camera(content, _first(content) or "Camera1", hints)
     key = next((key for key in _RIGHT_TO_LEFT if key in content), None)
     if key is None:
         if np.any(left.distortion):

@@ -124,15 +124,10 @@ def at_common_size(rig: StereoRig) -> StereoRig:
 
 
 def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
-    """A file, parsed as the format that was chosen is."""
-    lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.syntax.values()))
-    return read_document(path, _forced_syntax(format), if_missing, lines=lines)
-
-
-def _forced_syntax(format: Format | None) -> Syntax | None:
-    """The syntax of a format that has only one, lines of text: other parsers would stumble over them."""
-    kinds = set() if format is None else set(format.syntax.values())
-    return kinds.pop() if kinds in ({Syntax.COLONS}, {Syntax.EQUALS}) else None
+    """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
+    kinds = () if format is None else format.syntax.values()
+    of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
+    return read_document(path, of_lines, if_missing, lines=format is None or of_lines is not None)
 
 
 def _recognised(documents: Documents) -> Format:

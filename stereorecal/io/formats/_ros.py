@@ -85,15 +85,19 @@ def _parts_of(document: Document) -> list[_Part]:
         ]
     for place, content in maps or [((), document.content)]:
         part = replace(document, content=content)
-        said = [content.get(key) for key in ("distortion_model", *(_spelling(part) or "").split())]
-        known = next((one for one in found if one[1] == said), None) if _spelling(part) else None
+        keys = _spelling(part)
+        if keys is None:
+            continue
+        said = [content.get(key) for key in ("distortion_model", *keys.split())]
+        known = next((at for at, (_, other) in enumerate(found) if other == said), None)
         if known is not None:
-            found[found.index(known)] = (_Part(known[0].document, (*known[0].places, place), known[0].name), said)
-        elif _spelling(part):
-            header = content.get("header")
-            frame = header.get("frame_id") if isinstance(header, Mapping) else None
-            name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
-            found.append((_Part(part, (place,), str(name)), said))
+            earlier, _ = found[known]
+            found[known] = (replace(earlier, places=(*earlier.places, place)), said)
+            continue
+        header = content.get("header")
+        frame = header.get("frame_id") if isinstance(header, Mapping) else None
+        name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
+        found.append((_Part(part, (place,), str(name)), said))
     return [part for part, _ in found]
 
 

@@ -38,8 +38,8 @@ def texts_of(
         source = replace(source, hints=replace(source.hints, common_size=False))
         own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
         rig = _at_own_sizes(rig, own_sizes.turned(rig.turns))
-    syntax = syntax_for(paths, chosen, source)
     own = source if source is not None and source.format == chosen.name else None
+    syntax = _syntax_for(paths, chosen, own)
     into = own if own is not None and own.documents[0].syntax is syntax else None
     stated = chosen.unit if into is None else into.unit
     with about(" and ".join(map(str, paths))):
@@ -47,18 +47,20 @@ def texts_of(
             raise InputError(f"lengths of this {chosen.name} file are in {stated}, not in {unit}; leave the unit out.")
         if into is not None:
             return _into(rig, chosen, into)
-        return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
+        taken = as_in_file(rig, exchanged=False)
+        blanks = tuple(document("a new file", text, syntax) for text in chosen.blank(taken, syntax))
+        target = Target(blanks, hints=Hints(size=taken.left.size, rectified=False))
+        return _checked(rig, chosen, target, stated or unit or (own.unit if own is not None else "m"))
 
 
 def _at_own_sizes(rig: StereoRig, own: StereoRig) -> StereoRig:
     """A rig at its common size, with the sizes of `own`, which it was; a camera that has not changed is the same."""
     if rig.left.size != rig.right.size:
         return rig
+    seen = at_common_size(own)
     left, right = (
-        before if same_camera(seen, now) else now.resized(before.size)
-        for before, seen, now in zip(
-            *((each.left, each.right) for each in (own, at_common_size(own), rig)), strict=True
-        )
+        before if same_camera(at_common, now) else now.resized(before.size)
+        for before, at_common, now in ((own.left, seen.left, rig.left), (own.right, seen.right, rig.right))
     )
     return replace(rig, left=left, right=right)
 
@@ -77,9 +79,8 @@ def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | N
     return own if own is not None and own.syntax else usual(paths[0])
 
 
-def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
-    """The syntax of what is written under a name."""
-    own = source if source is not None and source.format == format.name else None
+def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> Syntax:
+    """The syntax of what is written under a name, for a rig from a file of the format or from elsewhere."""
     files = len(own.documents) if own else format.files
     if len(paths) != files:
         two = "two files, left and right; give two names"
@@ -88,16 +89,14 @@ def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) ->
         raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {wanted}.")
     usual_one = own.documents[0].syntax if own else next(iter(format.syntax.values()))
     endings = {path.suffix.lower() for path in paths} - {""}
-    found = {format.syntax.get(ending) for ending in endings} or {usual_one}
-    if None in found or len(found) > 1:
+    first, *others = {format.syntax.get(ending) for ending in endings} or {usual_one}
+    if first is None or others:
         wanted = " or ".join(format.syntax)
         raise InputError(
             f"{paths[0]}: the ending contradicts what is to be written ({format.name}: {format.about}); give a name "
             f"ending in {wanted}, or another format with format= (--to of convert)."
         )
-    (syntax,) = found
-    assert syntax is not None
-    return syntax
+    return first
 
 
 def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
@@ -122,13 +121,6 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
         return texts
     target = Target(source.documents, not unchanged[0], not unchanged[1], source.hints)
     return _checked(rig, format, target, source.unit)
-
-
-def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
-    """The texts of new files."""
-    taken = as_in_file(rig, exchanged=False)
-    blanks = tuple(document("a new file", text, syntax) for text in format.blank(taken, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=taken.left.size, rectified=False)), unit)
 
 
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:

@@ -3,8 +3,8 @@
 import math
 import re
 import shlex
-from functools import partial
 from itertools import chain
+from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,8 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.size)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
-        pairs = pairs.mapped(partial(_read_out, readout))
+        pairs = pairs.mapped(methodcaller("read_out", readout))
     return calibration, fitting(folder, calibration, pairs)
-
-
-def _read_out(seconds: float, pair: Pair) -> Pair:
-    return pair.read_out(seconds)
 
 
 def _check_calibrated(folder: Path) -> None:
