@@ -1,6 +1,6 @@
 """DepthAI's EEPROM as JSON (OAK cameras): the stereo pair that it names, or the sockets 1 (left) and 2 (right)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +38,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
     of another size are taken for those of a mode of the sensor: scaled, or cut above and below, or both."""
     content = documents[0].content
     left, right = (_camera(content, socket, hints) for socket in _sockets(content, hints))
-    return rig_of(left, right, _left_to_right(content, hints))
+    return rig_of(left, right, _relation(content, hints)[0])
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
@@ -83,7 +83,8 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
     content = target.documents[0].content
     sockets = _sockets(content, target.hints)
-    socket, moved = _restated_pose(content, target.hints, left_to_right(rig))
+    _, socket, stated_pose = _relation(content, target.hints)
+    moved = stated_pose(left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= under((*place, "translation"), "xyz", moved[:3, 3].tolist())
@@ -168,30 +169,19 @@ def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
     return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
 
 
-def _links(content: Mapping[str, Any], hints: Hints) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
+def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Pose, int, Callable[[Pose], Pose]]:
+    """Left to right; the socket of the camera whose stated pose says so, and what makes that pose of left to right."""
     left, right = _sockets(content, hints)
-    return left, right, _link(content, left), _link(content, right)
-
-
-def _left_to_right(content: Mapping[str, Any], hints: Hints) -> Pose:
-    left, right, (from_left, left_pose), (from_right, right_pose) = _links(content, hints)
+    (from_left, left_pose), (from_right, right_pose) = _link(content, left), _link(content, right)
     if from_left == right:
-        return left_pose
+        return left_pose, left, lambda motion: motion
     if from_right == left:
-        return inverse(right_pose)
+        return inverse(right_pose), right, inverse
     if from_left == from_right and from_left >= 0:
-        return inverse(right_pose) @ left_pose
+        return inverse(right_pose) @ left_pose, right, lambda motion: left_pose @ inverse(motion)
     raise InputError(
         f"the extrinsics of sockets {left} and {right} do not lead to each other; calibrate the device again."
     )
-
-
-def _restated_pose(content: Mapping[str, Any], hints: Hints, motion: Pose) -> tuple[int, Pose]:
-    """The camera whose stated pose changes, and that pose."""
-    left, right, (from_left, left_pose), (from_right, _) = _links(content, hints)
-    if from_left == right:
-        return left, motion
-    return right, inverse(motion) if from_right == left else left_pose @ inverse(motion)
 
 
 FORMAT = Format(
