@@ -166,7 +166,7 @@ def bag_scene(
 
 
 def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Sizes | None:
-    """Of the left and the right camera's images; None where the file says none, is wrong, or is scaled to any."""
+    """The sizes of both cameras' images; None where the file says none, is wrong, or is scaled to any."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

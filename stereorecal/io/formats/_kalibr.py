@@ -155,7 +155,7 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:
-    """Of the two cameras the later one moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
+    """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
     all these on the IMU."""
     content, chain = target.documents[0].content, _cameras(target.documents)
     names, motion = target.hints.cameras or _USUAL, left_to_right(rig)

@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import check_straight, coefficients, has_lens, is_turned
+from stereorecal.io.formats._lens_numbers import check_straight, coefficients
 from stereorecal.io.formats._numbers import image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
@@ -59,7 +59,7 @@ def _read_odometry(documents: Documents, hints: Hints) -> StereoRig:
 
 def _write_odometry(rig: StereoRig, target: Target) -> list[Values]:
     """The projection matrix of the right camera changes."""
-    check_straight(is_turned(rig) or has_lens(rig), "KITTI's calib.txt")
+    check_straight(rig, "KITTI's calib.txt")
     content, keys = target.documents[0].content, target.hints.cameras or _GREY
     fresh = target.left and target.right and not any(np.any(content[key]) for key in keys)
     place = np.zeros(3) if fresh else _camera_and_place(content, keys[0], rig.left.size)[1]

@@ -105,14 +105,14 @@ def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
         )
 
 
-def is_turned(rig: StereoRig) -> bool:
-    """Whether the cameras are turned to each other by more than rounding."""
-    return bool(np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING)
+def check_straight(rig: StereoRig, what: str, off_line: object = False) -> None:
+    """Refuse a rotation of more than rounding, or a lens, in a format of rectified images.
 
-
-def check_straight(rig_has: object, what: str) -> None:
-    """Refuse a rotation or a lens in a format of rectified images."""
-    if rig_has:
+    Args:
+        off_line: whether there is anything else that such a format has no place for.
+    """
+    turned = np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING
+    if turned or off_line or has_lens(rig):
         raise InputError(
             f"{what} has no place for a rotation or a lens; write it as opencv, kalibr or stereorecal instead."
         )

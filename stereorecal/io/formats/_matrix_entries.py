@@ -48,7 +48,7 @@ class Entry:
 
     @property
     def words(self) -> list[str]:
-        """Of the name, in small letters: camera, matrix, l of cameraMatrixL."""
+        """The words of the name, in small letters: camera, matrix, l of cameraMatrixL."""
         return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
 
     def __str__(self) -> str:

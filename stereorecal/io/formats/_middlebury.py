@@ -6,7 +6,7 @@ import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight, has_lens, is_turned
+from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight
 from stereorecal.io.formats._numbers import numbers, pixels
 from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._splice import Keys, Values
@@ -28,8 +28,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 def _write(rig: StereoRig, target: Target) -> list[Values]:
     """The baseline, and doffs; nothing else can change in rectified images."""
     aside = np.abs(np.asarray(rig.translation)[1:]).max() > ROUNDING * float(rig.baseline)
-    off_line = is_turned(rig) or aside or rig.left.size != rig.right.size
-    check_straight(off_line or has_lens(rig), "Middlebury's calib.txt")
+    check_straight(rig, "Middlebury's calib.txt", off_line=aside or rig.left.size != rig.right.size)
     values: dict[Keys, Any] = {("baseline",): [float(np.copysign(rig.baseline, -rig.translation[0]))]}
     values |= {(_CAMERAS[side],): np.asarray(camera.matrix).tolist() for side, camera in target.cameras(rig)}
     if (target.left or target.right) and "doffs" in target.documents[0].content:

@@ -93,7 +93,7 @@ class _Matrices:
         return inside[0] if len(inside) == 1 else None
 
     def size(self, hints: Hints) -> tuple[int, int]:
-        """Of the images."""
+        """(width, height) of the images, of the file or else of the hints."""
         for key in _SIZES:
             if key in self.content:
                 return image_size(self.content, key)
@@ -238,7 +238,7 @@ def _lens(camera: Camera, counts: Sequence[int] = _COUNTS) -> Array:
 
 
 def _model(content: Mapping[str, Any]) -> str:
-    """Of both lenses."""
+    """The model of both lenses."""
     if any(re.fullmatch(r"(.*[._])?xi[_\d]*", str(name), re.IGNORECASE) for name in content):
         raise UnsupportedModelError(
             "xi is a lens of cv2.omnidir; give sr.StereoRig.from_matrices(…, model='omni') with D = xi k1 k2 p1 p2."

@@ -44,7 +44,7 @@ def announced_size(data: bytes) -> tuple[int, int] | None:
 
 
 def bytes_per_pixel(data: bytes) -> int:
-    """Of the decoded image, where a PNG or TIFF says it; else those of colour in 8 bit."""
+    """Bytes of the decoded image, where a PNG or TIFF says it; else those of colour in 8 bit."""
     try:
         if data.startswith(_PNG):
             depth, kind = data[24], data[25]
@@ -128,7 +128,7 @@ def _segments(data: bytes) -> Iterator[tuple[int, int]]:
 
 
 def _tags(data: bytes) -> dict[int, int]:
-    """Of a TIFF."""
+    """The tags of a TIFF that are needed here."""
     order = "<" if data[:2] == b"II" else ">"
     (first,) = struct.unpack_from(f"{order}I", data, 4)
     (count,) = struct.unpack_from(f"{order}H", data, first)

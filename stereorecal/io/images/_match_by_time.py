@@ -76,7 +76,7 @@ def counted_times(stems: Sequence[str]) -> list[float] | None:
 
 
 def counts_per_second(stems: Sequence[str]) -> float | None:
-    """Of numbers of 16 digits or more; None if frames would lie closer than a millisecond."""
+    """Counts per second of numbers of 16 digits or more; None if frames would lie closer than a millisecond."""
     counts = sorted(int(stem) for stem in stems if stem.isdecimal())
     gap = float(np.median(np.diff(counts))) if len(counts) > 1 else float("inf")
     choices = (1e9, 1e6) if all(len(stem) == _COUNT for stem in stems) else (1e9,)
