@@ -56,7 +56,7 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """Left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
+    """The rig; left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
     content, (first, second) = documents[0].content["value0"], map(int, hints.cameras or _USUAL)
     with about("value0"):
         left, right = (_camera(content, index) for index in (first, second))

@@ -39,7 +39,7 @@ _POSE = "model: stereo_camera\nrightToLeft:\n  rotation:\n" + "  - 0.0\n" * 9 + 
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The pose, from right to left, is inverted."""
+    """The rig; the pose, from right to left, is inverted."""
     content = documents[0].content
     left, right = (_camera(content, side) for side in _SIDES)
     with about("rightToLeft"):
@@ -92,9 +92,9 @@ def _camera_values(camera: Camera, side: str, content: Mapping[str, Any]) -> dic
         raise InputError(f"{side}: the file has no radial terms; add `radial: [0.0, 0.0]` to write new ones.")
     needed = 3 if k3 else 2 if k2 else 1 if k1 else 0
     radial = [k1, k2, k3][: max(len(stated), needed)]
-    lens = {"t1": t1, "t2": t2} | ({"radial": radial} if radial else {})
-    values = under((side, "radial_tangential"), lens.keys(), lens.values())
-    return values | under((side, "pinhole"), _NUMBERS, pinhole_numbers(camera))
+    lens = (side, "radial_tangential")
+    values = under((side, "pinhole"), _NUMBERS, pinhole_numbers(camera)) | under(lens, ("t1", "t2"), (t1, t2))
+    return values | ({(*lens, "radial"): radial} if radial else {})
 
 
 FORMAT = Format(

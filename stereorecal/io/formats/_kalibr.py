@@ -54,8 +54,8 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """T_cn_cnm1 takes points of the camera before to this one; where the file has none,
-    the poses of both cameras on the IMU tell."""
+    """The rig; T_cn_cnm1 takes points of the camera before to this one, and where the file has none, the poses of both
+    cameras on the IMU tell."""
     content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _USUAL
     for key in names:
         if key not in chain:
@@ -93,6 +93,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
 
 
 def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
+    """What takes points of the camera before these links to the last one."""
     motion = np.eye(4)
     for name in links:
         motion = _pose(content, name, _FROM_LAST) @ motion

@@ -40,7 +40,7 @@ def _camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int
 
 
 def _rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple[int, int]) -> StereoRig:
-    """All cameras have the same orientation, and P places each of them.
+    """The rig of two cameras: all have the same orientation, and P places each of them.
 
     Between the colour cameras t differs slightly in y and z too: the four cameras are not exactly on one line.
     """
@@ -52,7 +52,7 @@ def _rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tupl
 
 
 def _read_odometry(documents: Documents, hints: Hints) -> StereoRig:
-    """The grey cameras P0 and P1, unless the hints name others; the file has no image size."""
+    """The rig of the grey cameras P0 and P1, unless the hints name others; the file has no image size."""
     size = hints.needed_size("the file has no image size")
     return _rectified_rig(documents[0].content, hints.cameras or _GREY, size)
 
@@ -101,7 +101,7 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
 
 
 def _read_raw(documents: Documents, hints: Hints) -> StereoRig:
-    """The cameras as they are; or, if the images have the size of the rectified ones and not of these, as rectified."""
+    """The rig of the cameras as they are; or as rectified, if the images have the size of the rectified ones alone."""
     content, cameras = documents[0].content, _chosen(documents, hints)
     if _is_rectified(content, cameras, hints):
         keys = f"P_rect_{cameras[0]}", f"P_rect_{cameras[1]}"

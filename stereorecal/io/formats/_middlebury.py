@@ -17,7 +17,7 @@ _BLANK = "cam0=[0]\ncam1=[0]\ndoffs=0\nbaseline=0\nwidth={}\nheight={}\n"
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The cameras have the same orientation; their principal points differ in x, by `doffs`."""
+    """The rig of two cameras of one orientation, whose principal points differ in x, by `doffs`."""
     content = documents[0].content
     size = pixels(content, "width"), pixels(content, "height")
     left, right = (Camera(size, numbers(content, key, (3, 3))) for key in _CAMERAS)

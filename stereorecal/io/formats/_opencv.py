@@ -142,7 +142,7 @@ def _looks_together(documents: Documents) -> bool:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The image size is that of the file, else that of the hints, since OpenCV's own programs write none."""
+    """The rig; the image size is that of the file, else that of the hints, since OpenCV's own programs write none."""
     matrices = _Matrices.of(documents)
     content, names = matrices.content, matrices.names
     implied = not matrices.has("R") and not matrices.has("T") and matrices.has("R1", "R2", "P1", "P2")
