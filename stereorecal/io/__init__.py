@@ -4,19 +4,19 @@
 - `layouts/`: data sets, one module per arrangement of folders and files.
 - `images/`: image files, and which of them are the left and right image of a pair.
 
-A module of a layout finds the files; formats and images read them.
+A module of a layout finds the files; formats and images read them. Whatever is wrong with input is an `InputError` of
+one sentence that names the file and says what to do; what users call lists them under Raises.
 """
 
 from stereorecal._arrays import json_data as json_data
 from stereorecal.io._atomic import (
+    back_up as back_up,
     make_folder as make_folder,
+    next_copy as next_copy,
     write_bytes as write_bytes,
     write_files as write_files,
     write_text as write_text,
 )
-from stereorecal.io._backup_copies import back_up as back_up, next_copy as next_copy
-from stereorecal.io._load_odometer import load_odometer as load_odometer
-from stereorecal.io._load_ranges import load_ranges as load_ranges
 from stereorecal.io._read_files import about as about, files_read as files_read
 from stereorecal.io._save_maps import save_maps as save_maps
 from stereorecal.io._scenes import (
@@ -31,6 +31,7 @@ from stereorecal.io._strict_json import (
     read_json as read_json,
     write_json as write_json,
 )
+from stereorecal.io._tables import load_odometer as load_odometer, load_ranges as load_ranges
 from stereorecal.io.formats._load_and_save import (
     calibration_files as calibration_files,
     calibration_json as calibration_json,
@@ -43,12 +44,12 @@ from stereorecal.io.formats._load_and_save import (
     unsaid_unit as unsaid_unit,
 )
 from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
-from stereorecal.io.formats._stored_prior import stored_prior as stored_prior
+from stereorecal.io.formats._rig_file import stored_prior as stored_prior
+from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs
-from stereorecal.io.images._ros_messages import image_of_message as image_of_message
 from stereorecal.io.layouts._load_data_set import (
     is_data_set as is_data_set,
     load_log as load_log,

@@ -1,25 +1,78 @@
-"""A scene from its parts: image pairs and a calibration that fits them."""
+"""A scene from its parts: image pairs and a calibration that fits them, with what else its file says of the scene."""
 
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import AnyPath, about
-from stereorecal.io.formats._camera_choice import checked_cameras, warn_of_turns
-from stereorecal.io.formats._file_sizes import warn_of_size
-from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io._strict_json import read_json
+from stereorecal.io.formats import _stereorecal
+from stereorecal.io.formats._camera_choice import checked_cameras
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._read_rig import rig_in
-from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
+from stereorecal.io.formats._numbers import image_size
+from stereorecal.io.formats._read_rig import read_files, rig_in
+from stereorecal.io.formats._rig_file import KEY, file_of
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
 from stereorecal.io.images._fit_to_cameras import Sizes, common_size
 from stereorecal.io.images._load_pairs import load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
+
+_IF_MISSING = "check the path, or write a calib.json there."
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """The content of a calibration file.
+
+    Attributes:
+        size: (width, height) of the images in pixels, as they were taken.
+        rig: side by side; None if both camera matrices of a calib.json are null.
+        reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
+        info: the keys of a calib.json that do not describe the rig, unchanged.
+    """
+
+    size: tuple[int, int]
+    rig: StereoRig | None
+    reference: str = "stored"
+    info: Mapping[str, Any] = field(default_factory=dict)
+
+
+def load_calibration(
+    paths: Sequence[Path], format: str | None = None, unit: str | None = None, hints: Hints | None = None
+) -> Calibration:
+    """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
+    if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
+        content = read_json(paths[0], _IF_MISSING)
+        if isinstance(content, dict) and content.get("K_left", ()) is None and content.get("K_right", ()) is None:
+            with about(paths[0]):
+                return _of(image_size(content, "image_size"), None, content)
+    rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
+    source = file_of(rig)
+    if source is None or source.format != _stereorecal.NAME:
+        return _of(rig.sizes_taken[0], rig, {})
+    return _of(rig.sizes_taken[0], rig, source.documents[0].content)
+
+
+def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:
+    known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
+    info = {key: item for key, item in content.items() if key not in known}
+    return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
+
+
+def read_json_object(path: Path) -> dict[str, Any]:
+    """The keys and values of a JSON file beside the images, such as mission.json."""
+    content = read_json(path, if_missing=_IF_MISSING)
+    if not isinstance(content, dict):
+        raise InputError(f"{path}: there is no JSON object of named values in the file; correct it.")
+    return content
 
 
 def gather_scene(
@@ -78,9 +131,7 @@ def calibrated_scene(
     with about(where):
         scene = scene_of(name, found, read)
     remark_sizes(where, sizes)
-    warn_of_size(where, scene.rig)
-    warn_of_units(where, scene.rig)
-    warn_of_turns(where, scene.rig)
+    warn_of_file(where, scene.rig)
     return scene
 
 
@@ -110,13 +161,12 @@ def bag_scene(
     with about(place):
         scene = scene_of(str(place), Calibration(rig.sizes_taken[0], replace(rig, source=None)), read)
     remark_sizes(str(place), sizes)
-    warn_of_units(str(place), scene.rig)
-    warn_of_turns(str(place), scene.rig)
+    warn_of_file(place, scene.rig)
     return scene
 
 
 def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Sizes | None:
-    """Of the left and the right camera's images; None where the file says none, is wrong, or is scaled to any."""
+    """The sizes of both cameras' images; None where the file says none, is wrong, or is scaled to any."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -151,11 +201,7 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
 
 
 def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
-    """The scene of a calibration and pairs, turned as its rig says.
-
-    Raises:
-        InputError: if there is no pair, or an image has another size than the calibration says.
-    """
+    """The scene of a calibration and pairs, turned as its rig says."""
     pairs = tuple(pairs)
     if calibration.rig is not None and not pairs:
         check_pairs(calibration.rig, pairs)  # says that there is none

@@ -80,11 +80,7 @@ def parse_json(text: str) -> Any:
 
 def without_duplicates(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
     """The mapping of these pairs. Of two equal keys one reader takes the first and another one the last, which matters
-    for numbers.
-
-    Raises:
-        InputError: names a key that occurs twice, with different numbers.
-    """
+    for numbers."""
     content: dict[str, Any] = {}
     for key, value in pairs:
         if key in content and content[key] != value and not isinstance(value, str | None):

@@ -1,8 +1,8 @@
 """Calibration files: one module per format.
 
-A new format is one new module here, with what `_format.py` says (`NAME`, `can_read`, `read`, `blank`, `write`), and its
-place in the list in `_format_list.py`. It works in the file's own unit and knows its keys and its direction. What it
-cannot hold, it refuses with a sentence that names a format that can.
+A new format is one new module here, with a `FORMAT` as `_format.py` describes it, and its place in the list in
+`_format_list.py`. It works in the file's own unit and knows its keys and its direction. What it cannot hold, it refuses
+with a sentence that names a format that can.
 
 - Texts are parsed, and changed in place, by `text/`; each value is read by `_numbers.py`.
 - `_read_rig.py` finds the format, converts the unit, and lets the rig remember its file (`_rig_file.py`);

@@ -10,18 +10,12 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._lens_numbers import check_model, coefficients, has_lens, pinhole_matrix, pinhole_numbers
-from stereorecal.io.formats._numbers import image_size, numbers, value
+from stereorecal.io.formats._numbers import image_size, scalars, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
-from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._keys import Keys
-
-NAME = "basalt"
-ABOUT = "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)"
-SYNTAX = {".json": Syntax.JSON}
-FILES = 1
-UNIT = "m"
+from stereorecal.io.formats.text._document import Document
+from stereorecal.io.formats.text._splice import Values, under
 
 _USUAL = ("0", "1")
 _PLACE, _TURN = ("px", "py", "pz"), ("qx", "qy", "qz", "qw")
@@ -49,20 +43,20 @@ _IMU = {
 }
 
 
-def can_read(documents: Documents) -> bool:
+def _looks(document: Document) -> bool:
     """Whether there are poses of cameras on an IMU."""
-    inside = documents[0].content.get("value0")
-    return len(documents) == 1 and isinstance(inside, Mapping) and "T_imu_cam" in inside
+    inside = document.content.get("value0")
+    return isinstance(inside, Mapping) and "T_imu_cam" in inside
 
 
-def cameras(documents: Documents) -> tuple[str, ...]:
+def _cameras(documents: Documents) -> tuple[str, ...]:
     """The numbers of the cameras."""
     poses = documents[0].content["value0"]["T_imu_cam"]
     return tuple(map(str, range(len(poses)))) if isinstance(poses, list) else _USUAL
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a Basalt file: left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
+def _read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig; left to right is inv(T_imu_cam[1]) T_imu_cam[0]."""
     content, (first, second) = documents[0].content["value0"], map(int, hints.cameras or _USUAL)
     with about("value0"):
         left, right = (_camera(content, index) for index in (first, second))
@@ -82,14 +76,13 @@ def _camera(content: Mapping[str, Any], index: int) -> Camera:
     model = value(stated, "camera_type")
     check_model(model, tuple(_MODELS))
     params = value(stated, "intrinsics")
-    matrix = pinhole_matrix(np.array([float(numbers(params, key, ())) for key in _PINHOLE]))
-    lens = np.array([float(numbers(params, key, ())) for key in _MODELS[model]])
-    return Camera(size, matrix, lens, model=_LENSES.get(model, Camera.model))
+    matrix = pinhole_matrix(scalars(params, _PINHOLE))
+    return Camera(size, matrix, scalars(params, _MODELS[model]), model=_LENSES.get(model, Camera.model))
 
 
 def _pose(content: Mapping[str, Any], index: int) -> Pose:
     stated = _of_camera(content, "T_imu_cam", index)
-    place, turn = (np.array([float(numbers(stated, key, ())) for key in keys]) for keys in (_PLACE, _TURN))
+    place, turn = scalars(stated, _PLACE), scalars(stated, _TURN)
     if np.linalg.norm(turn) < 1e-6:
         raise InputError("the quaternion of T_imu_cam is zero; correct it.")
     from scipy.spatial.transform import Rotation  # a third of a second to import
@@ -97,7 +90,7 @@ def _pose(content: Mapping[str, Any], index: int) -> Pose:
     return pose(Rotation.from_quat(turn).as_matrix(), place)
 
 
-def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """One file, with the left camera in the place of the IMU."""
     of_radtan = _RADTAN8 if has_lens(rig) else "pinhole"
     types = {model: name for name, model in _LENSES.items()}
@@ -114,25 +107,34 @@ def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
     return (strict_json_text({"value0": cameras | _IMU}),)
 
 
-def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """A Basalt file: the right camera's pose on the IMU changes, the left one's stays."""
-    (document,) = target.documents
-    content, (first, second) = document.content["value0"], map(int, target.hints.cameras or _USUAL)
-    moved = _pose(content, first) @ inverse(left_to_right(rig))
+def _write(rig: StereoRig, target: Target) -> list[Values]:
+    """The right camera's pose on the IMU changes, the left one's stays."""
+    content, chosen = target.documents[0].content["value0"], [*map(int, target.hints.cameras or _USUAL)]
+    moved = _pose(content, chosen[0]) @ inverse(left_to_right(rig))
     from scipy.spatial.transform import Rotation
 
     turn = Rotation.from_matrix(moved[:3, :3]).as_quat()
-    place = zip(_PLACE + _TURN, [*moved[:3, 3].tolist(), *turn.tolist()], strict=True)
-    values: dict[Keys, Any] = {("value0", "T_imu_cam", second, key): number for key, number in place}
-    for index, camera, wanted in ((first, rig.left, target.left), (second, rig.right, target.right)):
-        if wanted:
-            kind = content["intrinsics"][index]["camera_type"]
-            names = _MODELS[kind]
-            lens = np.asarray(camera.distortion)
-            if kind not in _LENSES:
-                lens = coefficients(camera, (len(names),), "Basalt's model", "opencv, ros or depthai")
-            params = dict(zip(_PINHOLE + names, [*pinhole_numbers(camera), *lens.tolist()], strict=True))
-            if kind == _RADTAN8:
-                params["rpmax"] = float(camera.lens_radius)
-            values |= {("value0", "intrinsics", index, "intrinsics", key): number for key, number in params.items()}
-    return (document.with_values(values),)
+    numbers = [*moved[:3, 3].tolist(), *turn.tolist()]
+    values = under(("value0", "T_imu_cam", chosen[1]), _PLACE + _TURN, numbers)
+    for side, camera in target.cameras(rig):
+        kind, lens = content["intrinsics"][chosen[side]]["camera_type"], camera.distortion
+        if kind not in _LENSES:
+            lens = coefficients(camera, (len(_MODELS[kind]),), "Basalt's model", "opencv, ros or depthai")
+        place = ("value0", "intrinsics", chosen[side], "intrinsics")
+        values |= under(place, _PINHOLE + _MODELS[kind], [*pinhole_numbers(camera), *lens.tolist()])
+        if kind == _RADTAN8:
+            values[(*place, "rpmax")] = float(camera.lens_radius)
+    return [values]
+
+
+FORMAT = Format(
+    "basalt",
+    "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)",
+    "m",
+    _looks,
+    _read,
+    cameras=_cameras,
+    syntax=JSON,
+    blank=_blank,
+    write=_write,
+)

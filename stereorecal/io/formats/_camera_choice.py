@@ -1,44 +1,28 @@
 """Which two cameras of a file are the left and the right one: the first and the second, unless others are chosen."""
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning, InputError
-from stereorecal.geometry import AS_IN_FILE, StereoRig, described_turns, euler_from_rotation
-from stereorecal.io._read_files import AnyPath
+from stereorecal._errors import InputError
+from stereorecal.geometry import AS_IN_FILE, StereoRig, euler_from_rotation
 from stereorecal.io.formats._format import Documents, Format, Hints
 
 _SIDES = ("left", "right")  # names of the first two cameras in every format
 _NUMBERS = ("0", "1")  # and in those that name none
 
 
-@runtime_checkable
-class NamesCameras(Protocol):
-    """What the module of a format has beside `Format` if its files name their cameras."""
-
-    def cameras(self, documents: Documents) -> Sequence[str]:
-        """The names; the first two are read where none are chosen. The reader takes any two from its hints."""
-        ...
-
-
 def chosen_cameras(format: Format, documents: Documents, hints: Hints) -> tuple[Hints, bool]:
-    """What a format is to read, and whether the second one of its two cameras is the left one.
-
-    Raises:
-        InputError: if the file has no such cameras.
-    """
-    names = tuple(format.cameras(documents)) if isinstance(format, NamesCameras) else _NUMBERS
+    """What a format is to read, and whether the second one of its two cameras is the left one."""
+    names = tuple(format.cameras(documents)) if format.cameras else _NUMBERS
     given = hints.cameras
     for first, second in (_SIDES, names[:2] if len(names) > 1 else _NUMBERS):
         if given in (None, (first, second), (second, first)):
             return replace(hints, cameras=None), given == (second, first)
-    if not isinstance(format, NamesCameras):
+    if format.cameras is None:
         raise InputError(
-            f"the cameras are {_listed(given)}, and {format.NAME} names none; give right,left if the second one of the "
+            f"the cameras are {_listed(given)}, and {format.name} names none; give right,left if the second one of the "
             "file is the left one, or leave it out."
         )
     if len(set(given)) < 2 or not set(given) <= set(names):
@@ -49,11 +33,7 @@ def chosen_cameras(format: Format, documents: Documents, hints: Hints) -> tuple[
 
 
 def checked_cameras(given: object) -> tuple[str, str] | None:
-    """The names of the left and the right camera, as they were given.
-
-    Raises:
-        InputError: if it is no such pair.
-    """
+    """The names of the left and the right camera, as they were given."""
     if given is None:
         return None
     if not isinstance(given, tuple | list) or len(given) != 2 or not all(isinstance(name, str) for name in given):
@@ -70,9 +50,6 @@ def left_first(rig: StereoRig, exchanged: bool, hints: Hints, files: int) -> Ste
     Args:
         exchanged: whether the second one of the file is the left one.
         hints, files: with which it was read, and how many files it takes, for the message.
-
-    Raises:
-        InputError: if the first camera is the right one then, or the two stand otherwise.
     """
     rig = _exchanged(rig) if exchanged else rig
     x, y, z = np.asarray(rig.side_by_side().translation)
@@ -87,17 +64,6 @@ def as_in_file(rig: StereoRig, exchanged: bool) -> StereoRig:
     """The inverse of `left_first`, of images as they were taken."""
     rig = rig.as_taken()
     return _exchanged(replace(rig, source=AS_IN_FILE)) if exchanged else rig
-
-
-def warn_of_turns(path: AnyPath, *rigs: StereoRig | None) -> None:
-    """Say once, of what `path` holds, that images are turned.
-
-    Warns:
-        CalibrationWarning: if they are.
-    """
-    for turns in {rig.turns for rig in rigs if rig is not None and any(rig.turns)}:
-        done = f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
-        warnings.warn(f"{path}: {done}", CalibrationWarning, stacklevel=3)
 
 
 def _way(hints: Hints, files: int) -> str:

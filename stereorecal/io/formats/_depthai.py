@@ -1,6 +1,6 @@
 """DepthAI's EEPROM as JSON (OAK cameras): the stereo pair that it names, or the sockets 1 (left) and 2 (right)."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,33 +10,22 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._lens_numbers import coefficients
-from stereorecal.io.formats._numbers import numbers, pixels, value
+from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
-from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._keys import Keys
-
-NAME = "depthai"
-ABOUT = "DepthAI's EEPROM (JSON with cameraData, stereoRectificationData)"
-SYNTAX = {".json": Syntax.JSON}
-FILES = 1
-UNIT = "cm"
+from stereorecal.io.formats.text._splice import Keys, Values, under
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 _PERSPECTIVE, _FISHEYE = 0, 1  # cameraType; a fisheye is OpenCV's, and uses the first four coefficients
 _ZERO = {"x": 0.0, "y": 0.0, "z": 0.0}
+_WORDS = ("batchName", "boardConf", "boardCustom", "boardName", "boardRev", "deviceName", "hardwareConf", "productName")
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether there is a list of cameras."""
-    return len(documents) == 1 and isinstance(documents[0].content.get("cameraData"), list)
-
-
-def cameras(documents: Documents) -> tuple[str, ...]:
+def _cameras(documents: Documents) -> tuple[str, ...]:
     """The numbers of the sockets, those of the stereo pair first."""
     content = documents[0].content
     pair = _sockets(content, Hints())
@@ -44,46 +33,26 @@ def cameras(documents: Documents) -> tuple[str, ...]:
     return tuple(map(str, (*pair, *(socket for socket in sockets if socket not in pair))))
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a DepthAI file, by its calibrated translations, never those of the drawing (`specTranslation`). Images
+def _read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig by its calibrated translations, never those of the drawing (`specTranslation`). Images
     of another size are taken for those of a mode of the sensor: scaled, or cut above and below, or both."""
     content = documents[0].content
     left, right = (_camera(content, socket, hints) for socket in _sockets(content, hints))
-    return rig_of(left, right, _left_to_right(content, hints))
+    return rig_of(left, right, _relation(content, hints)[0])
 
 
-def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """A device of two cameras and no name."""
     nominal = {"x": -float(rig.baseline), "y": 0.0, "z": 0.0}
-    cameras = [
-        _blank_camera(rig.left, 2, nominal),
-        _blank_camera(rig.right, _NOWHERE, _ZERO),
-    ]
-    stereo = {
-        "leftCameraSocket": 1,
-        "rightCameraSocket": 2,
-        "rectifiedRotationLeft": _EYE,
-        "rectifiedRotationRight": _EYE,
-    }
-    words = (
-        "batchName",
-        "boardConf",
-        "boardCustom",
-        "boardName",
-        "boardRev",
-        "deviceName",
-        "hardwareConf",
-        "productName",
-    )
     content = {
-        **dict.fromkeys(words, ""),
+        **dict.fromkeys(_WORDS, ""),
         "batchTime": 0,
         "boardOptions": 0,
-        "cameraData": [[1, cameras[0]], [2, cameras[1]]],
+        "cameraData": [[1, _blank_camera(rig.left, 2, nominal)], [2, _blank_camera(rig.right, _NOWHERE, _ZERO)]],
         "housingExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
         "imuExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
         "miscellaneousData": [],
-        _STEREO: stereo,
+        _STEREO: {**_SOCKETS, "rectifiedRotationLeft": _EYE, "rectifiedRotationRight": _EYE},
         "stereoEnableDistortionCorrection": False,
         "stereoUseSpecTranslation": False,
         "version": 7,
@@ -110,31 +79,30 @@ def _blank_extrinsics(to_socket: int, nominal: Mapping[str, float]) -> dict[str,
     return {"rotationMatrix": _EYE, **place}
 
 
-def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """A DepthAI file: the pose that links its two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
-    (document,) = target.documents
-    content = document.content
-    left, right = _sockets(content, target.hints)
-    socket, moved = _restated_pose(content, target.hints, left_to_right(rig))
+def _write(rig: StereoRig, target: Target) -> list[Values]:
+    """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
+    content = target.documents[0].content
+    sockets = _sockets(content, target.hints)
+    _, socket, stated_pose = _relation(content, target.hints)
+    moved = stated_pose(left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
-    values |= {(*place, "translation", key): float(number) for key, number in zip("xyz", moved[:3, 3], strict=True)}
-    if (left, right) == _sockets(content, Hints()) and content.get(_STEREO, {}).get("rectifiedRotationLeft"):
+    values |= under((*place, "translation"), "xyz", moved[:3, 3].tolist())
+    if sockets == _sockets(content, Hints()) and content.get(_STEREO, {}).get("rectifiedRotationLeft"):
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
-    for socket, camera, wanted in ((left, rig.left, target.left), (right, rig.right, target.right)):
-        if wanted:
-            stated, at = _data(content, socket), ("cameraData", _index(content, socket), 1)
-            size = pixels(stated, "width"), pixels(stated, "height")
-            least = len(stated["distortionCoeff"])
-            if camera.model == "equidistant":
-                lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
-            else:
-                lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
-            values[(*at, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
-            values[(*at, "distortionCoeff")] = lens.tolist()
-    return (document.with_values(values),)
+    for side, camera in target.cameras(rig):
+        at = ("cameraData", _index(content, sockets[side]), 1)
+        stated = _data(content, sockets[side])
+        size, least = (pixels(stated, "width"), pixels(stated, "height")), len(stated["distortionCoeff"])
+        if camera.model == "equidistant":
+            lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
+        else:
+            lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
+        values[(*at, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
+        values[(*at, "distortionCoeff")] = lens.tolist()
+    return [values]
 
 
 def _sockets(content: Mapping[str, Any], hints: Hints) -> tuple[int, int]:
@@ -197,32 +165,33 @@ def _uncut(camera: Camera, whole: tuple[int, int]) -> Camera:
 def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
     """To which camera the pose of a camera leads, and the pose."""
     stated = value(_data(content, socket), "extrinsics")
-    place = value(stated, "translation")
-    shift = np.array([float(numbers(place, key, ())) for key in "xyz"])
+    shift = scalars(value(stated, "translation"), "xyz")
     return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
 
 
-def _links(content: Mapping[str, Any], hints: Hints) -> tuple[int, int, tuple[int, Pose], tuple[int, Pose]]:
+def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Pose, int, Callable[[Pose], Pose]]:
+    """Left to right; the socket of the camera whose stated pose says so, and what makes that pose of left to right."""
     left, right = _sockets(content, hints)
-    return left, right, _link(content, left), _link(content, right)
-
-
-def _left_to_right(content: Mapping[str, Any], hints: Hints) -> Pose:
-    left, right, (from_left, left_pose), (from_right, right_pose) = _links(content, hints)
+    (from_left, left_pose), (from_right, right_pose) = _link(content, left), _link(content, right)
     if from_left == right:
-        return left_pose
+        return left_pose, left, lambda motion: motion
     if from_right == left:
-        return inverse(right_pose)
+        return inverse(right_pose), right, inverse
     if from_left == from_right and from_left >= 0:
-        return inverse(right_pose) @ left_pose
+        return inverse(right_pose) @ left_pose, right, lambda motion: left_pose @ inverse(motion)
     raise InputError(
         f"the extrinsics of sockets {left} and {right} do not lead to each other; calibrate the device again."
     )
 
 
-def _restated_pose(content: Mapping[str, Any], hints: Hints, motion: Pose) -> tuple[int, Pose]:
-    """The camera whose stated pose changes, and that pose."""
-    left, right, (from_left, left_pose), (from_right, _) = _links(content, hints)
-    if from_left == right:
-        return left, motion
-    return right, inverse(motion) if from_right == left else left_pose @ inverse(motion)
+FORMAT = Format(
+    "depthai",
+    "DepthAI's EEPROM (JSON with cameraData, stereoRectificationData)",
+    "cm",
+    lambda document: isinstance(document.content.get("cameraData"), list),
+    _read,
+    cameras=_cameras,
+    syntax=JSON,
+    blank=_blank,
+    write=_write,
+)

@@ -1,12 +1,15 @@
-"""What the module of a calibration format offers, and what it works with."""
+"""What a calibration format is, and what its reader and its writer work with."""
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
 
-from stereorecal.geometry import StereoRig
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats.text._document import Document, Syntax
+from stereorecal.io.formats.text._splice import Values
 
 Documents = tuple[Document, ...]  # one, or those of the left and of the right camera
+YAML, JSON, COLONS = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}, {".json": Syntax.JSON}, {".txt": Syntax.COLONS}
 
 
 @dataclass(frozen=True)
@@ -25,6 +28,27 @@ class Hints:
     rectified: bool | None = None
     common_size: bool = False
 
+    def needed_size(self, lack: str) -> tuple[int, int]:
+        """The size of the images, where the file says none; `lack`: what it has not, for the message."""
+        if self.size is None:
+            raise InputError(f"{lack}; give size=(width, height), on the command line --size WxH.")
+        return self.size
+
+    def mode_among(self, sizes: Sequence[tuple[int, int]]) -> tuple[int, int]:
+        """The size of the images, where a file has the calibration of a device at each of these sizes."""
+        listed = ", ".join(f"{width}x{height}" for width, height in sorted(sizes))
+        if not sizes:
+            raise InputError("there is no image size at which the file has both cameras; save the calibration again.")
+        if len(sizes) > 1:
+            self.needed_size(f"the file has calibrations for images of {listed}")
+        if self.size is not None and self.size not in sizes:
+            width, height = self.size
+            raise InputError(
+                f"the images are {width}x{height}, and the file has calibrations for {listed}; use images of one of "
+                "these sizes, or give one of them and change the rig: rig.resized(size), rig.cropped(size)."
+            )
+        return self.size or sizes[0]
+
 
 @dataclass(frozen=True)
 class Target:
@@ -41,62 +65,56 @@ class Target:
     right: bool = True
     hints: Hints = field(default_factory=Hints)
 
+    def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
+        """Those of the rig whose intrinsics are to be written: 0 and the left one, 1 and the right one."""
+        return (
+            (side, camera)
+            for side, (camera, wanted) in enumerate(((rig.left, self.left), (rig.right, self.right)))
+            if wanted
+        )
 
-@runtime_checkable
-class Format(Protocol):
-    """A module that reads and writes one format. Lengths are in the file's own unit on both ways."""
 
-    @property
-    def NAME(self) -> str:
-        """As people write it after `--to`."""
-        ...
+@dataclass(frozen=True)
+class Format:
+    """One format, with lengths in the file's own unit on both ways.
 
-    @property
-    def ABOUT(self) -> str:
-        """What it is, and its files, in a few words."""
-        ...
+    Attributes:
+        name: as people write it after `--to`.
+        about: what it is, and its files, in a few words.
+        unit: of length, "m", "cm" or "mm"; None if the format says none.
+        looks: whether a document, and each of two, looks like this format; what is wrong with it is for `read` to say.
+        read: makes the rig, with T in the file's unit; what is wrong is an InputError, which names the file, if there
+            are two.
+        files: how many a new calibration takes: 1, or 2, one for each camera.
+        looks_together: the same as `looks` of a format whose numbers may be in any number of files.
+        cameras: names the cameras in documents: the first two are read where none are chosen, and `read` takes any two
+            from its hints. None if the files name none.
+        syntax: endings of file names, and what is written into such a file; the first is usual. None: read only.
+        blank: makes the texts of new files, with all keys; numbers may be anything.
+        write: says what to write into each document: the extrinsics of the rig, with T in the file's unit, the
+            intrinsics that the target asks for, and everything that is derived from them. What the format cannot hold,
+            `blank` and `write` refuse with an InputError that names one that can.
+    """
 
-    @property
-    def SYNTAX(self) -> dict[str, Syntax]:
-        """Endings of file names, such as ".yaml", and what is written into such a file; the first is usual."""
-        ...
-
-    @property
-    def FILES(self) -> int:
-        """How many files a new calibration takes: 1, or 2, one for each camera."""
-        ...
-
-    @property
-    def UNIT(self) -> str | None:
-        """The unit of length, "m", "cm" or "mm"; None if the format says none."""
-        ...
+    name: str
+    about: str
+    unit: str | None
+    looks: Callable[[Document], bool]
+    read: Callable[[Documents, Hints], StereoRig]
+    files: int = 1
+    looks_together: Callable[[Documents], bool] | None = None
+    cameras: Callable[[Documents], Sequence[str]] | None = None
+    syntax: Mapping[str, Syntax] = field(default_factory=dict)
+    blank: Callable[[StereoRig, Syntax], Sequence[str]] = lambda rig, syntax: ()
+    write: Callable[[StereoRig, Target], Sequence[Values]] = lambda rig, target: ()
 
     def can_read(self, documents: Documents) -> bool:
-        """Whether these look like this format; what is wrong with them is for `read` to say."""
-        ...
+        """Whether documents look like this format."""
+        if self.looks_together is not None:
+            return self.looks_together(documents)
+        return len(documents) == self.files and all(map(self.looks, documents))
 
-    def read(self, documents: Documents, hints: Hints) -> StereoRig:
-        """The rig, with T in the file's unit.
-
-        Raises:
-            InputError: if the values are not a valid calibration; naming the file, if there are two.
-            UnsupportedModelError: if the model of a lens is not known.
-        """
-        ...
-
-    def blank(self, rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
-        """The texts of new files, with all keys; numbers may be anything.
-
-        Raises:
-            InputError: if the format cannot hold the rig; names one that can.
-        """
-        ...
-
-    def write(self, rig: StereoRig, target: Target) -> tuple[str, ...]:
-        """The texts of the documents with the extrinsics of the rig, with T in the file's unit, the intrinsics that the
-        target asks for, and everything that is derived from them.
-
-        Raises:
-            InputError: if the format cannot hold the rig; names one that can.
-        """
-        ...
+    def texts(self, rig: StereoRig, target: Target) -> tuple[str, ...]:
+        """The texts of the documents of a target with the numbers of a rig."""
+        values = self.write(rig, target)
+        return tuple(document.with_values(new) for document, new in zip(target.documents, values, strict=True))

@@ -6,59 +6,53 @@ from stereorecal._errors import InputError, checked_choice
 from stereorecal.io.formats import (
     _basalt,
     _boofcv,
-    _camera_info,
     _depthai,
     _euroc,
+    _foundation_stereo,
     _kalibr,
-    _kitti_odometry,
-    _kitti_raw,
+    _kitti,
     _matlab,
     _middlebury,
     _mrcal,
     _opencv,
     _orb_slam,
-    _pinhole_and_baseline,
     _realsense,
     _ros,
     _stereorecal,
     _vins,
     _zed,
 )
-from stereorecal.io.formats._calibration_template import said_of
 from stereorecal.io.formats._format import Documents, Format
+from stereorecal.io.formats._matrix_entries import said_of
 
 # The first that can read a file reads it.
-FORMATS: tuple[Format, ...] = (
-    _stereorecal,
-    _kalibr,
-    _boofcv,
-    _basalt,
-    _depthai,
-    _ros,
-    _camera_info,
-    _euroc,
-    _middlebury,
-    _kitti_raw,
-    _kitti_odometry,
-    _matlab,
-    _mrcal,
-    _vins,
-    _orb_slam,
-    _pinhole_and_baseline,
-    _zed,
-    _realsense,
-    _opencv,
+FORMATS = (
+    _stereorecal.FORMAT,
+    _kalibr.FORMAT,
+    _boofcv.FORMAT,
+    _basalt.FORMAT,
+    _depthai.FORMAT,
+    _ros.FORMAT,
+    _ros.IN_ONE_FILE,
+    _euroc.FORMAT,
+    _middlebury.FORMAT,
+    _kitti.RAW,
+    _kitti.ODOMETRY,
+    _matlab.FORMAT,
+    _mrcal.FORMAT,
+    _vins.FORMAT,
+    _orb_slam.FORMAT,
+    _foundation_stereo.FORMAT,
+    _zed.FORMAT,
+    _realsense.FORMAT,
+    _opencv.FORMAT,
 )
-NAMES = tuple(format.NAME for format in FORMATS)
-_USUAL: dict[str, Format] = {".json": _stereorecal, ".yaml": _opencv, ".yml": _opencv, ".xml": _opencv}
+NAMES = tuple(format.name for format in FORMATS)
+_USUAL = {".json": _stereorecal.FORMAT, **dict.fromkeys((".yaml", ".yml", ".xml"), _opencv.FORMAT)}
 
 
 def named(name: str) -> Format:
-    """The format of that name.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The format of that name."""
     return FORMATS[NAMES.index(checked_choice(name, NAMES, "calibration format"))]
 
 
@@ -73,18 +67,14 @@ def half_of(documents: Documents) -> Format | None:
 
 
 def usual(path: Path) -> Format:
-    """The format of a new file of that name.
-
-    Raises:
-        InputError: if the ending does not tell.
-    """
+    """The format of a new file of that name."""
     ending = path.suffix.lower()
     if ending not in ("", *_USUAL):
         raise InputError(
             f"{path}: the file name's ending does not identify the format; say which with format=, on the command "
             "line --to."
         )
-    return _USUAL.get(ending, _stereorecal)
+    return _USUAL.get(ending, _stereorecal.FORMAT)
 
 
 def unknown(documents: Documents) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._lens_numbers import (
     check_model,
     check_no_lens,
@@ -21,22 +21,20 @@ from stereorecal.io.formats._lens_numbers import (
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, optional, unpacked, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
-from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._keys import Keys
-
-NAME = "kalibr"
-ABOUT = "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)"
-SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
-FILES = 1
-UNIT = "m"
+from stereorecal.io.formats.text._splice import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
 _USUAL = ("cam0", "cam1")
 _ROUNDING = 1e-3  # of the entries of a pose (metres, in its last column), as people round them
-# Distortion models of its pinhole, and cameras of its own whose intrinsics begin with two numbers of the lens.
-_DISTORTIONS = {"radtan": "radtan", "none": "radtan", "equidistant": "equidistant"}
-_SPHERES, _OMNI = {"ds": "ds", "eucm": "eucm"}, "omni"  # the last one's with one, and radtan besides
-_NONE = "[0.0, 0.0, 0.0, 0.0]"
+# Of each camera model: how many numbers of the lens its intrinsics begin with, and the distortion models that it takes.
+_KINDS = {
+    "pinhole": (0, ("radtan", "equidistant", "none")),
+    "omni": (1, ("radtan", "none")),
+    "ds": (2, ("none",)),
+    "eucm": (2, ("none",)),
+}
+_BLANKS = {"pinhole": "[0.0, 0.0, 0.0, 0.0]", "omni": "[0.0, 1.0, 1.0, 0.0, 0.0]"}
+_SPHERE = "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
 _CAMERA = """\
 cam{index}:
 {pose}  camera_model: {kind}
@@ -48,23 +46,17 @@ cam{index}:
 _POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether there is a cam0 or a cam1."""
-    content = documents[0].content
-    return len(documents) == 1 and any(isinstance(content.get(key), Mapping) for key in ("cam0", "cam1"))
-
-
-def cameras(documents: Documents) -> tuple[str, ...]:
+def _cameras(documents: Documents) -> tuple[str, ...]:
     """The names of the cameras, along the chain."""
     content = documents[0].content
     named = (key for key in content if re.fullmatch(r"cam\d+", str(key)) and isinstance(content[key], Mapping))
     return tuple(sorted(named, key=lambda name: int(name[3:])))
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a Kalibr camchain: T_cn_cnm1 takes points of the camera before to this one; where the file has none,
-    the poses of both cameras on the IMU tell."""
-    content, chain, names = documents[0].content, cameras(documents), hints.cameras or _USUAL
+def _read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig; T_cn_cnm1 takes points of the camera before to this one, and where the file has none, the poses of both
+    cameras on the IMU tell."""
+    content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _USUAL
     for key in names:
         if key not in chain:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
@@ -80,11 +72,7 @@ def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
 
 
 def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Pose:
-    """What takes points of one camera to a later one of the chain.
-
-    Raises:
-        InputError: if the file does not say, or says two things.
-    """
+    """What takes points of one camera to a later one of the chain."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
     stated = [
@@ -105,6 +93,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
 
 
 def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
+    """What takes points of the camera before these links to the last one."""
     motion = np.eye(4)
     for name in links:
         motion = _pose(content, name, _FROM_LAST) @ motion
@@ -118,11 +107,7 @@ def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Pose:
 
 
 def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
-    """A rigid motion, stated as four rows or as sixteen numbers.
-
-    Raises:
-        InputError: if it is none.
-    """
+    """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
         stated = unpacked(value(content[name], key))
         flat = isinstance(stated, list) and len(stated) == 16
@@ -139,68 +124,54 @@ def _camera(content: Mapping[str, Any], key: str) -> Camera:
     with about(key):
         camera = content[key]
         kind, distortion = value(camera, "camera_model"), value(camera, "distortion_model")
-        if kind in _SPHERES:
-            check_model(distortion, ("none",), kind, tuple(_SPHERES))
-            lens, pinhole = np.split(numbers(camera, "intrinsics", (6,)), [2])
-            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_SPHERES[kind])
-        if kind == _OMNI:
-            check_model(distortion, ("radtan", "none"), kind, (_OMNI,))
-            xi, pinhole = np.split(numbers(camera, "intrinsics", (5,)), [1])
-            none = distortion == "none"
-            lens = numbers(camera, "distortion_coeffs", (-1 if none else 4,))
-            check_no_lens(distortion, lens)
-            lens = np.concatenate([xi, np.zeros(4) if none else lens])
-            return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=_OMNI)
-        check_model(distortion, tuple(_DISTORTIONS), kind)
-        matrix, lens = pinhole_matrix(numbers(camera, "intrinsics", (4,))), numbers(camera, "distortion_coeffs", (-1,))
-        check_no_lens(distortion, lens)
-        return Camera(image_size(camera, "resolution"), matrix, lens, model=_DISTORTIONS[distortion])
+        before, known = _KINDS.get(kind, (0, ()))
+        check_model(distortion, known, kind, tuple(_KINDS))
+        lens, pinhole = np.split(numbers(camera, "intrinsics", (before + 4,)), [before])
+        if before < 2:
+            omni, none = kind == "omni", distortion == "none"
+            beside = numbers(camera, "distortion_coeffs", (4 if omni and not none else -1,))
+            check_no_lens(distortion, beside)
+            lens = np.concatenate([lens, np.zeros(4) if omni and none else beside])
+        model = kind if before else "equidistant" if distortion == "equidistant" else Camera.model
+        return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=model)
 
 
-def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
+def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """A chain of two."""
-    texts = []
+    text = ""
     for index, camera in enumerate((rig.left, rig.right)):
-        kind, distortion, lens, intrinsics = "pinhole", camera.model, _NONE, _NONE
-        if camera.model in _SPHERES:
-            kind, distortion, lens, intrinsics = camera.model, "none", "[]", "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
-        elif camera.model == _OMNI:
-            kind, distortion, intrinsics = _OMNI, "radtan", "[0.0, 1.0, 1.0, 0.0, 0.0]"
-        about_lens = {"lens": lens, "numbers": intrinsics}
-        size = {"width": camera.size[0], "height": camera.size[1]}
-        texts.append(
-            _CAMERA.format(
-                index=index, pose=_POSE if index else "", kind=kind, distortion=distortion, **about_lens, **size
-            )
+        kind = camera.model if camera.model in _KINDS else "pinhole"
+        sphere = _KINDS[kind][0] == 2
+        text += _CAMERA.format(
+            index=index,
+            pose=_POSE if index else "",
+            kind=kind,
+            distortion="none" if sphere else "radtan" if kind == "omni" else camera.model,
+            lens="[]" if sphere else "[0.0, 0.0, 0.0, 0.0]",
+            numbers=_BLANKS.get(kind, _SPHERE),
+            width=camera.size[0],
+            height=camera.size[1],
         )
-    return ("".join(texts),)
+    return (text,)
 
 
-def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """A Kalibr camchain: of the two cameras the later one moves, and with it what follows it in the chain: its
-    T_cn_cnm1, and the poses of all these on the IMU."""
-    (document,) = target.documents
-    content, chain, names = document.content, cameras(target.documents), target.hints.cameras or _USUAL
-    motion = left_to_right(rig)
+def _write(rig: StereoRig, target: Target) -> list[Values]:
+    """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
+    all these on the IMU."""
+    content, chain = target.documents[0].content, _cameras(target.documents)
+    names, motion = target.hints.cameras or _USUAL, left_to_right(rig)
     first, last = sorted(names, key=chain.index)
     values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
-    for key, camera, wanted in ((names[0], rig.left, target.left), (names[1], rig.right, target.right)):
-        if wanted:
-            if camera.model in _SPHERES:
-                values[(key, "intrinsics")] = [*np.asarray(camera.distortion).tolist(), *pinhole_numbers(camera)]
-                continue
-            if camera.model == _OMNI:
-                xi, *distortion = np.asarray(camera.distortion).tolist()
-                values[(key, "intrinsics")] = [xi, *pinhole_numbers(camera)]
-                values.update(_radtan(content, key, np.array(distortion)))
-                continue
-            values[(key, "intrinsics")] = pinhole_numbers(camera)
-            if camera.model == "equidistant":
-                values.update(matrix_values(content, (key, "distortion_coeffs"), np.asarray(camera.distortion)))
-                continue
+    for side, camera in target.cameras(rig):
+        key, lens, (before, _) = names[side], np.asarray(camera.distortion), _KINDS.get(camera.model, (0, ()))
+        if camera.model == Camera.model:
             lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
-            values.update(_radtan(content, key, lens))
-    return (document.with_values(values),)
+        values[(key, "intrinsics")] = [*lens[:before].tolist(), *pinhole_numbers(camera)]
+        if camera.model == "equidistant":
+            values |= matrix_values(content, (key, "distortion_coeffs"), lens)
+        elif before < 2:
+            values |= _radtan(content, key, lens[before:])
+    return [values]
 
 
 def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys, Any]:
@@ -234,3 +205,16 @@ def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: s
                 pose = to_camera if key == _FROM_IMU else inverse(to_camera)
                 values |= matrix_values(content, (name, key), pose)
     return values
+
+
+FORMAT = Format(
+    "kalibr",
+    "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)",
+    "m",
+    lambda document: any(isinstance(document.content.get(key), Mapping) for key in _USUAL),
+    _read,
+    cameras=_cameras,
+    syntax=YAML,
+    blank=_blank,
+    write=_write,
+)

@@ -1,6 +1,8 @@
-"""The numbers of a lens (camera matrix, distortion) as formats hold them."""
+"""The numbers of a lens (camera matrix, distortion) as formats hold them, and the words for its model."""
 
+import re
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +21,11 @@ _HOLDERS = {
     "eucm": "kalibr, basalt or stereorecal",
     "omni": "kalibr or stereorecal",
 }
+
+# Names of OpenCV's pinhole model: its own, those of ROS (plumb_bob, rational_polynomial) and of Kalibr (radtan).
+_PINHOLE = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
+_FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # anywhere in it
+_OTHER = ("equi", "omni")
 
 
 def pinhole_matrix(numbers: Float[np.ndarray, "4"]) -> Mat3:
@@ -39,9 +46,6 @@ def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
     Args:
         models: that it holds.
         what: for the message: whose lens models these are.
-
-    Raises:
-        InputError: naming formats that hold it.
     """
     if camera.model not in models:
         raise InputError(
@@ -62,9 +66,6 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     Args:
         counts: that are possible, rising.
         what, instead: for the message: whose lens model is too small, and the formats that hold more.
-
-    Raises:
-        InputError: if the camera has more, or another lens model.
     """
     check_held(camera, ("radtan",), what or "this file")
     own = np.asarray(camera.distortion, float)
@@ -88,11 +89,7 @@ def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
 def check_model(
     model: object, known: Sequence[str], camera: object = "pinhole", cameras: Sequence[str] = ("pinhole",)
 ) -> None:
-    """Refuse a camera model, or a distortion model of it, that is not one of those known.
-
-    Raises:
-        UnsupportedModelError: if the name of either is not one of those known.
-    """
+    """Refuse a camera model, or a distortion model of it, that is not one of those known."""
     if camera not in cameras or model not in known:
         raise UnsupportedModelError(
             f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
@@ -100,11 +97,7 @@ def check_model(
 
 
 def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
-    """Refuse coefficients of a lens that is said to have none.
-
-    Raises:
-        InputError: if model is "" or "none" and a coefficient is not zero.
-    """
+    """Refuse coefficients of a lens that is said to have none."""
     if model in ("", "none") and np.any(lens):
         raise InputError(
             f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
@@ -112,18 +105,40 @@ def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
         )
 
 
-def is_turned(rig: StereoRig) -> bool:
-    """Whether the cameras are turned to each other by more than rounding."""
-    return bool(np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING)
+def check_straight(rig: StereoRig, what: str, off_line: object = False) -> None:
+    """Refuse a rotation of more than rounding, or a lens, in a format of rectified images.
 
-
-def check_straight(rig_has: object, what: str) -> None:
-    """Refuse a rotation or a lens in a format of rectified images.
-
-    Raises:
-        InputError: if there is something.
+    Args:
+        off_line: whether there is anything else that such a format has no place for.
     """
-    if rig_has:
+    turned = np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING
+    if turned or off_line or has_lens(rig):
         raise InputError(
             f"{what} has no place for a rotation or a lens; write it as opencv, kalibr or stereorecal instead."
         )
+
+
+def model_named(stated: Any) -> str:
+    """The model of `Camera` that a word means, which a remark may follow; that of OpenCV's pinhole for None."""
+    name = str(stated or "").lower()
+    base = re.split(r"[(;,]", name)[0].strip()
+    if any(word in name for word in _FISHEYE):
+        return "equidistant"
+    if base in ("ds", "eucm", "omni"):
+        return base
+    if not (base in _PINHOLE or base.startswith("opencv")) or any(word in name for word in _OTHER):
+        raise UnsupportedModelError(
+            f"the distortion model {stated!r} is not supported; undistort the images, or calibrate with OpenCV's "
+            "pinhole model (plumb_bob or rational_polynomial) or its fisheye (equidistant)."
+        )
+    return Camera.model
+
+
+def model_word(rig: StereoRig) -> str:
+    """The word for both lenses."""
+    if rig.left.model != rig.right.model:
+        raise InputError(
+            f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
+            "both; write the rig as kalibr or basalt instead."
+        )
+    return "opencv" if rig.left.model == Camera.model else rig.left.model

@@ -10,15 +10,13 @@ from stereorecal.geometry import StereoRig, checked_rig, checked_unit, fitted_to
 from stereorecal.io._atomic import write_files
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import parse_json
-from stereorecal.io.formats._calibration_template import calibration_template
 from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
-from stereorecal.io.formats._file_sizes import warn_of_size
-from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._matrix_entries import calibration_template
 from stereorecal.io.formats._read_rig import read_files
-from stereorecal.io.formats._rig_file import file_of
+from stereorecal.io.formats._rig_file import KEY, PriorData, file_of, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
-from stereorecal.io.formats._stored_prior import KEY, PriorData, own_prior, prior_place, prior_text, with_prior
 from stereorecal.io.formats._write_rig import chosen_format, texts_of
 
 _MOST_FILES = 12  # one for each matrix, and some beside
@@ -70,8 +68,7 @@ def load_rig(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
             f"leave size out, and {fitted_to(rig.left.size, size)}."
         )
-    warn_of_size(" and ".join(map(str, paths)), rig)
-    warn_of_units(" and ".join(map(str, paths)), rig)
+    warn_of_file(" and ".join(map(str, paths)), rig)
     return rig
 
 
@@ -122,12 +119,12 @@ def save_rig(
     else:
         template_rig = _read_template(template, unit, rig)
         source = file_of(template_rig)
-        warn_of_units(str(template), template_rig)
+        warn_of_file(str(template), template_rig, sized=False)
     texts = list(texts_of(rig, paths, source, format, unit))
     if prior is not None:
         prior.check(rig)
     known = own_prior(rig) if prior is None else prior.as_dict()
-    name = chosen_format(paths, source, format).NAME
+    name = chosen_format(paths, source, format).name
     prior_path = prior_place(paths, name)
     if name == "stereorecal":
         texts[0] = with_prior(_with_info(texts[0], info or {}), known)
@@ -161,14 +158,14 @@ def unsaid_unit(rig: StereoRig | None, path: AnyPath | Sequence[AnyPath], *, for
     """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
     source = None if rig is None else file_of(rig)
     chosen = chosen_format(_paths(path), source, format)
-    own = source.unit if source is not None and source.format == chosen.NAME else "m"
-    return own if chosen.UNIT is None else None
+    own = source.unit if source is not None and source.format == chosen.name else "m"
+    return own if chosen.unit is None else None
 
 
 def prior_beside(rig: StereoRig, path: AnyPath | Sequence[AnyPath], *, format: str | None = None) -> Path | None:
     """The file that `save_rig` writes beside a calibration for its prior; None where it writes none."""
     paths = _paths(path)
-    return prior_place(paths, chosen_format(paths, file_of(rig), format).NAME)
+    return prior_place(paths, chosen_format(paths, file_of(rig), format).name)
 
 
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:

@@ -13,15 +13,9 @@ from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
 from stereorecal.io.formats._rigid_motions import pose, rig_of
-
-NAME = "matlab"
-ABOUT = "MATLAB's stereoParameters as a struct (toStruct, jsonencode)"
-FILES = 1
-UNIT = "mm"
 
 _CAMERAS = ("CameraParameters1", "CameraParameters2")
 _UNITS = {"": "mm", "millimeters": "mm", "millimetres": "mm", "mm": "mm", "centimeters": "cm", "centimetres": "cm",
@@ -29,22 +23,17 @@ _UNITS = {"": "mm", "millimeters": "mm", "millimetres": "mm", "mm": "mm", "centi
 _DIFFERENT = 1e-3
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether there are the parameters of a first and a second camera."""
-    return len(documents) == 1 and _struct(documents[0].content) is not None
-
-
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a struct, wherever it is in the file; lengths in millimetres."""
-    content = _struct(documents[0].content)
-    assert content is not None
+    whole = documents[0].content
+    content = _struct(whole) or whole
     left, right = (_camera(content[name], name, hints) for name in _CAMERAS)
     rotation, translation = _motion(content)
     word = next((content[name].get("WorldUnits") for name in _CAMERAS if content[name].get("WorldUnits")), "")
     unit = _UNITS.get(str(word).lower())
     if unit is None:
         raise InputError(f"WorldUnits is {word!r}; write one of millimeters, centimeters, meters, inches.")
-    return rig_of(left, right, pose(rotation, translation * (METRES[unit] / METRES[UNIT])))
+    return rig_of(left, right, pose(rotation, translation * (METRES[unit] / METRES["mm"])))
 
 
 def _struct(content: Any, depth: int = 0) -> Mapping[str, Any] | None:
@@ -84,11 +73,18 @@ def _camera(content: Mapping[str, Any], name: str, hints: Hints) -> Camera:
         matrix = matrix - np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]])
         if content.get("ImageSize"):
             high, wide = image_size(content, "ImageSize")
-        elif hints.size is not None:
-            wide, high = hints.size
         else:
-            raise InputError("ImageSize is empty; give size=(width, height), on the command line --size WxH.")
+            wide, high = hints.needed_size("ImageSize is empty")
         radial, tangential = (numbers(content, f"{kind}Distortion", (-1,)) for kind in ("Radial", "Tangential"))
         if radial.size not in (2, 3) or tangential.size != 2:
             raise InputError("RadialDistortion has two or three numbers, and TangentialDistortion two; correct them.")
         return Camera((wide, high), matrix, np.array([*radial[:2], *tangential, *radial[2:]]))
+
+
+FORMAT = Format(
+    "matlab",
+    "MATLAB's stereoParameters as a struct (toStruct, jsonencode)",
+    "mm",
+    lambda document: _struct(document.content) is not None,
+    _read,
+)

@@ -1,16 +1,21 @@
-"""The values of calibration files as a list of named arrays, and names that differ by the side of a camera alone."""
+"""The values of calibration files of any form as a list of named arrays; names that differ by the side of a camera
+alone; and the calib.json into which they can be written by hand."""
 
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents
 from stereorecal.io.formats._matrix_values import Array
 from stereorecal.io.formats._numbers import array_or_none, unpacked
-from stereorecal.io.formats.text._keys import Keys
+from stereorecal.io.formats.text._document import Document, read_document
+from stereorecal.io.formats.text._splice import Keys
 
 _SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
           ("master", "slave"), ("primary", "secondary"), ("izq", "der"), ("links", "rechts"))  # fmt: skip
@@ -21,6 +26,9 @@ WAY_OUT = (  # of a message
 _LONGEST = 200  # characters of a name
 _DEEPEST = 6  # levels of maps
 _MOST = 1000  # items of a list
+_SHOWN = 12
+_LARGEST = 16  # numbers of a matrix of a camera
+_ROWS = {"K": [[None, 0, None], [0, None, None], [0, 0, 1]], "D": [None] * 5}
 
 
 @dataclass(frozen=True)
@@ -40,7 +48,7 @@ class Entry:
 
     @property
     def words(self) -> list[str]:
-        """Of the name, in small letters: camera, matrix, l of cameraMatrixL."""
+        """The words of the name, in small letters: camera, matrix, l of cameraMatrixL."""
         return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
 
     def __str__(self) -> str:
@@ -79,11 +87,7 @@ def _entries(content: Any, place: Keys) -> Iterator[Entry]:
 
 
 def pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
-    """The two entries whose names differ by their side alone, left first; None if there are none.
-
-    Raises:
-        InputError: if there are several pairs, with other numbers.
-    """
+    """The two entries whose names differ by their side alone, left first; None if there are none."""
     by_name = {entry.name.lower(): entry for entry in entries}
     pairs = [(entry, by_name[other]) for name, entry in by_name.items() for other in partners(name) if other in by_name]
     if len({same_as(*pair) for pair in pairs}) > 1:
@@ -110,3 +114,29 @@ def same_as(*entries: Entry) -> bytes:
 def several(what: str, names: Sequence[str]) -> InputError:
     """What to raise where there are two readings of something."""
     return InputError(f"{what} may be {' or '.join(dict.fromkeys(names))}; remove what is not meant, or {WAY_OUT}")
+
+
+def said_of(documents: Documents) -> str:
+    """The arrays that documents hold, with their shapes, and how to say which is which."""
+    found = [str(entry) for entry in entries_of(documents) if entry.array is not None and entry.array.size > 1]
+    more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
+    has = f" It has {', '.join(found[:_SHOWN])}{more}." if found else ""
+    return f"{has} {WAY_OUT[0].upper()}{WAY_OUT[1:]}"
+
+
+def calibration_template(paths: Sequence[AnyPath]) -> str:
+    """A calib.json without numbers, and beside them, under `found`, those of some files, to be copied from there."""
+    documents: list[Document] = []
+    for path in map(Path, paths):
+        if not path.exists():
+            raise InputError(f"{path}: there is no such file; check the path.")
+        try:
+            documents.append(read_document(path))
+        except InputError:
+            continue
+    cameras = {f"{key}_{side}": rows for side in ("left", "right") for key, rows in _ROWS.items()}
+    content: dict[str, Any] = {"image_size": [None, None], **cameras, "distortion_model": "opencv"}
+    content |= {"R": [[None] * 3] * 3, "T": [None] * 3}
+    entries = entries_of(tuple(documents))
+    found = {e.name: e.array.tolist() for e in entries if e.array is not None and e.array.size <= _LARGEST}
+    return strict_json_text({**content, "found": found})

@@ -81,11 +81,7 @@ def _between(
 
 
 def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
-    """The (width, height) of the images, under any name that says so.
-
-    Raises:
-        InputError: if there are several.
-    """
+    """The (width, height) of the images, under any name that says so."""
     found: dict[str, tuple[int, int]] = {}
     sides: dict[str, dict[tuple[str, ...], int]] = {"width": {}, "height": {}}
     for entry in entries:

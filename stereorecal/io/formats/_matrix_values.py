@@ -10,17 +10,13 @@ from jaxtyping import Float
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.io.formats._numbers import numbers, unpacked
-from stereorecal.io.formats.text._keys import Keys, at
+from stereorecal.io.formats.text._splice import Keys, at
 
 Array = Float[np.ndarray, "..."]
 
 
 def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
-    """The camera matrix under a key: 3x3, or 3x4 with a fourth column of zeros.
-
-    Raises:
-        InputError: if it is something else.
-    """
+    """The camera matrix under a key: 3x3, or 3x4 with a fourth column of zeros."""
     if size_of(content, (key,)) != 12:
         return numbers(content, key, (3, 3))
     matrix = numbers(content, key, (3, 4))
@@ -33,11 +29,7 @@ def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
 
 
 def rotation_matrix(content: Mapping[str, Any], key: str) -> Mat3:
-    """The rotation under a key: a matrix, or a rotation vector of `cv2.Rodrigues` [rad].
-
-    Raises:
-        InputError: if it is something else.
-    """
+    """The rotation under a key: a matrix, or a rotation vector of `cv2.Rodrigues` [rad]."""
     if size_of(content, (key,)) != 3:
         return numbers(content, key, (3, 3))
     vector = numbers(content, key, (3,))
@@ -50,11 +42,7 @@ def rotation_matrix(content: Mapping[str, Any], key: str) -> Mat3:
 
 
 def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:
-    """The coefficients of a pinhole under a key; k1, or k1 k2, may stand alone.
-
-    Raises:
-        UnsupportedModelError: if there are three, whose order nobody can know.
-    """
+    """The coefficients of a pinhole under a key; k1, or k1 k2, may stand alone."""
     found = numbers(content, key, (-1,))
     if found.size == 3:
         raise UnsupportedModelError(
@@ -89,15 +77,6 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
             values |= {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
         else:
             values[(*keys, "cols" if stated["rows"] == 1 else "rows")] = len(flat)
-    return values
-
-
-def derived_values(content: Mapping[str, Any], arrays: Mapping[str, Array]) -> dict[Keys, Any]:
-    """What to write for those arrays that the file has."""
-    values: dict[Keys, Any] = {}
-    for key, array in arrays.items():
-        if key in content:
-            values.update(matrix_values(content, (key,), array))
     return values
 
 

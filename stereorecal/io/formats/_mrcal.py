@@ -6,29 +6,18 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._lens_numbers import pinhole_matrix
 from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
 from stereorecal.io.formats._rigid_motions import Pose, inverse, pose, rig_of
 from stereorecal.io.formats.text._document import Document
-
-NAME = "mrcal"
-ABOUT = "mrcal's left and right .cameramodel"
-FILES = 2
-UNIT = "m"
 
 _MODELS = {"LENSMODEL_PINHOLE": 4, "LENSMODEL_OPENCV4": 8, "LENSMODEL_OPENCV5": 9, "LENSMODEL_OPENCV8": 12,
            "LENSMODEL_OPENCV12": 16}  # fmt: skip
 _EXTRINSICS = ("rt_cam_ref", "extrinsics")  # of mrcal 3, and of those before
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether both files have a lens model and the size of an imager."""
-    return len(documents) == 2 and all({"lensmodel", "imagersize"} <= document.content.keys() for document in documents)
-
-
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of two camera models: the motion from the left camera to the reference, and on to the right one."""
     (left, to_left), (right, to_right) = (_camera(document) for document in documents)
     with about(" and ".join(document.name for document in documents)):
@@ -52,3 +41,13 @@ def _camera(document: Document) -> tuple[Camera, Pose]:
             raise InputError(f"the first three numbers of {key} are no rotation vector in radians; correct them.")
         camera = Camera(image_size(content, "imagersize"), pinhole_matrix(intrinsics[:4]), intrinsics[4:])
     return camera, pose(cv2.Rodrigues(motion[:3])[0], motion[3:])
+
+
+FORMAT = Format(
+    "mrcal",
+    "mrcal's left and right .cameramodel",
+    "m",
+    lambda document: {"lensmodel", "imagersize"} <= document.content.keys(),
+    _read,
+    files=2,
+)

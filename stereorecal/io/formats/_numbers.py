@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,11 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
     return array
 
 
+def scalars(content: Mapping[str, Any], keys: Sequence[str]) -> Float[np.ndarray, "n"]:
+    """The numbers under these keys, one under each."""
+    return np.array([float(numbers(content, key, ())) for key in keys])
+
+
 def array_or_none(stated: Any) -> Float[np.ndarray, "..."] | None:
     """What is stated as a finite float64 array, as `numbers` reads it, of any shape; None if it is none."""
     try:
@@ -51,11 +56,7 @@ def array_or_none(stated: Any) -> Float[np.ndarray, "..."] | None:
 
 
 def value(content: Mapping[str, Any], key: str) -> Any:
-    """The value under a key.
-
-    Raises:
-        InputError: if the key is missing; the message names one that looks like it.
-    """
+    """The value under a key."""
     if key not in content:
         close = _misspelt(key, content)
         hint = f"rename {close!r} if that is meant" if close else "add it"
@@ -64,11 +65,7 @@ def value(content: Mapping[str, Any], key: str) -> Any:
 
 
 def optional(content: Mapping[str, Any], key: str) -> Any:
-    """The value under a key; None if there is no such key.
-
-    Raises:
-        InputError: if there is one that is written almost like it, which would else be kept and not read.
-    """
+    """The value under a key; None if there is no such key."""
     misspelt = _misspelt(key, content)
     if key not in content and misspelt:
         raise InputError(f"the key {misspelt!r} is not known; rename it if {key!r} is meant, or remove it.")
@@ -100,21 +97,13 @@ def unpacked(stated: Any) -> Any:
 
 
 def image_size(content: Mapping[str, Any], key: str) -> tuple[int, int]:
-    """The (width, height) in pixels under a key.
-
-    Raises:
-        InputError: naming the key, if it is missing or does not hold two whole numbers that can be an image's size.
-    """
+    """The (width, height) in pixels under a key."""
     width, height = numbers(content, key, (2,))
     return _pixels(width, key), _pixels(height, key)
 
 
 def pixels(content: Mapping[str, Any], key: str) -> int:
-    """The width or height of an image under a key.
-
-    Raises:
-        InputError: as `image_size`.
-    """
+    """The width or height of an image under a key."""
     return _pixels(numbers(content, key, ()), key)
 
 

@@ -8,17 +8,12 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._lens_numbers import pinhole_matrix
 from stereorecal.io.formats._matrix_values import size_of
-from stereorecal.io.formats._numbers import numbers, pixels
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
+from stereorecal.io.formats._numbers import numbers, pixels, scalars
 from stereorecal.io.formats._rigid_motions import inverse, pose, rig_of
-
-NAME = "orbslam"
-ABOUT = "stereo settings of ORB-SLAM (Camera1.fx, Stereo.T_c1_c2, Camera.bf)"
-FILES = 1
-UNIT = "m"
+from stereorecal.io.formats.text._document import Document
 
 _RIGHT_TO_LEFT = ("Stereo.T_c1_c2", "Tlr")
 _BASELINES = ("Stereo.b", "Camera.bf")
@@ -26,23 +21,19 @@ _LENSES = {"pinhole": ("radtan", ("k1", "k2", "p1", "p2", "k3")), "rectified": (
            "kannalabrandt8": ("equidistant", ("k1", "k2", "k3", "k4"))}  # fmt: skip
 
 
-def can_read(documents: Documents) -> bool:
+def _looks(document: Document) -> bool:
     """Whether there are a first camera and a baseline, of no depth camera (whose baseline is none), and not the raw
     cameras' own matrices, LEFT.K, which say more."""
-    content = documents[0].content
+    content = document.content
     depth = any(str(key).endswith("DepthMapFactor") for key in content)
     stereo = {*_RIGHT_TO_LEFT, *_BASELINES} & content.keys()
-    return (
-        len(documents) == 1 and _first(content) is not None and bool(stereo) and not depth and "LEFT.K" not in content
-    )
+    return _first(content) is not None and bool(stereo) and not depth and "LEFT.K" not in content
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of stereo settings; T_c1_c2 takes points from the right camera to the left one."""
     content = documents[0].content
-    first = _first(content)
-    assert first is not None
-    left = _camera(content, first, hints)
+    left = _camera(content, _first(content) or "Camera1", hints)
     key = next((key for key in _RIGHT_TO_LEFT if key in content), None)
     if key is None:
         if np.any(left.distortion):
@@ -66,13 +57,20 @@ def _camera(content: Mapping[str, Any], name: str, hints: Hints) -> Camera:
     if kind not in _LENSES:
         raise UnsupportedModelError(f"the camera type {content['Camera.type']!r} is not supported; calibrate anew.")
     model, names = _LENSES[kind]
-    four = np.array([float(numbers(content, f"{name}.{key}", ())) for key in ("fx", "fy", "cx", "cy")])
+    four = scalars(content, [f"{name}.{key}" for key in ("fx", "fy", "cx", "cy")])
     lens = [float(numbers(content, key, ())) if (key := f"{name}.{one}") in content else 0.0 for one in names]
     if "Camera.width" in content:
-        size: tuple[int, int] | None = (pixels(content, "Camera.width"), pixels(content, "Camera.height"))
+        size = pixels(content, "Camera.width"), pixels(content, "Camera.height")
     else:
-        size = hints.size
-    if size is None:
-        raise InputError("the file has no Camera.width; give size=(width, height), on the command line --size WxH.")
+        size = hints.needed_size("the file has no Camera.width")
     with about(name):
         return Camera(size, pinhole_matrix(four), np.array(lens), model=model)
+
+
+FORMAT = Format(
+    "orbslam",
+    "stereo settings of ORB-SLAM (Camera1.fx, Stereo.T_c1_c2, Camera.bf)",
+    "m",
+    _looks,
+    _read,
+)

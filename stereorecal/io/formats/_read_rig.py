@@ -12,13 +12,10 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import METRES, StereoRig, checked_unit, inferred_unit
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._camera_choice import chosen_cameras, left_first
-from stereorecal.io.formats._common_size import at_common_size
-from stereorecal.io.formats._file_units import scaled, unit_in
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
 from stereorecal.io.formats._lens_numbers import trimmed
-from stereorecal.io.formats._rig_file import RigFile
-from stereorecal.io.formats._stored_prior import ENDING, read_stored_prior
+from stereorecal.io.formats._rig_file import ENDING, RigFile, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
 
@@ -28,6 +25,7 @@ _OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in 
 _MOST = 12  # files of a folder that are tried in pairs
 _MOST_TOGETHER = 40
 _SCENE = "calib.json"
+_STATED = {"matlab": "WorldUnits", "stereorecal": "baseline_m"}  # keys of files that state their unit
 
 
 def read_files(
@@ -61,7 +59,7 @@ def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
     Raises:
         InputError: as `read_files`, if the format is not recognised.
     """
-    return _documents_of(paths, format, Hints(), "check the path.")[1].UNIT is not None
+    return _documents_of(paths, format, Hints(), "check the path.")[1].unit is not None
 
 
 def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_missing: str) -> tuple[Documents, Format]:
@@ -74,46 +72,62 @@ def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_mi
 
 
 def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
-    """The rig described by the files of a format; lengths in metres.
-
-    Raises:
-        InputError, UnsupportedModelError: as `read_files`.
-    """
+    """The rig described by the files of a format; lengths in metres."""
     names = " and ".join(document.name for document in documents)
-    if len(documents) < format.FILES:
-        raise InputError(f"{names}: {format.NAME} has a file for each camera; give the left and the right one.")
-    with about(names) if len(documents) == 1 or format.FILES == 1 else nullcontext():
+    if len(documents) < format.files:
+        raise InputError(f"{names}: {format.name} has a file for each camera; give the left and the right one.")
+    with about(names) if len(documents) == 1 or format.files == 1 else nullcontext():
         try:
             asked, exchanged = chosen_cameras(format, documents, hints)
             rig = format.read(documents, asked)
         except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
             raise InputError(
-                f"{documents[0].name}: not arranged as {format.NAME} is ({format.ABOUT}); check the file or the format."
+                f"{documents[0].name}: not arranged as {format.name} is ({format.about}); check the file or the format."
             ) from None
     with about(names):
-        rig = left_first(rig, exchanged, hints, format.FILES)
+        rig = left_first(rig, exchanged, hints, format.files)
     rig = at_common_size(rig) if hints.common_size else rig
     with about(names):
-        stated = unit_in(format, unit)
+        stated = _unit_in(format, unit)
     used = stated or inferred_unit(float(rig.baseline))
     left, right = (
         replace(camera, distortion=trimmed(np.asarray(camera.distortion))) for camera in (rig.left, rig.right)
     )
     rig = replace(rig, left=left, right=right)
-    source = RigFile(format.NAME, documents, hints, used, inferred=stated is None)
+    source = RigFile(format.name, documents, hints, used, inferred=stated is None)
     return replace(scaled(rig, METRES[used]), source=source)
 
 
+def _unit_in(format: Format, given: str | None) -> str | None:
+    """The unit of lengths in files: the given one, else that of the format; None if neither tells.
+
+    A format's unit is what its programs expect, and ROS, Kalibr and others write whatever the board was measured in."""
+    if format.name in _STATED and given not in (None, format.unit):
+        raise InputError(
+            f"lengths of a {format.name} file are in the unit that it states ({_STATED[format.name]}), not in {given}; "
+            "leave the unit out, or correct the file."
+        )
+    return given or format.unit
+
+
+def scaled(rig: StereoRig, factor: float) -> StereoRig:
+    """The rig with T times a factor."""
+    factors = np.array([1.0, 1.0, 1.0, factor, factor, factor])
+    return rig if factor == 1.0 else rig.with_extrinsics(rig.extrinsics * factors)
+
+
+def at_common_size(rig: StereoRig) -> StereoRig:
+    """The rig whose larger images are resampled to the size of the smaller ones."""
+    if rig.left.size == rig.right.size:
+        return rig
+    return rig.resized(min(rig.left.size, rig.right.size, key=lambda size: size[0] * size[1]))
+
+
 def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
-    """A file, parsed as the format that was chosen is."""
-    lines = format is None or bool({Syntax.COLONS, Syntax.EQUALS} & set(format.SYNTAX.values()))
-    return read_document(path, _forced_syntax(format), if_missing, lines=lines)
-
-
-def _forced_syntax(format: Format | None) -> Syntax | None:
-    """The syntax of a format that has only one, lines of text: other parsers would stumble over them."""
-    kinds = set() if format is None else set(format.SYNTAX.values())
-    return kinds.pop() if kinds in ({Syntax.COLONS}, {Syntax.EQUALS}) else None
+    """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
+    kinds = () if format is None else format.syntax.values()
+    of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
+    return read_document(path, of_lines, if_missing, lines=format is None or of_lines is not None)
 
 
 def _recognised(documents: Documents) -> Format:
@@ -124,7 +138,7 @@ def _recognised(documents: Documents) -> Format:
     half = half_of(documents)
     if half is not None:
         raise InputError(
-            f"{names}: this is one of two files ({half.NAME}: {half.ABOUT}); give both, left before right."
+            f"{names}: this is one of two files ({half.name}: {half.about}); give both, left before right."
         )
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
         raise InputError(f"{names}: {SEVERAL}")
@@ -135,19 +149,15 @@ def _recognised(documents: Documents) -> Format:
 
 def _likely(documents: Documents, names: str) -> Format:
     """The format of two files that none can read together: that of one of them, whose reader says what the other one
-    lacks.
-
-    Raises:
-        InputError: if they are of different kinds, or each is a whole calibration.
-    """
+    lacks."""
     looks = [recognised((document,)) or half_of((document,)) for document in documents]
     found = [format for format in looks if format is not None]
     if not found:
         raise InputError(f"{names}: {unknown(documents)}")
     if len(found) == 2 and found[0] is found[1]:
-        raise InputError(f"{names}: each is a calibration by itself ({found[0].NAME}); give one.")
-    if len(found) == 2 or found[0].FILES == 1:
-        one, other = ("nothing that is known" if format is None else format.NAME for format in looks)
+        raise InputError(f"{names}: each is a calibration by itself ({found[0].name}); give one.")
+    if len(found) == 2 or found[0].files == 1:
+        one, other = ("nothing that is known" if format is None else format.name for format in looks)
         raise InputError(
             f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
             f"{other}; give two of one kind, or the whole one alone."
@@ -156,11 +166,7 @@ def _likely(documents: Documents, names: str) -> Format:
 
 
 def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
-    """The file of a folder that holds a calibration, or the two that do so together; where none does, the likely ones.
-
-    Raises:
-        InputError: if there is none, or there are several.
-    """
+    """The file of a folder that holds a calibration, or the two that do so together; if none does, the likely ones."""
     if format is None and (folder / _SCENE).is_file():
         return (read_document(folder / _SCENE),)
     found = _documents_in(folder, format)
@@ -218,13 +224,13 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
 def _whole(documents: Documents, fitting: list[Format] | None, hints: Hints) -> bool:
     """Whether documents are a whole calibration, and not a part of one."""
     format = recognised(documents) if fitting is None else fitting[0]
-    if format is None or not format.can_read(documents) or len(documents) < format.FILES:
+    if format is None or not format.can_read(documents) or len(documents) < format.files:
         return False
     try:
         rig_in(documents, format, None, hints)
     except UnsupportedModelError:
-        return len(documents) == format.FILES or half_of(documents) is None
+        return len(documents) == format.files or half_of(documents) is None
     except InputError:
         # One that has an error of its own is to be read, so that it is named; half a calibration is not.
-        return len(documents) == 1 and half_of(documents) is None and format.NAME != "opencv"
+        return len(documents) == 1 and half_of(documents) is None and format.name != "opencv"
     return True

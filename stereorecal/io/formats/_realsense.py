@@ -8,30 +8,17 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax
 from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import numbers, pixels
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
+from stereorecal.io.formats._numbers import numbers, pixels, scalars
 from stereorecal.io.formats._rigid_motions import inverse, pose, rig_of
-from stereorecal.io.formats._sizes_of_modes import chosen_mode
-from stereorecal.io.formats.text._document import Syntax
-
-NAME = "realsense"
-ABOUT = "the text that RealSense's rs-enumerate-devices -c prints"
-FILES = 1
-UNIT = "m"
 
 _PAIRS = (("Infrared 1", "Infrared 2"), ("Fisheye 1", "Fisheye 2"))
 _FISHEYE, _RADTAN = "Kannala Brandt4", "Brown Conrady"
 _RECTIFIED = "Y8"  # the format of rectified images; those for a calibration are Y16
 
 
-def can_read(documents: Documents) -> bool:
-    """Whether it is such a text."""
-    return len(documents) == 1 and documents[0].syntax is Syntax.DEVICES
-
-
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig at the resolution of the images: "Extrinsic from A To B" takes points of A to B, in metres."""
     content = documents[0].content
     stated = {each["name"] for each in content["intrinsics"]}
@@ -42,7 +29,7 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
             "rs-enumerate-devices -c prints, whole."
         )
     modes = [_modes(content["intrinsics"], name) for name in names]
-    size = chosen_mode([size for size in modes[0] if size in modes[1]], hints)
+    size = hints.mode_among([size for size in modes[0] if size in modes[1]])
     left, right = (_camera(of_one[size], name, size) for name, of_one in zip(names, modes, strict=True))
     return rig_of(left, right, _motion(content["extrinsics"], *names))
 
@@ -70,7 +57,7 @@ def _camera(stated: Sequence[Mapping[str, Any]], name: str, size: tuple[int, int
 
 
 def _one(stated: Mapping[str, Any], size: tuple[int, int]) -> Camera:
-    matrix = pinhole_matrix(np.array([float(numbers(stated, key, ())) for key in ("Fx", "Fy", "PPX", "PPY")]))
+    matrix = pinhole_matrix(scalars(stated, ("Fx", "Fy", "PPX", "PPY")))
     model = stated.get("Distortion", "None")
     model = " ".join(map(str, model)) if isinstance(model, list) else str(model)
     lens = numbers(stated, "Coeffs", (5,))
@@ -90,3 +77,12 @@ def _motion(extrinsics: Sequence[Mapping[str, Any]], left: str, right: str) -> n
             motion = pose(flat[:9].reshape(3, 3), flat[9:])
             return motion if way == (left, right) else inverse(motion)
     raise InputError(f"it has no extrinsics from {left} to {right}; save what rs-enumerate-devices -c prints, whole.")
+
+
+FORMAT = Format(
+    "realsense",
+    "the text that RealSense's rs-enumerate-devices -c prints",
+    "m",
+    lambda document: document.syntax is Syntax.DEVICES,
+    _read,
+)

@@ -107,7 +107,7 @@ def _projections(rig: StereoRig, options: RectifyOptions, quarters: int) -> dict
 
 
 def _sign(rig: StereoRig) -> float:
-    """Of T[0], which is negative unless the first camera is the right one."""
+    """The sign of T[0], which is negative unless the first camera is the right one."""
     return 1.0 if rig.translation[0] > 0.0 else -1.0
 
 

@@ -1,10 +1,48 @@
-"""The calibration file that a rig was read from."""
+"""The calibration file that a rig was read from; and the saved prior of a calibration, a key of a calib.json, or a file
+beside a calibration of any other format.
 
+The content of a prior is that of `SavedPrior.as_dict`; here it is JSON data, of which only the rig is read.
+"""
+
+import json
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
-from stereorecal.geometry import StereoRig
+from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig, rig_from_data, same_rig
+from stereorecal.io._read_files import about, read_text
+from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats._format import Documents, Hints
-from stereorecal.io.formats._prior_content import StoredPrior
+from stereorecal.io.formats._stereorecal import NAME
+from stereorecal.io.formats.text._document import Syntax, document
+
+KEY = "prior"
+ENDING = ".prior.json"
+
+
+@dataclass(frozen=True)
+class StoredPrior:
+    """A prior as read from a file, not yet checked.
+
+    Attributes:
+        place: its name in messages.
+        content: None if it cannot be read.
+        problem: why it cannot be read.
+    """
+
+    place: str
+    content: Any
+    problem: str | None = None
+
+    def of(self, rig: StereoRig) -> bool:
+        """Whether it belongs to a rig."""
+        if self.problem is not None:
+            raise InputError(self.problem)
+        with about(self.place):
+            content = self.content if isinstance(self.content, dict) else {}
+            return same_rig(rig_from_data(content.get("rig")), rig)
 
 
 @dataclass(frozen=True)
@@ -31,3 +69,74 @@ class RigFile:
 def file_of(rig: StereoRig) -> RigFile | None:
     """The file that a rig came from, if it came from one."""
     return rig.source if isinstance(rig.source, RigFile) else None
+
+
+@runtime_checkable
+class PriorData(Protocol):
+    """The interface of `SavedPrior`."""
+
+    @property
+    def rig(self) -> StereoRig: ...
+
+    def as_dict(self) -> dict[str, Any]: ...
+
+    def check(self, rig: StereoRig) -> None: ...
+
+
+def prior_file(path: Path) -> Path:
+    """The file beside a calibration, beside what a link leads to."""
+    path = path.resolve() if path.is_symlink() else path
+    return path.with_name(path.name + ENDING)
+
+
+def read_stored_prior(path: Path) -> StoredPrior | None:
+    """The file beside a calibration, if there is one."""
+    place = prior_file(path)
+    try:
+        if not place.is_file():
+            return None
+    except OSError:  # a name that is too long
+        return None
+    try:
+        text = read_text(place)
+        with about(place):
+            return StoredPrior(str(place), parse_json(text))
+    except InputError as error:
+        return StoredPrior(str(place), None, str(error))
+
+
+def stored_prior(rig: StereoRig) -> StoredPrior | None:
+    """The prior in the file that a rig came from; None if there is none."""
+    source = file_of(rig)
+    if source is None or source.format != NAME:
+        return None if source is None else source.stored_prior
+    content = source.documents[0].content.get(KEY)
+    return None if content is None else StoredPrior(f"{source.documents[0].name}, {KEY!r}", content)
+
+
+def own_prior(rig: StereoRig) -> dict[str, Any] | None:
+    """The stored prior of a rig that is unchanged since it was read; None if there is none."""
+    stored = stored_prior(rig)
+    return stored.content if stored is not None and stored.of(rig) else None
+
+
+def prior_place(paths: Sequence[Path], format: str) -> Path | None:
+    """The file beside a calibration to be written; None if the format has a key for it, or it goes to a device."""
+    if format == NAME or (paths[0].exists() and not paths[0].is_file()):
+        return None
+    return prior_file(paths[0])
+
+
+def prior_text(content: dict[str, Any]) -> str:
+    """The text of that file: a line for each key."""
+    lines = (f"{json.dumps(key)}: {json.dumps(item, allow_nan=False)}" for key, item in content.items())
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def with_prior(text: str, content: dict[str, Any] | None) -> str:
+    """The text of a calib.json with this prior on one line; None removes a prior that is there."""
+    old = document("calib.json", text, Syntax.JSON)
+    if old.content.get(KEY) == content:
+        return text
+    empty = old.with_values({(KEY,): None})  # only this key may change how the text is laid out
+    return empty if content is None else document("calib.json", empty, Syntax.JSON).with_values({(KEY,): content})

@@ -18,11 +18,7 @@ def pose(rotation: Mat3, translation: Vec3) -> Pose:
 
 
 def inverse(motion: Pose) -> Pose:
-    """The inverse of a rigid motion (4, 4).
-
-    Raises:
-        InputError: if it has none.
-    """
+    """The inverse of a rigid motion (4, 4)."""
     try:
         return np.linalg.inv(motion)
     except np.linalg.LinAlgError:
@@ -36,9 +32,5 @@ def left_to_right(rig: StereoRig) -> Pose:
 
 def rig_of(left: Camera, right: Camera, motion: Pose) -> StereoRig:
     """The rig of the first and the second camera of a file, and the motion from the first frame to the second one:
-    `_camera_choice.py` says which is the left one.
-
-    Raises:
-        InputError: if its upper left part is no rotation, or nothing is between the cameras.
-    """
+    `_camera_choice.py` says which is the left one."""
     return StereoRig(left, right, extrinsics_of(motion[:3, :3], motion[:3, 3]), source=AS_IN_FILE)

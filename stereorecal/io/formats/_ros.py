@@ -1,5 +1,6 @@
-"""ROS camera_info, one file for each camera: YAML, or the message as echo prints it; the extrinsics are implied by the
-rectification."""
+"""ROS camera_info, one file for each camera (YAML, or the message as echo prints it), or both cameras in one file:
+messages that were printed one after the other, or ost.txt, which camera_calibration writes beside its YAML files (read
+only). The extrinsics are implied by the rectification."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -11,22 +12,16 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints, Target
-from stereorecal.io.formats._kitti_rectified import in_projection
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
 from stereorecal.io.formats._matrix_values import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats.text._document import Document, Syntax
-from stereorecal.io.formats.text._keys import Keys
+from stereorecal.io.formats.text._document import Document
+from stereorecal.io.formats.text._splice import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS
-
-NAME = "ros"
-ABOUT = "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)"
-SYNTAX = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}
-FILES = 2
-UNIT = "m"
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
 _SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
@@ -63,7 +58,7 @@ projection_matrix:
 
 
 @dataclass(frozen=True)
-class Part:
+class _Part:
     """What a document says of one camera.
 
     Attributes:
@@ -77,44 +72,38 @@ class Part:
     name: str
 
 
-def parts_of(document: Document) -> list[Part]:
+def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
-    several, found = document.content.get(DOCUMENTS), list[tuple[Part, list[Any]]]()
+    several, found = document.content.get(DOCUMENTS), list[tuple[_Part, list[Any]]]()
     maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
         sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
         image = sections.pop("image", {})
-        maps = [((key,), _with_underscores({**image, **one})) for key, one in sections.items()]
+        maps = [
+            ((key,), {name.replace(" ", "_"): item for name, item in {**image, **one}.items()})
+            for key, one in sections.items()
+        ]
     for place, content in maps or [((), document.content)]:
         part = replace(document, content=content)
-        said = [content.get(key) for key in ("distortion_model", *(_spelling(part) or "").split())]
-        known = next((one for one in found if one[1] == said), None) if _spelling(part) else None
+        keys = _spelling(part)
+        if keys is None:
+            continue
+        said = [content.get(key) for key in ("distortion_model", *keys.split())]
+        known = next((at for at, (_, other) in enumerate(found) if other == said), None)
         if known is not None:
-            found[found.index(known)] = (Part(known[0].document, (*known[0].places, place), known[0].name), said)
-        elif _spelling(part):
-            header = content.get("header")
-            frame = header.get("frame_id") if isinstance(header, Mapping) else None
-            name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
-            found.append((Part(part, (place,), str(name)), said))
+            earlier, _ = found[known]
+            found[known] = (replace(earlier, places=(*earlier.places, place)), said)
+            continue
+        header = content.get("header")
+        frame = header.get("frame_id") if isinstance(header, Mapping) else None
+        name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
+        found.append((_Part(part, (place,), str(name)), said))
     return [part for part, _ in found]
 
 
-def _with_underscores(content: Mapping[str, Any]) -> dict[str, Any]:
-    return {key.replace(" ", "_"): item for key, item in content.items()}
-
-
-def can_read(documents: Documents) -> bool:
-    """Whether both files have what only ROS has."""
-    return len(documents) == 2 and all(map(parts_of, documents))
-
-
-def _only(document: Document) -> Part:
-    """The one camera of a file, or the file itself, whose reader says what it lacks.
-
-    Raises:
-        InputError: if there are several.
-    """
-    parts = parts_of(document) or [Part(document, ((),), "")]
+def _only(document: Document) -> _Part:
+    """The one camera of a file, or the file itself, whose reader says what it lacks."""
+    parts = _parts_of(document) or [_Part(document, ((),), "")]
     if len(parts) > 1:
         raise InputError(
             f"{document.name}: it holds {len(parts)} calibrations that differ; keep one of each camera: in a file for "
@@ -144,16 +133,11 @@ def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
     return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of ROS camera_info files: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
+def _rig_of(*documents: Document) -> StereoRig:
+    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
 
     KITTI's cameras have x, y and z; cameras one above the other, y.
     """
-    return rig_of_parts(*(_only(document).document for document in documents))
-
-
-def rig_of_parts(*documents: Document) -> StereoRig:
-    """The rig of two cameras, left before right."""
     (left, to_left, left_place), (right, to_right, place) = (_camera(document) for document in documents)
     with about(" and ".join(dict.fromkeys(document.name for document in documents))):
         if np.array_equal(place, left_place):
@@ -194,40 +178,31 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
     return camera, rotation, place
 
 
-def blank(rig: StereoRig, syntax: Syntax) -> tuple[str, ...]:
-    """Both files."""
+def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
+    """Both files; their numbers differ, as equal cameras in one file are taken for one."""
     texts = []
-    for name, camera in (("left", rig.left), ("right", rig.right)):
+    for number, (name, camera) in enumerate((("left", rig.left), ("right", rig.right))):
         model, lens = _lens(camera)
-        zeros = {"nine": [0.0] * 9, "twelve": [0.0] * 12, "lens": [0.0] * lens.size, "count": lens.size}
-        texts.append(_BLANK.format(width=camera.size[0], height=camera.size[1], name=name, model=model, **zeros))
-    return tuple(texts)
+        counts = {"nine": 9, "twelve": 12, "lens": lens.size}
+        blanks = {key: [float(number)] * count for key, count in counts.items()} | {"count": lens.size}
+        texts.append(_BLANK.format(width=camera.size[0], height=camera.size[1], name=name, model=model, **blanks))
+    return texts
 
 
-def write(rig: StereoRig, target: Target) -> tuple[str, ...]:
-    """ROS camera_info files: rectification and projection matrices, with the files' own options; intrinsics of the
-    cameras of the target."""
-    parts = [_only(document) for document in target.documents]
-    values = values_of(rig, target, *parts)
-    return tuple(document.with_values(new) for document, new in zip(target.documents, values, strict=True))
-
-
-def values_of(rig: StereoRig, target: Target, left: Part, right: Part) -> list[dict[Keys, Any]]:
-    """What to write for the left and for the right camera, everywhere where it is printed."""
-    documents = left.document, right.document
+def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, Any]]:
+    """What to write for the left and for the right camera, everywhere where it is printed: rectification and projection
+    matrices, with the files' own options; intrinsics of the cameras of the target."""
+    documents = [part.document for part in parts]
     P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in documents)
-    options = options_of(rig_of_parts(*documents), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
-    made = rectification_of(rig, options)
-    found = []
-    for side, (part, camera, wanted) in enumerate(
-        ((left, rig.left, target.left), (right, rig.right, target.right)), start=1
-    ):
+    options = options_of(_rig_of(*documents), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    made, wanted, found = rectification_of(rig, options), dict(target.cameras(rig)), []
+    for side, part in enumerate(parts):
         content, names, values = part.document.content, _names(part.document), dict[Keys, Any]()
-        arrays = {names["rotation"]: made[f"R{side}"], names["projection"]: made[f"P{side}"]}
-        if wanted:
-            model, lens = _lens(camera, size_of(content, (names["lens"],)))
-            arrays[names["matrix"]] = np.asarray(camera.matrix)
-            if camera.model == "equidistant":
+        arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
+        if side in wanted:
+            model, lens = _lens(wanted[side], size_of(content, (names["lens"],)))
+            arrays[names["matrix"]] = np.asarray(wanted[side].matrix)
+            if model == "equidistant":
                 arrays[names["lens"]] = lens
             elif np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
                 arrays[names["lens"]] = lens
@@ -246,3 +221,55 @@ def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
     lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
     return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens
+
+
+FORMAT = Format(
+    "ros",
+    "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)",
+    "m",
+    lambda document: bool(_parts_of(document)),
+    lambda documents, hints: _rig_of(*(_only(document).document for document in documents)),
+    files=2,
+    syntax=YAML,
+    blank=_blank,
+    write=lambda rig, target: _values(rig, target, *map(_only, target.documents)),
+)
+
+
+# --- both cameras in one file
+
+
+def _names_of_parts(documents: Documents) -> tuple[str, ...]:
+    """The names of the cameras, or their numbers where these are not different names."""
+    names = tuple(part.name for part in _parts_of(documents[0]))
+    return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
+
+
+def _both(documents: Documents, hints: Hints) -> tuple[_Part, _Part]:
+    """Left before right, unless the hints name them."""
+    parts, names = _parts_of(documents[0]), _names_of_parts(documents)
+    if len(parts) > 2:
+        raise InputError(
+            f"it has {len(parts)} calibrations that differ ({', '.join(names)}); keep those of the left and the right "
+            "camera."
+        )
+    left, right = hints.cameras or names[:2]
+    return parts[names.index(left)], parts[names.index(right)]
+
+
+def _write_both(rig: StereoRig, target: Target) -> list[Values]:
+    left, right = _values(rig, target, *_both(target.documents, target.hints))
+    return [{**left, **right}]
+
+
+IN_ONE_FILE = Format(
+    "camera_info",
+    "ROS camera_info of both cameras in one file (echoed messages, ost.txt)",
+    "m",
+    lambda document: len(_parts_of(document)) > 1,
+    lambda documents, hints: _rig_of(*(part.document for part in _both(documents, hints))),
+    cameras=_names_of_parts,
+    syntax=YAML,
+    blank=lambda rig, syntax: ("---\n".join(_blank(rig, syntax)),),
+    write=_write_both,
+)

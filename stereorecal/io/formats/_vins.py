@@ -9,17 +9,11 @@ import numpy as np
 from stereorecal._errors import UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._lens_numbers import pinhole_matrix
 from stereorecal.io.formats._numbers import numbers, pixels, value
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
 from stereorecal.io.formats._rigid_motions import inverse, rig_of
-from stereorecal.io.formats.text._document import read_document
-
-NAME = "vins"
-ABOUT = "settings of VINS-Fusion (body_T_cam0, cam0_calib) beside its two files of cameras"
-FILES = 1
-UNIT = "m"
+from stereorecal.io.formats.text._document import Document, read_document
 
 # For each model_type: the name of ours, its matrix (a map and its keys), and its coefficients (maps and their keys).
 _MODELS = {
@@ -32,13 +26,12 @@ _MODELS = {
 }  # fmt: skip
 
 
-def can_read(documents: Documents) -> bool:
+def _looks(document: Document) -> bool:
     """Whether there is the pose of a camera on a body, and the name of a file of it."""
-    keys = documents[0].content.keys()
-    return len(documents) == 1 and bool({"body_T_cam0", "body_T_cam1"} & keys) and "cam0_calib" in keys
+    return bool({"body_T_cam0", "body_T_cam1"} & document.content.keys()) and "cam0_calib" in document.content
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of VINS' settings and of the files that they name, which lie beside them."""
     content, folder = documents[0].content, Path(documents[0].name).parent
     poses = [numbers(content, f"body_T_cam{side}", (4, 4)) for side in (0, 1)]
@@ -64,3 +57,12 @@ def _camera(path: Path) -> Camera:
 def _scalar(content: Mapping[str, Any], name: str, key: str) -> float:
     with about(name):
         return float(numbers(value(content, name), key, ()))
+
+
+FORMAT = Format(
+    "vins",
+    "settings of VINS-Fusion (body_T_cam0, cam0_calib) beside its two files of cameras",
+    "m",
+    _looks,
+    _read,
+)

@@ -10,12 +10,9 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import METRES, StereoRig, checked_unit, same_camera, same_rig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._camera_choice import as_in_file, chosen_cameras
-from stereorecal.io.formats._common_size import at_own_sizes
-from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._format_list import named, usual
-from stereorecal.io.formats._read_only import refuse_writing
-from stereorecal.io.formats._read_rig import rig_in
+from stereorecal.io.formats._read_rig import at_common_size, rig_in, scaled
 from stereorecal.io.formats._rig_file import RigFile
 from stereorecal.io.formats.text._document import Syntax, document
 
@@ -40,57 +37,66 @@ def texts_of(
     if source is not None and source.hints.common_size:
         source = replace(source, hints=replace(source.hints, common_size=False))
         own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
-        rig = at_own_sizes(rig, own_sizes.turned(rig.turns))
-    syntax = syntax_for(paths, chosen, source)
-    own = source if source is not None and source.format == chosen.NAME else None
+        rig = _at_own_sizes(rig, own_sizes.turned(rig.turns))
+    own = source if source is not None and source.format == chosen.name else None
+    syntax = _syntax_for(paths, chosen, own)
     into = own if own is not None and own.documents[0].syntax is syntax else None
-    stated = chosen.UNIT if into is None else into.unit
+    stated = chosen.unit if into is None else into.unit
     with about(" and ".join(map(str, paths))):
         if stated is not None and unit not in (None, stated):
-            raise InputError(f"lengths of this {chosen.NAME} file are in {stated}, not in {unit}; leave the unit out.")
+            raise InputError(f"lengths of this {chosen.name} file are in {stated}, not in {unit}; leave the unit out.")
         if into is not None:
             return _into(rig, chosen, into)
-        return _anew(rig, chosen, syntax, stated or unit or (own.unit if own is not None else "m"))
+        taken = as_in_file(rig, exchanged=False)
+        blanks = tuple(document("a new file", text, syntax) for text in chosen.blank(taken, syntax))
+        target = Target(blanks, hints=Hints(size=taken.left.size, rectified=False))
+        return _checked(rig, chosen, target, stated or unit or (own.unit if own is not None else "m"))
+
+
+def _at_own_sizes(rig: StereoRig, own: StereoRig) -> StereoRig:
+    """A rig at its common size, with the sizes of `own`, which it was; a camera that has not changed is the same."""
+    if rig.left.size != rig.right.size:
+        return rig
+    seen = at_common_size(own)
+    left, right = (
+        before if same_camera(at_common, now) else now.resized(before.size)
+        for before, at_common, now in ((own.left, seen.left, rig.left), (own.right, seen.right, rig.right))
+    )
+    return replace(rig, left=left, right=right)
 
 
 def chosen_format(paths: Sequence[Path], source: RigFile | None, format: str | None) -> Format:
-    """The given format, or that of the source if it is written, or the usual one for such a name.
-
-    Raises:
-        InputError: if the given format is read only.
-    """
+    """The given format, or that of the source if it is written, or the usual one for such a name."""
     if format is not None:
         chosen = named(format)
-        return chosen if chosen.SYNTAX else refuse_writing(chosen)
+        if chosen.syntax:
+            return chosen
+        raise InputError(
+            f"{chosen.name} ({chosen.about}) is read, not written; write the rig as opencv, kalibr or stereorecal "
+            "instead: save_rig(…, format=…), --to of convert."
+        )
     own = named(source.format) if source is not None else None
-    return own if own is not None and own.SYNTAX else usual(paths[0])
+    return own if own is not None and own.syntax else usual(paths[0])
 
 
-def syntax_for(paths: Sequence[Path], format: Format, source: RigFile | None) -> Syntax:
-    """The syntax of what is written under a name.
-
-    Raises:
-        InputError: if the name contradicts the format, or there are too many or too few.
-    """
-    own = source if source is not None and source.format == format.NAME else None
-    files = len(own.documents) if own else format.FILES
+def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> Syntax:
+    """The syntax of what is written under a name, for a rig from a file of the format or from elsewhere."""
+    files = len(own.documents) if own else format.files
     if len(paths) != files:
         two = "two files, left and right; give two names"
         many = f"{files} files, as it was read; give as many names, or another format, such as stereorecal"
         wanted = "one file; give one name" if files == 1 else two if files == 2 else many
-        raise InputError(f"{' and '.join(map(str, paths))}: {format.NAME} is written as {wanted}.")
-    usual_one = own.documents[0].syntax if own else next(iter(format.SYNTAX.values()))
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {wanted}.")
+    usual_one = own.documents[0].syntax if own else next(iter(format.syntax.values()))
     endings = {path.suffix.lower() for path in paths} - {""}
-    found = {format.SYNTAX.get(ending) for ending in endings} or {usual_one}
-    if None in found or len(found) > 1:
-        wanted = " or ".join(format.SYNTAX)
+    first, *others = {format.syntax.get(ending) for ending in endings} or {usual_one}
+    if first is None or others:
+        wanted = " or ".join(format.syntax)
         raise InputError(
-            f"{paths[0]}: the ending contradicts what is to be written ({format.NAME}: {format.ABOUT}); give a name "
+            f"{paths[0]}: the ending contradicts what is to be written ({format.name}: {format.about}); give a name "
             f"ending in {wanted}, or another format with format= (--to of convert)."
         )
-    (syntax,) = found
-    assert syntax is not None
-    return syntax
+    return first
 
 
 def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
@@ -117,22 +123,15 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
     return _checked(rig, format, target, source.unit)
 
 
-def _anew(rig: StereoRig, format: Format, syntax: Syntax, unit: str) -> tuple[str, ...]:
-    """The texts of new files."""
-    taken = as_in_file(rig, exchanged=False)
-    blanks = tuple(document("a new file", text, syntax) for text in format.blank(taken, syntax))
-    return _checked(rig, format, Target(blanks, hints=Hints(size=taken.left.size, rectified=False)), unit)
-
-
 def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
     old = target.documents
     asked, exchanged = chosen_cameras(format, old, target.hints)
     left, right = (target.right, target.left) if exchanged else (target.left, target.right)
-    texts = format.write(as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged), Target(old, left, right, asked))
+    texts = format.texts(as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged), Target(old, left, right, asked))
     written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
     again = rig_in(written, format, unit, target.hints)
     if not same_rig(rig, again):
         raise InputError(
-            f"the {format.NAME} file cannot take this rig without a loss; write it in another format, such as opencv."
+            f"the {format.name} file cannot take this rig without a loss; write it in another format, such as opencv."
         )
     return texts

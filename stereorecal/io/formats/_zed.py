@@ -13,40 +13,35 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import numbers, value
-from stereorecal.io.formats._read_only import SYNTAX as SYNTAX, blank as blank, write as write
+from stereorecal.io.formats._numbers import numbers, scalars, value
 from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats._sizes_of_modes import chosen_mode
-
-NAME = "zed"
-ABOUT = "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)"
-FILES = 1
-UNIT = "mm"
+from stereorecal.io.formats.text._document import Document
 
 _SIZES = {"VGA": (672, 376), "HD": (1280, 720), "FHD": (1920, 1080), "2K": (2208, 1242), "SVGA": (960, 600),
           "FHD1200": (1920, 1200), "QHDPLUS": (3200, 1800), "4K": (3840, 2160)}  # fmt: skip
 _LENS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4")
 _FISHEYE = ("K1", "K2", "K3", "K4")
+_SIDES = ("LEFT", "RIGHT")
 _WIDEST = 0.1  # radians between the two cameras
 
 
-def can_read(documents: Documents) -> bool:
+def _looks(document: Document) -> bool:
     """Whether there is a left or a right camera at one of the resolutions, and the section of both."""
-    keys = documents[0].content.keys()
-    return len(documents) == 1 and "STEREO" in keys and any(f"{side}_CAM_{name}" in keys for side, name in _sections())
+    keys = document.content.keys()
+    return "STEREO" in keys and any(f"{side}_CAM_{name}" in keys for side in _SIDES for name in _SIZES)
 
 
-def read(documents: Documents, hints: Hints) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig at the resolution of the images."""
     content = documents[0].content
     modes = {size: name for name, size in _SIZES.items() if all(f"{side}_CAM_{name}" in content for side in _SIDES)}
-    size = chosen_mode(tuple(modes), hints)
+    size = hints.mode_among(tuple(modes))
     left, right = (_camera(content, side, modes[size], size) for side in _SIDES)
     with about("STEREO"):
         stereo = content["STEREO"]
-        turn = np.array([float(numbers(stereo, f"{axis}_{modes[size]}", ())) for axis in ("RX", "CV", "RZ")])
+        turn = scalars(stereo, [f"{axis}_{modes[size]}" for axis in ("RX", "CV", "RZ")])
         if np.abs(turn).max() > _WIDEST:
             raise InputError(
                 f"RX, CV and RZ are in radians, and the cameras of a ZED are not turned by {np.abs(turn).max():.3g} to "
@@ -57,13 +52,6 @@ def read(documents: Documents, hints: Hints) -> StereoRig:
             raise InputError(f"Baseline is {baseline:g}; it is the distance of the cameras in millimetres: correct it.")
         y, z = (_aside(stereo, axis, modes[size]) for axis in ("TY", "TZ"))
     return rig_of(left, right, pose(cv2.Rodrigues(turn)[0], np.array([-baseline, y, z])))
-
-
-_SIDES = ("LEFT", "RIGHT")
-
-
-def _sections() -> list[tuple[str, str]]:
-    return [(side, name) for side in _SIDES for name in _SIZES]
 
 
 def _aside(stereo: Mapping[str, Any], axis: str, name: str) -> float:
@@ -84,6 +72,15 @@ def _camera(content: Mapping[str, Any], side: str, name: str, size: tuple[int, i
             value(lens, "K1")
             fisheye = "K4" in lens and "P1" not in lens  # the tool writes these four, and no others, of a fisheye
             names = _FISHEYE if fisheye else _LENS
-            distortion = np.array([float(numbers({key: 0.0, **lens}, key, ())) for key in names])
-        matrix = pinhole_matrix(np.array([float(numbers(camera, key, ())) for key in ("FX", "FY", "CX", "CY")]))
+            distortion = scalars(dict.fromkeys(names, 0.0) | lens, names)
+        matrix = pinhole_matrix(scalars(camera, ("FX", "FY", "CX", "CY")))
         return Camera(size, matrix, distortion, model="equidistant" if fisheye else Camera.model)
+
+
+FORMAT = Format(
+    "zed",
+    "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)",
+    "mm",
+    _looks,
+    _read,
+)

@@ -2,16 +2,31 @@
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import cv2
 
 from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal.recordings import Pair, check_two_images, make_pair
 
 Size = tuple[int, int]
 Sizes = tuple[Size, Size]  # (width, height) of the left and of the right camera's images
 Tags = tuple[int, int]  # EXIF orientations, 1 to 8; 1: upright
 UPRIGHT = (1, 1)
+
+
+def fitted_pair(images: Sequence[Any], tags: Tags, sizes: Sizes | None, about: str, name: str, **more: Any) -> Pair:
+    """The pair of a left and a right image as OpenCV has them, in BGR order, fitted to their cameras and checked.
+
+    Args:
+        about: what errors call it.
+        more: its origin and its time.
+    """
+    left, right = fitted(images, tags, sizes, about)
+    pair = make_pair(left, right, channels="bgr", name=about, **more)
+    check_two_images(pair)
+    return replace(pair, name=name)
 
 
 def fitted(images: Sequence[Any], tags: Tags, sizes: Sizes | None, name: str) -> tuple[Any, Any]:

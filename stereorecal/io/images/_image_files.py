@@ -41,20 +41,12 @@ def natural_order(paths: Iterable[Path]) -> list[Path]:
 
 
 def read_image(path: str) -> Num[np.ndarray, "..."]:
-    """The pixels of an image file as stored, (h, w) or (h, w, c) in BGR order; EXIF orientation is ignored.
-
-    Raises:
-        InputError: if the file is missing, empty, truncated or not an image that OpenCV can read.
-    """
+    """The pixels of an image file as stored, (h, w) or (h, w, c) in BGR order; EXIF orientation is ignored."""
     return decode_image(image_bytes(path), path)
 
 
 def image_bytes(path: str) -> bytes:
-    """The content of an image file.
-
-    Raises:
-        InputError: if it is missing or cannot be read.
-    """
+    """The content of an image file."""
     note_input(path)
     try:
         with open(path, "rb") as file:

@@ -21,7 +21,9 @@ def announced_size(data: bytes) -> tuple[int, int] | None:
         if data.startswith(_PNG):
             return struct.unpack(">II", data[16:24])
         if data.startswith(_JPEG):
-            return next((_of_frame(data, at) for marker, at in _segments(data) if marker in _FRAMES), None)
+            at = next((at for marker, at in _segments(data) if marker in _FRAMES), None)
+            height, width = (0, 0) if at is None else struct.unpack_from(">HH", data, at + 3)
+            return None if at is None else (width, height)
         if data.startswith(b"BM"):
             width, height = struct.unpack("<ii", data[18:26])
             return abs(width), abs(height)
@@ -29,7 +31,8 @@ def announced_size(data: bytes) -> tuple[int, int] | None:
             words = re.sub(rb"#[^\n]*", b"", data[2:1024]).split(maxsplit=2)
             return int(words[0][:9]), int(words[1][:9])
         if data[:4] in (b"II*\0", b"MM\0*"):
-            return _of_tiff(data)
+            found = _tags(data)
+            return (found[_WIDTH], found[_HEIGHT]) if _WIDTH in found and _HEIGHT in found else None
         if data[4:12] == b"jP  \r\n\x87\n":
             height, width = struct.unpack_from(">II", data, data.index(b"ihdr") + 4)
             return width, height
@@ -41,7 +44,7 @@ def announced_size(data: bytes) -> tuple[int, int] | None:
 
 
 def bytes_per_pixel(data: bytes) -> int:
-    """Of the decoded image, where a PNG or TIFF says it; else those of colour in 8 bit."""
+    """Bytes of the decoded image, where a PNG or TIFF says it; else those of colour in 8 bit."""
     try:
         if data.startswith(_PNG):
             depth, kind = data[24], data[25]
@@ -124,18 +127,8 @@ def _segments(data: bytes) -> Iterator[tuple[int, int]]:
         found = _IN_DATA.search(data, start + int.from_bytes(data[start : start + 2], "big"))
 
 
-def _of_frame(data: bytes, start: int) -> tuple[int, int]:
-    height, width = struct.unpack_from(">HH", data, start + 3)
-    return width, height
-
-
-def _of_tiff(data: bytes) -> tuple[int, int] | None:
-    found = _tags(data)
-    return (found[_WIDTH], found[_HEIGHT]) if _WIDTH in found and _HEIGHT in found else None
-
-
 def _tags(data: bytes) -> dict[int, int]:
-    """Of a TIFF."""
+    """The tags of a TIFF that are needed here."""
     order = "<" if data[:2] == b"II" else ">"
     (first,) = struct.unpack_from(f"{order}I", data, 4)
     (count,) = struct.unpack_from(f"{order}H", data, first)

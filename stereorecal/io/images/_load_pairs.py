@@ -3,19 +3,18 @@
 import glob
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError, check_exists
 from stereorecal.io._read_files import AnyPath, note_input
-from stereorecal.io.images._fit_to_cameras import Sizes, fitted, remark_orientation
+from stereorecal.io.images._fit_to_cameras import Sizes, fitted_pair, remark_orientation
 from stereorecal.io.images._image_files import decode_image, image_bytes, images_in, natural_order
 from stereorecal.io.images._image_headers import announced_size, orientation
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
-from stereorecal.io.images._time_in_name import counted_times
-from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
+from stereorecal.io.images._match_by_time import counted_times
+from stereorecal.recordings import LazyPairs, Pair
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
@@ -43,17 +42,10 @@ def read_pair(left: str, right: str, time: float | None, sizes: Sizes | None) ->
     """The pair of two files, fitted to cameras of these sizes; without remarks, since it is read again and again."""
     if left == right:
         raise InputError(f"{left}: this file is both the left and the right image; give two files.")
-    name = f"{left} and {right}"  # what errors are about
     (first, turn), (second, other_turn) = _read_image(left), _read_image(right)
-    pair = make_pair(
-        *fitted((first, second), (turn, other_turn), sizes, name),
-        channels="bgr",
-        name=name,
-        origin=(read_pair, (left, right, time, sizes)),
-        time=time,
-    )
-    check_two_images(pair)
-    return replace(pair, name=Path(left).name)
+    origin = (read_pair, (left, right, time, sizes))
+    about, name = f"{left} and {right}", Path(left).name
+    return fitted_pair((first, second), (turn, other_turn), sizes, about, name, origin=origin, time=time)
 
 
 def _read_image(path: str) -> tuple[Any, int]:
@@ -132,11 +124,7 @@ def load_matched(
 
 
 def find_images(where: AnyPath) -> list[Path]:
-    """The image files of a glob pattern, a folder or a file, in natural order.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The image files of a glob pattern, a folder or a file, in natural order."""
     path = Path(where)
     if path.is_file():
         return [path]

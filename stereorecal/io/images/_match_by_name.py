@@ -1,7 +1,9 @@
-"""Left and right image files matched by their names."""
+"""Left and right image files matched by their names: by what tells the frame in them, not by what all names of one
+camera have in common."""
 
+import re
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -9,12 +11,16 @@ from typing import Any
 
 from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io.images._image_files import images_in
-from stereorecal.io.images._part_of_name import Keys, Sides, by_one_number, by_parts, correspond
 
 Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
+_Keys = dict[Hashable, Path]  # files by what tells their frame
+_Sides = tuple[_Keys, _Keys]
 
 # What may distinguish the name of a left image from that of its partner, where the words of names vary.
 _MARKERS = (("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
+# A number, or a word, which ends where capitals begin: LeftImage7 has three parts.
+_PARTS = re.compile(r"[0-9]+|[A-Z]?[a-z]+|[A-Z]+|[^\W\d_]+")
+_WHOLE = re.compile(r"(?:^|[^A-Za-z0-9])[0-9]+\.$")  # and no cam1.
 _FEW = 3  # names that a message mentions
 _HOW = "give both images of a pair the same number, or a tolerance if the names are times"
 
@@ -51,7 +57,7 @@ def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     unmatched = [
         path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
     ]
-    if not correspond(lefts, rights):  # equal by chance, it seems
+    if not _correspond(lefts, rights):  # equal by chance, it seems
         side = "right" if unmatched[0] in lefts.values() else "left"
         raise InputError(
             f"{unmatched[0]}: this image has no partner on the {side} side, and only {len(matched)} have one of "
@@ -78,11 +84,7 @@ def without_lost_frames(found: MatchedFiles) -> Matched:
 
 
 def match_all(left: Sequence[Path], right: Sequence[Path]) -> Matched:
-    """The files of both sides as pairs, in the order of the left ones, matched by their names.
-
-    Raises:
-        InputError: naming a file without a partner.
-    """
+    """The files of both sides as pairs, in the order of the left ones, matched by their names."""
     lefts, rights = _by_name(left, right)
     if not lefts:
         raise _no_partner(left[0], "right")
@@ -90,11 +92,7 @@ def match_all(left: Sequence[Path], right: Sequence[Path]) -> Matched:
 
 
 def match_equal(left: Path, right: Path) -> Matched:
-    """The images of two folders whose names without suffix are equal.
-
-    Raises:
-        InputError: if a folder has no image, or naming an image without a partner.
-    """
+    """The images of two folders whose names without suffix are equal."""
     return match_keys(by_stem(left), by_stem(right))
 
 
@@ -123,24 +121,24 @@ def by_stem(folder: Path) -> dict[str, Path]:
     return files
 
 
-def _by_name(left: Sequence[Path], right: Sequence[Path]) -> Sides:
+def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
     the first under which any has; empty if none has."""
-    by_chance: Sides = {}, {}
-    for read in (_by_stems, by_parts, _by_markers, by_one_number):
+    by_chance: _Sides = {}, {}
+    for read in (_by_stems, _by_parts, _by_markers, _by_one_number):
         sides = read(left, right)
-        if correspond(*sides):
+        if _correspond(*sides):
             return sides
         if sides[0].keys() & sides[1].keys():
             by_chance = by_chance if by_chance[0] else sides
     return by_chance
 
 
-def _by_stems(left: Sequence[Path], right: Sequence[Path]) -> Sides:
+def _by_stems(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     return _by_key(left, "", False), _by_key(right, "", False)
 
 
-def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> Sides:
+def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     for last, markers in product((False, True), _MARKERS):
         lefts, rights = (_by_key(files, m, last) for files, m in zip((left, right), markers, strict=True))
         if lefts.keys() & rights.keys():
@@ -148,9 +146,9 @@ def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> Sides:
     return {}, {}
 
 
-def _by_key(files: Sequence[Path], marker: str, last: bool) -> Keys:
+def _by_key(files: Sequence[Path], marker: str, last: bool) -> _Keys:
     """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
-    by_key: Keys = {}
+    by_key: _Keys = {}
     for path in files:
         at = path.stem.rfind(marker) if last else path.stem.find(marker)
         if at >= 0:
@@ -185,3 +183,81 @@ def _found(left: Sequence[Path], right: Sequence[Path]) -> str:
 def _no_partner(path: Path, side: str) -> InputError:
     """The error about an image whose partner on a side is missing."""
     return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
+
+
+def _by_parts(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
+    """Both sides by the parts of their names that vary from frame to frame; empty if few correspond.
+
+    Where all names have as many parts, those that vary on either side are compared: a camera may have lost all frames
+    but one. Else those that vary on their own side.
+    """
+    rows = [_rows(left), _rows(right)]
+    varying = [_varying(side) for side in rows]
+    either = sorted({*varying[0], *varying[1]})
+    alike = len({len(row) for side in rows for row in side}) == 1
+    for columns in ([[either, either]] if alike else []) + [varying]:
+        sides = _keyed(left, rows[0], columns[0]), _keyed(right, rows[1], columns[1])
+        if any(columns) and _correspond(*sides):
+            return sides
+    return {}, {}
+
+
+def _by_one_number(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
+    """Both sides by one number of their names, such as that of the frame before a time; empty if few correspond."""
+    rows = [[[part for part in row if not isinstance(part, str)] for row in _rows(side)] for side in (left, right)]
+    places = [range(-least, least) for least in (min(map(len, side)) for side in rows)]
+    every = [_keyed(left, rows[0], [place]) for place in places[0]]
+    others = [_keyed(right, rows[1], [place]) for place in places[1]]
+    found = [sides for sides in product(every, others) if _correspond(*sides)]
+    most = max((_partners(sides) for sides in found), key=len, default={})
+    for sides in found:
+        partners = _partners(sides)
+        if len(partners) == len(most) and partners != most:
+            path = next(path for path in left if partners.get(path) != most.get(path))
+            raise InputError(
+                f"{path}: by one number in the names its partner is {_name(most.get(path))}, by another "
+                f"{_name(partners.get(path))}; leave only the number of the frame in the names."
+            )
+    return next((sides for sides in found if _partners(sides) == most), ({}, {}))
+
+
+def _correspond(left: _Keys, right: _Keys) -> bool:
+    """Whether at least half of the files of a side have a partner."""
+    return 2 * len(left.keys() & right.keys()) >= min(len(left), len(right)) > 0
+
+
+def _partners(sides: _Sides) -> dict[Path, Path]:
+    return {path: sides[1][key] for key, path in sides[0].items() if key in sides[1]}
+
+
+def _name(path: Path | None) -> str:
+    return "missing" if path is None else path.name
+
+
+def _rows(files: Sequence[Path]) -> list[list[Hashable]]:
+    """The parts of each name, or of the whole path where only folders tell files apart."""
+    unique = len({path.stem for path in files}) == len(files)
+    return [list(_parts(path.stem if unique else str(path.with_suffix("")))) for path in files]
+
+
+def _parts(text: str) -> Iterator[Hashable]:
+    for found in _PARTS.finditer(text):
+        part, start = found[0], found.start()
+        if not part.isdecimal():
+            yield part
+        elif _WHOLE.search(text[:start]):
+            yield ("fraction", part)  # .5 is not .05
+        else:
+            yield int(part)
+
+
+def _varying(rows: Sequence[Sequence[Hashable]]) -> list[int]:
+    """The columns that are not constant; none where names have different numbers of parts."""
+    columns = zip(*rows, strict=False) if len(set(map(len, rows))) == 1 else ()
+    return [number for number, column in enumerate(columns) if len(set(column)) > 1]
+
+
+def _keyed(files: Sequence[Path], rows: Sequence[Sequence[Hashable]], columns: Sequence[int]) -> _Keys:
+    """The files by what stands in these columns; none if that is not unique."""
+    keys: _Keys = {tuple(row[column] for column in columns): path for row, path in zip(rows, files, strict=True)}
+    return keys if len(keys) == len(files) else {}

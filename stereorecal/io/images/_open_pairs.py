@@ -1,7 +1,7 @@
 """Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -10,15 +10,14 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
-from stereorecal.io.images._fit_to_cameras import UPRIGHT, Sizes, fitted
+from stereorecal.io.images._fit_to_cameras import UPRIGHT, Sizes, fitted_pair
 from stereorecal.io.images._frame_source import FrameSource, halves
 from stereorecal.io.images._image_files import read_image
 from stereorecal.io.images._load_pairs import find_images, load_matched
 from stereorecal.io.images._match_by_name import find_partners
-from stereorecal.io.images._match_by_time import pairs_by_time
-from stereorecal.io.images._time_in_name import counts_per_second, has_time, time_of
+from stereorecal.io.images._match_by_time import counts_per_second, has_time, pairs_by_time, time_of
 from stereorecal.io.images._videos import is_video, video_source
-from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
+from stereorecal.recordings import LazyPairs, Pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,15 +127,8 @@ def _with_counts(
         first, second = found[number]
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
-        pair = make_pair(
-            *fitted((left.read(first), right.read(second)), UPRIGHT, places.sizes, about),
-            channels="bgr",
-            name=about,
-            origin=(_read_in_worker, (places, number)),
-            time=times[number],
-        )
-        check_two_images(pair)
-        return replace(pair, name=name)
+        images, origin = (left.read(first), right.read(second)), (_read_in_worker, (places, number))
+        return fitted_pair(images, UPRIGHT, places.sizes, about, name, origin=origin, time=times[number])
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
     pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)

@@ -11,5 +11,4 @@ from stereorecal.io.formats._read_rig import read_files as read_files
 from stereorecal.io.images._image_files import natural_order as natural_order
 from stereorecal.io.images._load_pairs import load_matched as load_matched
 from stereorecal.io.images._match_by_name import Matched as Matched, by_stem as by_stem, match_keys as match_keys
-from stereorecal.io.layouts._layout import Layout as Layout
-from stereorecal.io.layouts._log_of_sequences import Sequence as Sequence, log_of as log_of
+from stereorecal.io.layouts._layout import Layout as Layout, Sequence as Sequence, log_of as log_of

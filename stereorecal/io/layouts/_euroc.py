@@ -8,7 +8,7 @@ from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem
-from stereorecal.io.layouts._log_of_sequences import log_of
+from stereorecal.io.layouts._layout import log_of
 from stereorecal.recordings import Log
 
 LAYOUT = "EuRoC or ASL (mav0/cam0 and cam1, each with sensor.yaml and data/TIME.png)"
@@ -21,12 +21,7 @@ def recognises(folder: Path) -> bool:
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The images of cam0 (left) and cam1 (right) with equal time stamps; one that only one camera took is left out.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-        UnsupportedModelError: if a lens is neither radial-tangential nor equidistant.
-    """
+    """The images of cam0 (left) and cam1 (right) with equal time stamps; one that only one camera took is left out."""
     body = _body(folder) or folder
     matched = _same_time(body / _LEFT / _IMAGES, body / _RIGHT / _IMAGES)
     files = [body / side / _CALIBRATION for side in (_LEFT, _RIGHT)]

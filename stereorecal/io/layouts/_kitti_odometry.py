@@ -7,40 +7,25 @@ import numpy as np
 from stereorecal.io._read_files import read_text
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
-from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import match_equal
-from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
+from stereorecal.io.layouts._layout import Sequence, log_of, sequences_in, sides_in
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)"
-_CALIBRATION, _SEQUENCES, _TIMES = "calib.txt", "sequences", "times.txt"
+_CALIBRATION, _SEQUENCES, _TIMES = "calib.txt", "sequences/*", "times.txt"
 _IF_MISSING = "download data_odometry_calib.zip from KITTI's page and unpack it over the images."
 _GREY_BEFORE_COLOUR = (("image_0", "image_1"), ("image_2", "image_3"))
 
 
 def recognises(folder: Path) -> bool:
     """Whether the folder is KITTI odometry, or one of its sequences."""
-    return bool(_sequence_folders(folder)) or _is_sequence(folder)
+    return bool(sequences_in(folder, _SEQUENCES, _GREY_BEFORE_COLOUR))
 
 
 def read(folder: Path, limit: int | None) -> Log:
-    """The sequences whose images have been unpacked.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
-    places = [folder] if _is_sequence(folder) else _sequence_folders(folder)
-    return log_of(folder, (_sequence(place, limit) for place in places))
-
-
-def _is_sequence(folder: Path) -> bool:
-    return any((folder / side).is_dir() for sides in _GREY_BEFORE_COLOUR for side in sides)
-
-
-def _sequence_folders(folder: Path) -> list[Path]:
-    return natural_order(path for path in (folder / _SEQUENCES).glob("*") if _is_sequence(path))
+    """The sequences whose images have been unpacked."""
+    return log_of(folder, (_sequence(place, limit) for place in sequences_in(folder, _SEQUENCES, _GREY_BEFORE_COLOUR)))
 
 
 def _sequence(folder: Path, limit: int | None) -> Sequence:

@@ -9,15 +9,14 @@ from stereorecal._errors import InputError
 from stereorecal.io._read_files import read_text
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import read_files
-from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
-from stereorecal.io.layouts._kitti_sides import sides_in
-from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
+from stereorecal.io.layouts._layout import Sequence, log_of, sequences_in, sides_in
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it"
 _CALIBRATION, _TIMES, _RECTIFIED, _RAW = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
+_DRIVES = "*_drive_*"
 _GREY_BEFORE_COLOUR = (("image_00", "image_01"), ("image_02", "image_03"))
 # The cameras are triggered together ten times a second (KITTI's raw data paper): images less than half a period apart
 # are of the same trigger.
@@ -26,7 +25,7 @@ _SAME_SHOT = np.timedelta64(50, "ms")
 
 def recognises(folder: Path) -> bool:
     """Whether the folder is a day or a drive of KITTI's raw data."""
-    return _is_drive(folder) or (folder / _CALIBRATION).is_file() or bool(_drives(folder))
+    return (folder / _CALIBRATION).is_file() or bool(sequences_in(folder, _DRIVES, _GREY_BEFORE_COLOUR))
 
 
 def read(folder: Path, limit: int | None) -> Log:
@@ -34,21 +33,8 @@ def read(folder: Path, limit: int | None) -> Log:
 
     `_sync` images are rectified: the rig comes from P_rect and has no rotation or distortion. `_extract` images are
     raw: the rig comes from K, D, R and T. Their numbers do not correspond between cameras, so they are paired by time,
-    and one that only one camera took is left out.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
-    drives = [folder] if _is_drive(folder) else _drives(folder)
-    return log_of(folder, (_sequence(drive, limit) for drive in drives))
-
-
-def _is_drive(folder: Path) -> bool:
-    return any((folder / side).is_dir() for sides in _GREY_BEFORE_COLOUR for side in sides)
-
-
-def _drives(folder: Path) -> list[Path]:
-    return natural_order(path for path in folder.glob("*_drive_*") if _is_drive(path))
+    and one that only one camera took is left out."""
+    return log_of(folder, (_sequence(drive, limit) for drive in sequences_in(folder, _DRIVES, _GREY_BEFORE_COLOUR)))
 
 
 def _sequence(drive: Path, limit: int | None) -> Sequence:
@@ -63,12 +49,11 @@ def _sequence(drive: Path, limit: int | None) -> Sequence:
     hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
     missing = f"download {day.name}_calib.zip from KITTI's page and unpack it over the images."
     rig = read_files([day / _CALIBRATION], "kitti-raw", hints=hints, if_missing=missing)
-    matched = (_match_by_name if rectified else _match_by_time)(drive / left, drive / right)
+    if rectified:
+        matched = match_equal(drive / left / "data", drive / right / "data")
+    else:
+        matched = _match_by_time(drive / left, drive / right)
     return drive, rig, load_matched(matched, limit, _seconds(drive / left, matched))
-
-
-def _match_by_name(left: Path, right: Path) -> Matched:
-    return match_equal(left / "data", right / "data")
 
 
 def _match_by_time(left: Path, right: Path) -> Matched:

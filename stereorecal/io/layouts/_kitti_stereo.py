@@ -9,8 +9,7 @@ from stereorecal.io.formats._read_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import match_equal
-from stereorecal.io.layouts._kitti_sides import Sides, sides_in
-from stereorecal.io.layouts._log_of_sequences import Sequence, log_of
+from stereorecal.io.layouts._layout import Sequence, Sides, log_of, sides_in
 from stereorecal.recordings import Log
 
 LAYOUT = "KITTI stereo 2012 or 2015 (the folder training or testing, with NNNNNN_10.png and the calibration files)"
@@ -54,16 +53,12 @@ def recognises(folder: Path) -> bool:
 
 def read(folder: Path, limit: int | None) -> Log:
     """The frames of the benchmark. Those with equal calibrations, taken on one day, are one mission, which is named
-    after the number of its first frame.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
+    after the number of its first frame."""
     return log_of(folder, _sequences(folder, limit))
 
 
 def _sequences(folder: Path, limit: int | None) -> Iterator[Sequence]:
-    sides = sides_in(folder, list(_KINDS))
+    sides = sides_in(folder, _KINDS)
     kind = _KINDS[sides]
     missing = f"download {kind.archive} from KITTI's page and unpack it over the images."
     days: dict[object, tuple[Path, list[tuple[Path, Path]]]] = {}

@@ -6,11 +6,9 @@ from pathlib import Path
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._camera_choice import warn_of_turns
-from stereorecal.io.formats._file_units import warn_of_units
+from stereorecal.io.formats._file_warnings import warn_of_file
 from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
-from stereorecal.io.layouts._layout import Layout
-from stereorecal.io.layouts._log_of_sequences import folder_name
+from stereorecal.io.layouts._layout import Layout, folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
@@ -42,8 +40,7 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     """
     folder = existing_folder(folder)
     log = _read_log(folder, limit)
-    warn_of_units(folder, *log.calibrations.values())
-    warn_of_turns(folder, *log.calibrations.values())
+    warn_of_file(folder, *log.calibrations.values(), sized=False)
     return log
 
 
@@ -71,8 +68,7 @@ def load_scene(
     """
     folder = existing_folder(folder)
     scene = _read_scene(folder, limit, choose)
-    warn_of_units(folder, scene.rig)
-    warn_of_turns(folder, scene.rig)
+    warn_of_file(folder, scene.rig, sized=False)
     return scene
 
 
@@ -83,11 +79,7 @@ def is_data_set(folder: AnyPath) -> bool:
 
 
 def _layout_of(folder: Path) -> Layout | None:
-    """The first that recognises a folder.
-
-    Raises:
-        InputError: if a distribution reads such folders, and is not installed.
-    """
+    """The first that recognises a folder."""
     for layout in _layouts():
         if layout.recognises(folder):
             return layout

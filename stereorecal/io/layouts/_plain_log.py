@@ -9,11 +9,10 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io._scenes import fitting
+from stereorecal.io._scenes import Calibration, fitting, read_json_object
 from stereorecal.io.formats._load_and_save import load_rig
-from stereorecal.io.formats._scene_calibration import Calibration, read_json_object
 from stereorecal.io.images._image_files import natural_order
-from stereorecal.io.layouts._log_of_sequences import folder_name
+from stereorecal.io.layouts._layout import folder_name
 from stereorecal.io.layouts._scene_folder import load_sides
 from stereorecal.recordings import Log, Mission
 
@@ -41,11 +40,7 @@ def read(folder: Path, limit: int | None) -> Log:
     scene folder. Names of sequences begin with a date; the latest calibration of that date or before it holds.
 
     A sequence may have a mission.json, in which `calibration` names another calibration and `starred` lists the images
-    from which little can be expected, and a truth.json with the true rig.
-
-    Raises:
-        InputError: naming the file, if something is missing or damaged.
-    """
+    from which little can be expected, and a truth.json with the true rig."""
     one = not _is_log(folder)
     root = _around(folder) if one else folder
     calibrations = {

@@ -3,8 +3,8 @@
 import math
 import re
 import shlex
-from functools import partial
 from itertools import chain
+from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,11 @@ from jaxtyping import Float
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io._scenes import fitting
+from stereorecal.io._scenes import Calibration, fitting, load_calibration
 from stereorecal.io.formats._camera_choice import as_in_file
 from stereorecal.io.formats._read_rig import looks_calibrated
-from stereorecal.io.formats._scene_calibration import Calibration, load_calibration
+from stereorecal.io.formats._rig_file import own_prior, with_prior
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
-from stereorecal.io.formats._stored_prior import own_prior, with_prior
 from stereorecal.io.images._fit_to_cameras import Size
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
 from stereorecal.io.images._load_pairs import load_matched
@@ -42,12 +41,8 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.size)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
-        pairs = pairs.mapped(partial(_read_out, readout))
+        pairs = pairs.mapped(methodcaller("read_out", readout))
     return calibration, fitting(folder, calibration, pairs)
-
-
-def _read_out(seconds: float, pair: Pair) -> Pair:
-    return pair.read_out(seconds)
 
 
 def _check_calibrated(folder: Path) -> None:
@@ -71,9 +66,6 @@ def load_sides(folder: Path, limit: int | None, times: Any = None, size: Size | 
     Args:
         times: when they were taken, in seconds, as a calib.json has them; what is no such list is passed over.
         size: of the images that the calibration is for.
-
-    Raises:
-        InputError: naming the file, if one is missing or has no partner.
     """
     matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
     sizes = None if size is None else (size, size)
@@ -125,11 +117,7 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
 
 
 def _side_files(folder: Path, side: str) -> list[Path]:
-    """The images of one side: the file `side.*` or those in the folder `side`.
-
-    Raises:
-        InputError: if there is none, or both.
-    """
+    """The images of one side: the file `side.*` or those in the folder `side`."""
     single, several = _images_of(folder, side)
     if not (single or several):
         raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")

@@ -84,7 +84,7 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> tuple[str | None, FeatureMotion]:
     left, right = (_features(np.asarray(image)) for image in (pair.left, pair.right))
     given = _cheirality(rig, left[:2], right[:2], _tolerance(rig, pair))
     turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < _TURNED
-    motion = FeatureMotion(turned, given.agree >= _MOST and given.aside > _ASIDE)
+    motion = FeatureMotion(bool(turned), bool(given.agree >= _MOST and given.aside > _ASIDE))
     return _sentence(rig, pair, left, right, given), motion
 
 

@@ -15,9 +15,9 @@ from test_round_trip import ENDINGS, NEW, assert_same, place_of
 from stereorecal.geometry import METRES, StereoRig
 from stereorecal.io import gather_scene, load_rig, save_rig
 from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
-from stereorecal.io.formats._file_units import scaled
 from stereorecal.io.formats._format import Target
 from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats._read_rig import scaled
 from stereorecal.io.formats.text._document import document
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003], np.array([-0.3, 0.1, 0.001, -0.002]))
@@ -27,15 +27,15 @@ CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
 
 
 def unit_of(name: str) -> str | None:
-    return None if named(name).UNIT else "m"
+    return None if named(name).unit else "m"
 
 
 def right_first(name: str, folder: Path) -> list[Path]:
     """A new file of RIG, whose right camera stands first."""
     format, turned = named(name), as_in_file(RIG, exchanged=True)
-    syntax = next(iter(format.SYNTAX.values()))
+    syntax = next(iter(format.syntax.values()))
     blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
-    texts = format.write(scaled(turned, 1.0 / METRES[format.UNIT or "m"]), Target(blank))
+    texts = format.texts(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
     paths = [folder / f"{index}{ENDINGS.get(name, '.yaml')}" for index in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
         path.write_text(text)

@@ -90,3 +90,10 @@ def test_matrices_that_a_driver_left_empty(tmp_path: Path):
     refused(lambda: load_rig(*paths), "R is 0, and the images are not rectified; calibrate")
     paths[1].write_text(message([nothing, np.zeros(5), np.eye(3), P2]))
     refused(lambda: load_rig(*paths), "K is 0: this camera is not calibrated")
+
+
+def test_a_new_file_of_both_cameras(tmp_path: Path):
+    save_rig(samples.RIG, tmp_path / "both.yaml", format="camera_info")
+    again = load_rig(tmp_path / "both.yaml")
+    assert again.source.format == "camera_info"
+    np.testing.assert_allclose(again.extrinsics, samples.RIG.extrinsics, atol=1e-12)

@@ -201,3 +201,9 @@ def test_what_is_unknown_is_listed_and_can_be_filled_in(tmp_path: Path):
     template.write_text(json.dumps(values | {key: value.tolist() for key, value in cameras.items()}))
     assert_same(load_rig(template))
     refused(lambda: save_template([path], template), "exists already")
+
+
+@pytest.mark.parametrize("format", ["orbslam", "matlab"])
+def test_a_file_of_another_form_is_refused(tmp_path: Path, format: str):
+    (path,) = (mat if format == "orbslam" else orb_slam)(tmp_path)
+    refused(lambda: load_rig(path, format=format), path.name)

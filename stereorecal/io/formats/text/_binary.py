@@ -58,7 +58,7 @@ def _reader(head: bytes) -> Callable[[bytes, str], dict[str, Any]] | None:
     if head.startswith((b"MATLAB 7.3", b"\x89HDF")):
         raise InputError("an HDF5 file, as of MATLAB's save with -v7.3; save it with '-v7', or as JSON (jsonencode).")
     if head.startswith(b"MATLAB 5.0"):
-        return _mat
+        return lambda data, _: {name: _small(value) for name, value in variables(data).items()}
     if head.startswith((b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05")):
         raise InputError("a pickle, which is not opened, since it can run code; write the arrays with np.savez.")
     return None
@@ -77,10 +77,6 @@ def _npz(data: bytes, _: str) -> dict[str, Any]:
         if not found:
             raise InputError("there are no arrays of a camera in it; check that this is the right file.")
         return found
-
-
-def _mat(data: bytes, _: str) -> dict[str, Any]:
-    return {name: _small(value) for name, value in variables(data).items()}
 
 
 def _small(value: Any, depth: int = 0) -> Any:

@@ -9,10 +9,9 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, read_text
-from stereorecal.io.formats.text import _json, _lines, _numbers_only, _titled, _xml, _yaml
+from stereorecal.io.formats.text import _json, _lines, _sections, _xml, _yaml
 from stereorecal.io.formats.text._binary import binary_text
-from stereorecal.io.formats.text._guard import check_flat
-from stereorecal.io.formats.text._keys import Values
+from stereorecal.io.formats.text._splice import Values
 
 
 class Syntax(Enum):
@@ -29,19 +28,28 @@ class Syntax(Enum):
     DEVICES = "text of rs-enumerate-devices"
 
 
-_Parsed = Callable[[str], dict[str, Any]]
-_Changed = Callable[[str, Values], str]
-_PARSERS: dict[Syntax, tuple[_Parsed, _Changed]] = {
-    Syntax.YAML: (_yaml.parsed, _yaml.with_values),
-    Syntax.XML: (_xml.parsed, _xml.with_values),
-    Syntax.JSON: (_json.parsed, _json.with_values),
-    Syntax.COLONS: (_lines.parsed_colons, _lines.changed_colons),
-    Syntax.EQUALS: (_lines.parsed_equals, _lines.changed_equals),
-    Syntax.NUMBERS: (_numbers_only.parsed_numbers, _numbers_only.unchangeable),
-    Syntax.SECTIONS: (_numbers_only.parsed_sections, _numbers_only.unchangeable),
-    Syntax.INI: (_titled.parsed_ini, _numbers_only.unchangeable),
-    Syntax.DEVICES: (_titled.parsed_devices, _numbers_only.unchangeable),
+_PARSERS: dict[Syntax, Callable[[str], dict[str, Any]]] = {
+    Syntax.YAML: _yaml.parsed,
+    Syntax.XML: _xml.parsed,
+    Syntax.JSON: _json.parsed,
+    Syntax.COLONS: _lines.parsed_colons,
+    Syntax.EQUALS: _lines.parsed_equals,
+    Syntax.NUMBERS: _sections.parsed_numbers,
+    Syntax.SECTIONS: _sections.parsed_ost,
+    Syntax.INI: _sections.parsed_ini,
+    Syntax.DEVICES: _sections.parsed_devices,
 }
+_WRITERS: dict[Syntax, Callable[[str, Values], str]] = {
+    Syntax.YAML: _yaml.with_values,
+    Syntax.XML: _xml.with_values,
+    Syntax.JSON: _json.with_values,
+    Syntax.COLONS: _lines.colons_with_values,
+    Syntax.EQUALS: _lines.equals_with_values,
+}
+# Parsers call themselves at each level of nesting. Nesting is no deeper than there are opening brackets and tags, or
+# items begun on one line, or than indentation fits into the text.
+_MOST_OPENINGS = 2000
+_LONGEST = 1 << 22  # characters; a calibration of a rig has a few thousand, and its rectifying maps some million
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
@@ -69,13 +77,11 @@ class Document:
     content: Mapping[str, Any]
 
     def with_values(self, values: Values) -> str:
-        """The text with other values under some keys, and everything else as it was.
-
-        Raises:
-            InputError: naming the file, if it has other kinds of values there.
-        """
+        """The text with other values under some keys, and everything else as it was."""
         with about(self.name):
-            return _PARSERS[self.syntax][1](self.text, values) if values else self.text
+            if values and self.syntax not in _WRITERS:
+                raise InputError("a text without keys is read, not written; write a new file, such as calib.json.")
+            return _WRITERS[self.syntax](self.text, values) if values else self.text
 
 
 def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
@@ -84,17 +90,14 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
     Args:
         syntax: default: as the text looks; a text that looks like none has no values.
         lines: whether it may look like lines of keys and values.
-
-    Raises:
-        InputError: naming the file, if it cannot be parsed.
     """
     with about(name):
         guessed = syntax is None and lines and not _YAML.match(_first_line(text))
         syntax = syntax or _syntax_of(text, lines)
         if syntax is not Syntax.JSON:  # whose parser looks after itself
-            check_flat(text)
+            _check_flat(text)
         try:
-            return Document(str(name), text, syntax, _PARSERS[syntax][0](text))
+            return Document(str(name), text, syntax, _PARSERS[syntax](text))
         except InputError as error:
             if guessed and str(error) == _yaml.DAMAGED:  # not known, rather than damaged: nothing is found in it
                 return Document(str(name), text, syntax, {})
@@ -116,6 +119,14 @@ def read_document(
     return document(path, read_text(path, if_missing), syntax, lines=lines)
 
 
+def _check_flat(text: str) -> None:
+    """Refuse, before any parser sees it, a text that is too long for a calibration or may be nested too deeply."""
+    openings = sum(text.count(bracket) for bracket in "[{<")
+    items = max((line.count("- ") for line in text.splitlines()), default=0)
+    if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
+        raise InputError("too long or too deeply nested for a calibration; check that this is the right file.")
+
+
 def _first_line(text: str) -> str:
     """That is neither empty nor a comment."""
     lines = (line.strip() for line in text.splitlines())
@@ -124,7 +135,7 @@ def _first_line(text: str) -> str:
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if lines and _numbers_only.numbers_in(text) is not None:
+    if lines and _sections.numbers_in(text) is not None:
         return Syntax.NUMBERS
     if lines and _OST.search(text):
         return Syntax.SECTIONS

@@ -8,18 +8,13 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import parse_json
-from stereorecal.io.formats.text._keys import Values
+from stereorecal.io.formats.text._splice import Edit, Values, spliced
 
-_Edit = tuple[int, int, str]  # from, to, what stands there then
 _TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:"\s]+')
 
 
 def parsed(text: str) -> dict[str, Any]:
-    """The keys and values of a JSON object.
-
-    Raises:
-        InputError: if it is none.
-    """
+    """The keys and values of a JSON object."""
     content = parse_json(text)
     if not isinstance(content, dict):
         raise InputError("there is no JSON object of named values in the file; correct it.")
@@ -31,7 +26,7 @@ def with_values(text: str, values: Values) -> str:
     again, with the same keys in the same order, and the same indentation."""
     tokens = _TOKEN.finditer(text)
     root = _node(next(tokens), tokens)
-    edits: list[_Edit] = []
+    edits: list[Edit] = []
     for keys, value in values.items():
         node: _Node | None = root
         for key in keys:
@@ -39,9 +34,7 @@ def with_values(text: str, values: Values) -> str:
         if node is None:
             return _written_again(text, values)
         edits += _edits(text, node, value)
-    for start, end, new in sorted(edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+    return spliced(text, edits)
 
 
 @dataclass(frozen=True)
@@ -71,7 +64,7 @@ def _node(first: re.Match[str], tokens: Iterator[re.Match[str]]) -> _Node:
     raise AssertionError("the text was parsed before")
 
 
-def _edits(text: str, node: _Node, value: Any) -> Iterator[_Edit]:
+def _edits(text: str, node: _Node, value: Any) -> Iterator[Edit]:
     old = json.loads(text[node.start : node.end])
     if isinstance(old, list) and isinstance(value, list) and len(old) == len(value):
         for index, item in enumerate(value):

@@ -5,30 +5,31 @@ from functools import partial
 from typing import Any
 
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Values, leaves, number_text
+from stereorecal.io.formats.text._splice import Values, leaves, number_text, spliced
 
 
-def _parsed_colons(text: str) -> dict[str, Any]:
+def parsed_colons(text: str) -> dict[str, Any]:
+    """The numbers and words of each line by its key."""
     lines = (line.partition(":") for line in text.splitlines())
     return {key.strip(): [number_or_word(word) for word in values.split()] for key, colon, values in lines if colon}
 
 
-def _parsed_equals(text: str) -> dict[str, Any]:
+def parsed_equals(text: str) -> dict[str, Any]:
+    """The rows of a matrix `[a b; c d]` by its key; a number is a matrix of one."""
     lines = (line.partition("=") for line in text.splitlines())
-    return {key.strip(): _matrix_rows(values) for key, _, values in lines}
+    return {
+        key.strip(): [[number_or_word(word) for word in row.split()] for row in values.strip(" []").split(";")]
+        for key, _, values in lines
+    }
 
 
-def _matrix_rows(values: str) -> list[list[float | str]]:
-    """The rows of a matrix `[a b; c d]`; a number is a matrix of one."""
-    return [[number_or_word(word) for word in row.split()] for row in values.strip(" []").split(";")]
-
-
-def _changed(sign: str, text: str, values: Values) -> str:
+def _with_values(sign: str, text: str, values: Values) -> str:
     """The text with other values; every line that is not named stays as it is."""
+    edits = []
     for (key,), value in values.items():
-        line = re.compile(rf"^(\s*{re.escape(str(key))}\s*{sign}[ \t]*)[^\r\n]*", re.MULTILINE)
-        text = line.sub(lambda found, value=value: found[1] + _value_text(value), text)
-    return text
+        lines = re.finditer(rf"^\s*{re.escape(str(key))}\s*{sign}[ \t]*([^\r\n]*)", text, re.MULTILINE)
+        edits += [(*line.span(1), _value_text(value)) for line in lines]
+    return spliced(text, edits)
 
 
 def _value_text(value: Any) -> str:
@@ -37,5 +38,4 @@ def _value_text(value: Any) -> str:
     return " ".join(map(number_text, leaves(value)))
 
 
-parsed_colons, changed_colons = _parsed_colons, partial(_changed, ":")
-parsed_equals, changed_equals = _parsed_equals, partial(_changed, "=")
+colons_with_values, equals_with_values = partial(_with_values, ":"), partial(_with_values, "=")

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterator
+from functools import reduce
 from typing import Any
 
 import yaml
@@ -12,9 +13,8 @@ from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._keys import Values, number_text
+from stereorecal.io.formats.text._splice import Edit, Values, missing, number_text, spliced
 
-_Edit = tuple[int, int, str]  # from, to, what stands there then
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
@@ -45,11 +45,7 @@ DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 def parsed(text: str) -> dict[str, Any]:
     """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all. Several
-    documents of the same keys, as messages that were printed one after the other, are a list under `documents`.
-
-    Raises:
-        InputError: if it is no YAML, or no mapping, or a key occurs twice with different numbers.
-    """
+    documents of the same keys, as messages that were printed one after the other, are a list under `documents`."""
     try:
         content = _plain_node(_composed(_spaced(text.lstrip(_MARK))))
     except RecursionError:
@@ -61,23 +57,12 @@ def parsed(text: str) -> dict[str, Any]:
 
 def with_values(text: str, values: Values) -> str:
     """The text with other numbers. Lists may grow; every character that is no number of theirs stays, but that a space
-    is put after a colon where YAML needs one.
-
-    Raises:
-        InputError: if a value is of another kind than the text has there.
-    """
+    is put after a colon where YAML needs one."""
     body = text.lstrip(_MARK)
     head, body = text[: len(text) - len(body)], _spaced(body)
     root = _composed(body)
-    edits: set[_Edit] = set()
-    for keys, value in values.items():
-        node = root
-        for key in keys:
-            node = _child(node, key)
-        edits |= set(_edits(body, node, value))
-    for start, end, new in sorted(edits, reverse=True):
-        body = body[:start] + new + body[end:]
-    return head + body
+    edits = [edit for keys, value in values.items() for edit in _edits(body, reduce(_child, keys, root), value)]
+    return head + spliced(body, edits)
 
 
 def _spaced(text: str) -> str:
@@ -112,11 +97,7 @@ def _is_empty(node: Node) -> bool:
 
 
 def _list_of(nodes: list[Node]) -> Node:
-    """Several documents as one.
-
-    Raises:
-        InputError: if they are not of one kind.
-    """
+    """Several documents as one."""
     keys = {frozenset(str(key.value) for key, _ in one.value) for one in nodes if isinstance(one, MappingNode)}
     if len(keys) != 1 or not all(isinstance(one, MappingNode) for one in nodes):
         raise InputError(SEVERAL)
@@ -160,10 +141,10 @@ def _child(node: Node, key: str | int) -> Node:
         for name, value in node.value:
             if isinstance(name, ScalarNode) and name.value == key:
                 return value
-    raise InputError(f"the key {key!r} is missing; add it, or copy the file again.")
+    raise missing(key)
 
 
-def _edits(text: str, node: Node, value: Any) -> Iterator[_Edit]:
+def _edits(text: str, node: Node, value: Any) -> Iterator[Edit]:
     if isinstance(node, ScalarNode) and not isinstance(value, list):
         if _plain_node(node) != value:
             start, end = node.start_mark.index, node.end_mark.index

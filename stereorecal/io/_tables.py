@@ -1,16 +1,19 @@
-"""Ranges from a table."""
+"""Ranges, distances travelled, or speeds, from tables."""
 
 import csv
 import math
 from pathlib import Path
 
+import numpy as np
+
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import read_text
-from stereorecal.recordings import Range
+from stereorecal.recordings import Odometer, Range
 
 _SIGNS = ";\t|"  # that divide the columns of other tables
 _COLUMNS = ("pair", "column", "row", "metres", "sigma")
 _ALONG = {"metres": "ray", "depth": "axis"}  # by the name of the column
+_KINDS = (["time_s", "metres"], ["time_s", "speed_mps"], ["time_s", "x", "y"], ["time_s", "x", "y", "z"])
 
 
 def load_ranges(path: str | Path) -> tuple[Range, ...]:
@@ -21,12 +24,8 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     Raises:
         InputError: if the file cannot be read, or names the line that makes no sense.
     """
-    text = read_text(Path(path))
-    try:
-        lines = list(csv.reader(text.splitlines()))
-    except csv.Error as error:
-        raise InputError(f"{path}: not a table ({error}); write one line for each range.") from None
-    header = [name.strip() for name in lines[0]] if lines else []
+    headings, *lines = _lines(path, "one line for each range")
+    header = [name.strip() for name in headings]
     if len(header) == 1 and any(sign in header[0] for sign in _SIGNS):
         raise InputError(f"{path}: the columns are not divided by commas; write {','.join(_COLUMNS)}.")
     along = _ALONG.get(header[3]) if len(header) > 3 else None
@@ -36,8 +35,8 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
             "along the optical axis); write one."
         )
     found = []
-    for number, line in enumerate(lines[1:], start=2):
-        if not any(cell.strip() for cell in line):
+    for number, line in enumerate(lines, start=2):
+        if not _says_something(line):
             continue
         try:
             pair, *cells = (cell.strip() for cell in line)
@@ -53,6 +52,34 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     return tuple(found)
 
 
+def load_odometer(path: str | Path) -> Odometer:
+    """From a CSV file whose header is `time_s,metres` (travelled by then), `time_s,speed_mps`, or `time_s,x,y,z`
+    (positions in metres, taken as known to 5 cm); times are seconds of the pairs' own clock.
+
+    Raises:
+        InputError: if the file cannot be read, or says what makes no sense.
+    """
+    lines = [line for line in _lines(path, "one line for each time") if _says_something(line)]
+    header = [name.strip() for name in lines[0]] if lines else []
+    if header not in _KINDS:
+        headers = " or ".join(map(",".join, _KINDS))
+        raise InputError(f"{path}: the first line is not a header of an odometer file; it must be {headers}.")
+    try:
+        table = np.array([[float(cell) for cell in line] for line in lines[1:]], float).reshape(-1, len(header))
+    except ValueError as error:
+        raise InputError(
+            f"{path}: a line does not hold {len(header)} numbers ({error}); write them separated by commas."
+        ) from None
+    try:
+        if header == _KINDS[0]:
+            return Odometer(table[:, 0], table[:, 1])
+        if header == _KINDS[1]:
+            return Odometer.from_speeds(table[:, 0], table[:, 1])
+        return Odometer.from_positions(table[:, 0], table[:, 1:])
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
 def _parsed_number(cell: str) -> float:
     """A number as people write it; `inf`, but no overflow and none of Python's underscores."""
     try:
@@ -62,3 +89,16 @@ def _parsed_number(cell: str) -> float:
     except ValueError:
         raise ValueError(f"{cell!r} is no number that can be used; write one such as 12.5") from None
     return value
+
+
+def _lines(path: str | Path, wanted: str) -> list[list[str]]:
+    """The cells of each line of a CSV file; there is one, at least."""
+    text = read_text(Path(path))
+    try:
+        return list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise InputError(f"{path}: not a table ({error}); write {wanted}.") from None
+
+
+def _says_something(line: list[str]) -> bool:
+    return any(cell.strip() for cell in line)

@@ -1,4 +1,5 @@
-"""Texts whose lines stand under titles: INI files, and what rs-enumerate-devices prints."""
+"""Texts that are read and not written: lines of numbers, the ost.txt that ROS' camera_calibration writes beside its
+YAML, INI files, and what rs-enumerate-devices prints."""
 
 import re
 from typing import Any
@@ -6,17 +7,51 @@ from typing import Any
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats._numbers import number_or_word
 
+_SECTION = re.compile(r"\[(.+)\]")
 _TITLE = re.compile(r"\[([^\]\n]+)\]\s*")
 _INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*(\d+)x(\d+)[\s/]*(.*)')
 _EXTRINSIC = re.compile(r'\s*Extrinsic from "([^"]+)"\s+To\s+"([^"]+)"')
 
 
-def parsed_ini(text: str) -> dict[str, Any]:
-    """The values of an INI file by section and key, in capitals, as its readers do not tell them apart.
+def numbers_in(text: str) -> list[list[float]] | None:
+    """The numbers of each line; None if there is anything else but comments."""
+    rows = []
+    for line in text.splitlines():
+        words = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
+        row = [number for word in words if isinstance(number := number_or_word(word), float)]
+        if len(row) < len(words):
+            return None
+        rows += [row] if row else []
+    return rows or None
 
-    Raises:
-        InputError: if a section or a key occurs twice with different values.
-    """
+
+def parsed_numbers(text: str) -> dict[str, Any]:
+    """The lines of numbers, under the key `numbers`."""
+    found = numbers_in(text) or []
+    return {"numbers": [x for row in found for x in row] if len(found) == 1 else found}
+
+
+def parsed_ost(text: str) -> dict[str, Any]:
+    """The values of an ost.txt by section and title: a title stands on a line of its own, and its numbers below."""
+    sections: list[tuple[str, dict[str, Any]]] = []
+    title = ""
+    for line in (line.partition("#")[0].strip() for line in text.splitlines()):
+        section, row = _SECTION.fullmatch(line), numbers_in(line)
+        if section:
+            sections.append((section[1], {}))
+        elif row is None:
+            title = line or title
+        elif sections:
+            sections[-1][1].setdefault(title, []).extend(row)
+    return without_duplicates([(name, {key: _plain(rows) for key, rows in held.items()}) for name, held in sections])
+
+
+def _plain(rows: list[list[float]]) -> Any:
+    return rows if len(rows) > 1 else rows[0] if len(rows[0]) > 1 else rows[0][0]
+
+
+def parsed_ini(text: str) -> dict[str, Any]:
+    """The values of an INI file by section and key, in capitals, as its readers do not tell them apart."""
     sections: list[tuple[str, list[tuple[str, Any]]]] = []
     for line in (re.split(r"[#;]", line)[0].strip() for line in text.splitlines()):
         title, (key, sign, value) = _TITLE.fullmatch(line), line.partition("=")
