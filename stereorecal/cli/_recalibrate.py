@@ -241,7 +241,7 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
         if fault in faults:
             return code
     solutions = [repair.solution for repair in repairs if repair.solution]
-    if any(one.findings.mismatch for one in solutions):
+    if any(one.mismatch for one in solutions):
         return WRONG_INPUT
     reasons = {one.reason for one in solutions}
     wrong = {reason for reason in reasons if not reason.healthy}

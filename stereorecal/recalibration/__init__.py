@@ -33,11 +33,6 @@ from stereorecal.recalibration._recalibrate import (
     recalibrate_case as recalibrate_case,
 )
 from stereorecal.recalibration._rescale import Rescaled as Rescaled, rescale_baseline as rescale_baseline
-from stereorecal.recalibration._result import (
-    Findings as Findings,
-    FramesUsed as FramesUsed,
-    SearchRun as SearchRun,
-)
 from stereorecal.recalibration._rig_errors import (
     DISTANCES as DISTANCES,
     ROW_DISTANCES as ROW_DISTANCES,

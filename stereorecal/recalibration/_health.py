@@ -17,7 +17,6 @@ from stereorecal.recalibration._assessment import looked, without_mismatch
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._ending import rows_at
 from stereorecal.recalibration._expected import depth_error_intervals
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._health_text import health_text
@@ -25,6 +24,7 @@ from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
+from stereorecal.recalibration._row_residuals import row_residuals
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
@@ -216,7 +216,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         return replace(found, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
     if reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):
         return found
-    rows, estimated = row_errors(rows_at(case, assessment.found, assessment.candidate)), assessment.estimate
+    rows, estimated = row_errors(row_residuals(case.chart, assessment.found, assessment.candidate)), assessment.estimate
     depth = depth_error_intervals(estimated, np.zeros(len(estimated.names)))
     correction = correction_of(estimated, assessment.decision, depth, rows.after)
     return replace(found, row_error=rows.before, covered=assessment.seen.covered, correction=correction)

@@ -59,8 +59,7 @@ class JointEstimate:
         """What is left at a θ of an estimate, and under the initial rig."""
         repair, estimated = self.recordings[at].repair, self.estimates[at]
         chart = row_chart(repair.initial, repair.settings.reach, self.free)
-        candidate = chart.coordinates_of(estimated.chart.rig_at(theta))
-        return row_residuals(chart, self.estimated_from[at].found, candidate)
+        return row_residuals(chart, self.estimated_from[at].found, estimated.chart.rig_at(theta))
 
     def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
@@ -68,7 +67,7 @@ class JointEstimate:
         repair, candidate = self.recordings[at].repair, self.rig(at)
         turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(repair.initial.extrinsics))[[0, 2]]
         seen = replace(
-            repair.findings.seen or Seen(),
+            repair.seen or Seen(),
             matches=found.found,
             covered=found.covered,
             places=len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)),
@@ -95,7 +94,7 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
     for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    tolerances = recordings[0].repair.tolerances
+    tolerances = recordings[0].repair.settings.tolerances
     estimates = _estimates(estimated_from, tolerances, each)
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]

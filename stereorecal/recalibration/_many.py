@@ -217,7 +217,7 @@ def _repaired_together(
 
 def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
     """The pairs that the repair looked at."""
-    return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
+    return tuple(pairs if solution.selected is None else (pairs[number] for number in solution.selected))
 
 
 def _repaired_or_fault(scene: Scene, options: Mapping[str, Any]) -> Repair:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart, differences_at
 from stereorecal.scoring import TILES, Correspondences
 
@@ -55,9 +56,10 @@ class RowResiduals:
         return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
 
 
-def row_residuals(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"]) -> RowResiduals:
-    """What correspondences say of the rig at a point of the box."""
-    valid, scale = np.asarray(found.weight) > 0, float(found.scale)
+def row_residuals(chart: RigChart, found: Correspondences, candidate: StereoRig) -> RowResiduals:
+    """Row differences of correspondences, under the initial calibration, which the box is centred on, and a
+    candidate."""
+    valid, scale, z = np.asarray(found.weight) > 0, float(found.scale), chart.coordinates_of(candidate)
     after, before = (differences_at(found, chart, at)[valid] / scale for at in (z, np.zeros_like(z)))
     return RowResiduals(
         residual=after,
