@@ -5,6 +5,7 @@ from stereorecal.recalibration._acceptance import RowErrors as RowErrors
 from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
+from stereorecal.recalibration._expected import Interval as Interval
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._health import (
@@ -13,7 +14,6 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
-from stereorecal.recalibration._interval import Interval as Interval
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,

@@ -50,15 +50,12 @@ class Repair:
     fault: Fault | None = None
     traceback: str | None = field(default=None, repr=False)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON; what is missing is None."""
-        return self._as_dict(expected=True)
+    def as_dict(self, *, expected: bool = True) -> dict[str, Any]:
+        """Plain data for JSON; what is missing is None.
 
-    def as_row(self) -> dict[str, Any]:
-        """The same for a table, which does not show what to expect: that takes a while for many recordings."""
-        return self._as_dict(expected=False)
-
-    def _as_dict(self, *, expected: bool) -> dict[str, Any]:
+        Args:
+            expected: whether to say what to expect, which takes a while for many recordings.
+        """
         found = {} if self.solution is None else self.solution.to_dict(expected=expected)
         return {"scene": self.name, "error": self.error, "fault": self.fault and self.fault.name.lower(), **found}
 

@@ -26,7 +26,7 @@ from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.recalibration._verdict_text import advice_of, verdict_of
+from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
@@ -72,18 +72,18 @@ class AbstractResult:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
-        if self.mismatch is not None:
-            return self.mismatch.verdict
-        if self.reason is Reason.TOO_LITTLE_TEXTURE and self.seen is not None and self.seen.problem:
-            return f"Cannot tell: {self.seen.problem}."
-        return verdict_of(self.reason, self.decision, len(self.used) + len(self.left_out), repaired=True)
+        pairs, problem = len(self.used) + len(self.left_out), self.seen and self.seen.problem
+        return verdict_of(self.reason, self.decision, pairs, self.mismatch, problem, repaired=True)
 
     @property
     def advice(self) -> str:
         """What to do."""
         if self.mismatch is not None:
             return self.mismatch.advice
-        return advice_of(self.reason, intrinsics_change=self.intrinsics is not None and self.intrinsics.changed)
+        if self.intrinsics is None or not self.intrinsics.changed:
+            return self.reason.advice
+        keep = "The intrinsics change too; to keep them, free the extrinsics alone (--free extrinsics)."
+        return f"{self.reason.advice} {keep}"
 
     @property
     def rig(self) -> StereoRig:
