@@ -1,7 +1,6 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
 from stereorecal.decision import Reason as Reason
-from stereorecal.recalibration._acceptance import RowErrors as RowErrors
 from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
@@ -40,7 +39,7 @@ from stereorecal.recalibration._rig_errors import (
     depth_errors as depth_errors,
     row_errors_of as row_errors_of,
 )
-from stereorecal.recalibration._row_residuals import RowResiduals as RowResiduals
+from stereorecal.recalibration._row_residuals import RowErrors as RowErrors, RowResiduals as RowResiduals
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,

@@ -9,6 +9,7 @@ from stereorecal.decision import Reason
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
+from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
@@ -46,7 +47,7 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     estimate, use, known = solution.estimate, solution.prior_use, solution.uncertainty
     if solution.view.projection != PINHOLE:
         yield Fact("view", str(solution.view), "view")
-    for doubt in solution.doubts:
+    for doubt in doubts(solution.initial):
         yield Fact("doubt", doubt, "check")
     if use is not None and str(use) not in (DEFAULT, EXACT):
         yield Fact("prior", str(use), "prior")

@@ -9,7 +9,6 @@ from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
 from stereorecal.geometry import PINHOLE, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._assessment import looked, without_mismatch
 from stereorecal.recalibration._calibration_warnings import doubts
@@ -227,7 +226,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         return replace(nothing, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
     if assessment.reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):
         return nothing
-    rows = row_errors(row_residuals(case.chart, assessment.found, assessment.candidate))
+    rows = row_residuals(case.chart, assessment.found, assessment.candidate).errors
     correction = Correction(assessment.estimate, assessment.decision, rows.after)
     return replace(nothing, row_error=rows.before, covered=assessment.seen.covered, correction=correction)
 

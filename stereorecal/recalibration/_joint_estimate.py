@@ -23,9 +23,10 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
+from stereorecal.recalibration._assessment import turned_by
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
+from stereorecal.recalibration._row_residuals import RowResiduals, places_of, row_residuals
 from stereorecal.recalibration._tile_counts import share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import matched, range_matches
@@ -65,17 +66,16 @@ class JointEstimate:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
         estimated, found = self.estimates[at], self.estimated_from[at].found
         repair, candidate = self.recordings[at].repair, self.rig(at)
-        turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(repair.initial.extrinsics))[[0, 2]]
         seen = replace(
             repair.seen or Seen(),
             matches=found.found,
             covered=found.covered,
-            places=len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)),
+            places=len(places_of(found)),
             frames_disagree=len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight),
             late=estimated.is_late,
             misfit_px=max(estimated.misfit),
             lost=share_lost(tiles),
-            away=float(np.abs(turned).max() / repair.settings.reach.degrees),
+            away=turned_by(repair.initial, candidate, repair.settings.reach),
         )
         return reason_of(self.decisions[at], seen)
 

@@ -13,13 +13,13 @@ from stereorecal.geometry import PINHOLE, StereoRig
 from stereorecal.recalibration._facts import changed_axes, changed_intrinsics, facts_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
-from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
+from stereorecal.recalibration._settings_text import matcher_as_text, settings_as_text
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
-from stereorecal.strategies import name_of
+from stereorecal.strategies import name_of, origin_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
@@ -138,6 +138,7 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
 def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     settings = solution.settings
+    origins = sorted({origin_of(stage.strategy) for stage in settings.schedule.stages})
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
     return json_data(
         {
@@ -147,7 +148,7 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
             "matcher, with the range that was measured": matcher_as_text(solution.matcher),
             "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",
-            "versions": {**versions(), "plug-ins": ", ".join(origins_of(settings))},
+            "versions": {**versions(), "plug-ins": ", ".join(origins)},
         }
     )
 

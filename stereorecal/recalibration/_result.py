@@ -11,8 +11,6 @@ from stereorecal.decision import Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import RowErrors
-from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import Expected, expected_of
@@ -21,7 +19,7 @@ from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import Mismatch
 from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors
 from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun
@@ -166,11 +164,6 @@ class AbstractResult:
         parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}
         tile = np.asarray(found.tile)[list(used)] % TILES_OF_A_FRAME
         return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """Sentences on values of the initial calibration that hardly any rig has."""
-        return doubts(self.initial)
 
     @property
     def difference(self) -> Difference:

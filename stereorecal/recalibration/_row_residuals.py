@@ -16,6 +16,21 @@ from stereorecal.scoring import TILES, Correspondences
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
 
 
+@dataclass(frozen=True, eq=False)
+class RowErrors:
+    """|Row difference| of the correspondences, pixels at full size: the mean over the tiles of a tile's median.
+
+    Attributes:
+        before: under the initial calibration.
+        after: under the candidate.
+        significance: of the gain, in standard errors over the places of tiles in the frames.
+    """
+
+    before: float
+    after: float
+    significance: float
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RowResiduals:
     """Row differences under a rig, and under the initial one.
@@ -54,6 +69,19 @@ class RowResiduals:
         """The mean over the frames of what is said of each tile: at each place that shows something."""
         places, where = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
         return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
+
+    @property
+    def errors(self) -> RowErrors:
+        """The row errors of what each tile shows, before and after."""
+        before, after = self.medians(self.start_residual), self.medians(self.residual)
+        gain = self.by_place(before - after)
+        error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+        return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
+
+
+def places_of(found: Correspondences) -> Int[np.ndarray, "p"]:
+    """The places of a frame at which correspondences show something, in any frame."""
+    return np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
 
 
 def row_residuals(chart: RigChart, found: Correspondences, candidate: StereoRig) -> RowResiduals:

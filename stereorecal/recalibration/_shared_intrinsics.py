@@ -10,14 +10,12 @@ from stereorecal.decision import Reason
 from stereorecal.estimation import Each, with_free_together
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
-from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
-from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, places_of
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._worker_tasks import counted
@@ -80,7 +78,7 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
             candidate=rig,
             reason=reason,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
-            row_errors=row_errors(rows),
+            row_errors=rows.errors,
             misfit=misfit(rows, late=estimated.is_late),
             uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
             estimate=estimated,
@@ -107,12 +105,10 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsic
     held = with_free_together(solved.estimates, _held(free).names)
     outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     fixed, freed = (
-        float(np.mean([row_errors(solved.rows(at, theta)).after for at, theta in enumerate(thetas)]))
+        float(np.mean([solved.rows(at, theta).errors.after for at, theta in enumerate(thetas)]))
         for thetas in (held, [one.theta for one in decisions])
     )
-    tiles = [
-        np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.estimated_from
-    ]
+    places = np.unique(np.concatenate([places_of(one.found) for one in solved.estimated_from]))
     expected = [
         estimated.row_error_px(one.theta)[10][0] for estimated, one in zip(solved.estimates, decisions, strict=True)
     ]
@@ -123,7 +119,7 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsic
         outcome,
         fixed_px=fixed,
         freed_px=freed,
-        shown=len(np.unique(np.concatenate(tiles))) / TILES_OF_A_FRAME,
+        shown=len(places) / TILES_OF_A_FRAME,
         expected_px=min(expected),
         refused=answers[0].reason if outcome is IntrinsicsOutcome.REFUSED else None,
     )
@@ -172,7 +168,7 @@ def _length(rig: StereoRig) -> float:
 def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Reason) -> RangesSeen | None:
     """What became of the ranges of a recording, with the rig to use."""
     estimated, found, given = solved.estimates[index], solved.rig(index), len(solved.recordings[index].ranges)
-    report = ranges_seen(given, estimated.matched_ranges, estimated.chart.rig, found, reason)
+    report = RangesSeen.of(given, estimated.matched_ranges, estimated.chart.rig, found, reason)
     return report and replace(report, contradict=int(estimated.matched_ranges.contradict(used).sum()))
 
 

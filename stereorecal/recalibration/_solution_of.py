@@ -10,15 +10,14 @@ from jaxtyping import Int
 from stereorecal.decision import Reason, Seen, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate
 from stereorecal.geometry import StereoRig
-from stereorecal.recalibration._acceptance import RowErrors, row_errors, verdict_on_count
 from stereorecal.recalibration._assessment import Assessment, assessed, without_mismatch
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import mismatch_of
-from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, row_residuals
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors, row_residuals
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import StageRun, last_matched
@@ -51,13 +50,15 @@ def solution_of_search(
         found = solution_of_assessment(case, settings, stages, assessment, cost, began)
         return replace(found, status=status, message=message)
     tiles, mismatch = counts(case, end_rig), None
+    before, after = tiles.sum(axis=(1, 2)).tolist()
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
         reason = reason_of(None, Seen(enough=case.images.enough, cut=cut))
         if not cut and run is not None and run.found is not None:
             mismatch = mismatch_of(case.images, case.matcher, run.found.covered)
+    elif status is Status.NO_SIGNAL:
+        reason = Reason.TOO_LITTLE_TEXTURE
     else:
-        before, after = tiles.sum(axis=(1, 2)).tolist()
-        reason = verdict_on_count(before, after, signal=status is not Status.NO_SIGNAL)
+        reason = Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
     found = _solution(case, settings, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
     return replace(found, status=status, message=message)
 
@@ -70,7 +71,6 @@ def solution_of_assessment(
     assessment = without_mismatch(case, assessment)
     estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
     rows = row_residuals(case.chart, found, candidate)
-    errors = row_errors(rows)
     last = max(number for number, stage in enumerate(stages) if stage.found is not None)
     return _solution(
         case,
@@ -82,10 +82,10 @@ def solution_of_assessment(
         replace(cost, judging=cost.judging + assessment.matching_cost),
         began,
         excluded=assessment.excluded,
-        row_errors=errors,
+        row_errors=rows.errors,
         uncertainty=uncertainty_of(estimated, candidate, case.without_intrinsics.chart),
         misfit=misfit(rows, late=estimated.is_late),
-        intrinsics=_intrinsics(case, assessment, errors) if assessment.reason.accepted else None,
+        intrinsics=_intrinsics(case, assessment, rows.errors) if assessment.reason.accepted else None,
         estimate=estimated,
         decision=assessment.decision,
         seen=assessment.seen,
@@ -99,7 +99,7 @@ def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrin
         return None
     estimated, found, theta = assessment.estimate, assessment.found, assessment.decision.theta
     extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
-    held = row_errors(row_residuals(case.of_extrinsics.chart, found, extrinsics_alone))
+    held = row_residuals(case.of_extrinsics.chart, found, extrinsics_alone).errors
     return intrinsics_of(
         estimated,
         theta,
@@ -165,7 +165,7 @@ def _solution(
         selected=case.selected,
         left_out=() if disagree else names,
         disagreeing=names if disagree else (),
-        ranges=ranges_seen(len(case.ranges), matched_ranges, case.rig, candidate, reason),
+        ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),
         estimate=estimate,
         prior_use=case.prior_use,
         **findings,
