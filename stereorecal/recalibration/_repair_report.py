@@ -1,6 +1,6 @@
 """A solution as the plain data of its page."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ def report_of(
     """All that the page about a solution shows.
 
     Args:
-        pairs: those that were repaired, in their order.
+        pairs: those that were given, in their order.
         command: that repeats it, if it was one.
         settings: what else is needed to run it again.
         absent: frames that did not come to the repair, and why.
@@ -46,15 +46,17 @@ def report_of(
     Raises:
         InputError: if the pairs are not those of the solution.
     """
-    if not pairs or max(solution.used, default=0) >= len(pairs):
+    numbers = solution.used if solution.selected is None else solution.selected
+    if not pairs or max(numbers, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+    matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
     found, rows, frame, way = solution.found, None, 0, None
     remarks = {fact.about: fact.sentence for fact in facts_of(solution)}
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
-    pair = pairs[solution.used[frame] if solution.used else 0]
+    pair = matched[solution.used[frame] if solution.used else 0]
     expected = solution.expected
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
@@ -76,7 +78,10 @@ def report_of(
         depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
-        frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],
+        frames=[
+            *_frames(solution, matched),
+            *((what, "not used", why) for what, why in (*absent, *_not_matched(solution, len(pairs)))),
+        ],
         remarks=[remarks[about] for about in _REMARKS if remarks.get(about)] if telling else (),
         command=command,
         settings={**_settings_and_outcome(solution), **settings},
@@ -133,6 +138,17 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
         else:
             found.append((pair.name, "used", ""))
     return found
+
+
+def _not_matched(solution: AbstractResult, given: int) -> Iterator[tuple[str, str]]:
+    """How many of the pairs that were given were not matched, and why."""
+    if solution.selected is None:
+        return
+    dropped = 0 if solution.prior_use is None else solution.prior_use.dropped
+    if dropped:
+        yield f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"
+    if rest := given - len(solution.selected) - dropped:
+        yield f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"
 
 
 def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:

@@ -5,14 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import extra
 from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recordings import Pairs, as_pairs
-
-_OTHERS = "others show more texture"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,17 +83,7 @@ class Solution(AbstractResult):
         with extra("figures", "an HTML page"):
             from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_page import repair_page
-        every, selected = as_pairs(pairs), self.selected
-        if selected is not None:
-            if not every or max(selected) >= len(every):
-                raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
-            dropped = 0 if self.prior_use is None else self.prior_use.dropped
-            if dropped:
-                absent = (*absent, (f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"))
-            if rest := len(every) - len(selected) - dropped:
-                absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", _OTHERS))
-            every = tuple(every[number] for number in selected)
-        page = repair_page(report_of(self, every, name, command, settings or {}, absent))
+        page = repair_page(report_of(self, as_pairs(pairs), name, command, settings or {}, absent))
         write_text(path, page, replace=overwrite)
 
     def __str__(self) -> str:
