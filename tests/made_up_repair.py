@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal.report.repair_report import Axis, Climb, Conclusion, Depth, Intrinsic, RepairReport, Rows, Sight
+from stereorecal.report.repair_report import Change, Climb, Conclusion, Depth, RepairReport, Rows, Sight
 
 EVIL = "<script>alert('x')</script>"
 
@@ -60,8 +60,8 @@ def made_up(
         "expected_said": "epipolar error (RMS) 0.07 px over the view; depth at 10 B -4 %"
         if measured and healthy
         else None,
-        "axes": [Axis("pitch", "°", 0.1, 0.8, 0.002, True), Axis("z", "mm", 1.0, 1.0, None, False)],
-        "intrinsics": [Intrinsic("left", "focal length", "px", 2, 500.0, 501.25, 0.75, True)],
+        "axes": [Change("pitch", "°", 0.1, 0.8, 0.002, True), Change("z", "mm", 1.0, 1.0, None, False)],
+        "intrinsics": [("left", Change("focal length", "px", 500.0, 1.25, 0.75, True, 2))],
         "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)] if healthy else [],
         "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
         "way": Climb("median row error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,

@@ -227,7 +227,7 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
         return
     if len(repairs) > 1:
         console = table_console()
-        console.print(repairs_table([repair.as_row() for repair in repairs], console.width))
+        console.print(repairs_table([repair.as_dict(expected=False) for repair in repairs], console.width))
         shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
         for line in dict.fromkeys(map(str, shared)):  # each once
             print_lines(line)
@@ -241,7 +241,7 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
         if fault in faults:
             return code
     solutions = [repair.solution for repair in repairs if repair.solution]
-    if any(one.findings.mismatch for one in solutions):
+    if any(one.mismatch for one in solutions):
         return WRONG_INPUT
     reasons = {one.reason for one in solutions}
     wrong = {reason for reason in reasons if not reason.healthy}

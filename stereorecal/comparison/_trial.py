@@ -172,7 +172,7 @@ def _counts(task: Task, solution: Solution) -> tuple[int, int, int]:
     those that each of them left out."""
     pairs, how = task.judged.scene.pairs, {"matcher": task.judged.matcher, "view": solution.view}
     before, after = solution.score_before, solution.score_after
-    if len(solution.frames.used) < len(pairs):
+    if len(solution.used) < len(pairs):
         before, after = (score(rig, pairs, **how) for rig in (solution.initial, solution.candidate))
     final = after if solution.accepted else before
     return before.count, final.count, score(task.judged.reference, pairs, **how).count

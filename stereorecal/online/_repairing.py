@@ -59,7 +59,7 @@ def _depth_kept(solution: Solution) -> StereoRig:
         return solution.rig
     kept = estimate.with_free(EXTRINSICS, keep_depth=True)
     rows, of_kept = (float(np.median(estimate.losses(theta).even)) for theta in (decision.theta, kept))
-    return estimate.chart.rig_at(kept) if of_kept <= rows + solution.tolerances.rows_px else solution.rig
+    return estimate.chart.rig_at(kept) if of_kept <= rows + solution.settings.tolerances.rows_px else solution.rig
 
 
 def too_far(state: State) -> bool:

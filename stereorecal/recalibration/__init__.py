@@ -1,10 +1,10 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
 from stereorecal.decision import Reason as Reason
-from stereorecal.recalibration._acceptance import RowErrors as RowErrors
 from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
+from stereorecal.recalibration._expected import Interval as Interval
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
 from stereorecal.recalibration._health import (
@@ -13,7 +13,6 @@ from stereorecal.recalibration._health import (
     Health as Health,
     health as health,
 )
-from stereorecal.recalibration._interval import Interval as Interval
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
@@ -32,11 +31,6 @@ from stereorecal.recalibration._recalibrate import (
     recalibrate as recalibrate,
     recalibrate_case as recalibrate_case,
 )
-from stereorecal.recalibration._result import (
-    Findings as Findings,
-    FramesUsed as FramesUsed,
-    SearchRun as SearchRun,
-)
 from stereorecal.recalibration._rig_errors import (
     DISTANCES as DISTANCES,
     ROW_DISTANCES as ROW_DISTANCES,
@@ -44,7 +38,7 @@ from stereorecal.recalibration._rig_errors import (
     depth_errors as depth_errors,
     row_errors_of as row_errors_of,
 )
-from stereorecal.recalibration._row_residuals import RowResiduals as RowResiduals
+from stereorecal.recalibration._row_residuals import RowErrors as RowErrors, RowResiduals as RowResiduals
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,

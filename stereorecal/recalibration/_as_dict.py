@@ -59,7 +59,7 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
             "motion": motion_as_dict(solution.estimate) if solution.estimate and solution.estimate.windows else None,
             "view": solution.view.as_dict(),
             "decision": solution.decision and solution.decision.as_dict(),
-            "mismatch": solution.findings.mismatch and solution.findings.mismatch.as_dict(),
+            "mismatch": solution.mismatch and solution.mismatch.as_dict(),
             "prior": solution.prior_use and solution.prior_use.as_dict(),
             "num_disparities": solution.matcher.num_disparities,
             "stages": [_stage(stage) for stage in solution.stages],

@@ -8,14 +8,14 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
-from stereorecal.estimation import Estimate, estimate, rig_parameters
+from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
-from stereorecal.recalibration._ranges_of_case import matched_ranges
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import ScoreKind, Stage
 from stereorecal.recalibration._stages import StageRun, matched
 from stereorecal.recalibration._tile_counts import counts, share_lost
@@ -117,7 +117,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         late=estimated.is_late,
         misfit_px=max(estimated.misfit),
         lost=share_lost(tiles[:, used_frames]),
-        away=_away(case, candidate),
+        away=turned_by(case.rig, candidate, case.reach),
     )
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
@@ -145,21 +145,20 @@ def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
 
 def _seen(case: Case, found: Correspondences) -> Seen:
     quality = case.images.best_quality
-    places = np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
     return Seen(
         matches=found.found,
         covered=found.covered,
-        places=len(places),
+        places=len(places_of(found)),
         texture=quality.texture,
         enough=case.images.enough,
         problem=quality.problem if all(one.misleading for one in case.images.quality) else None,
     )
 
 
-def _away(case: Case, candidate: StereoRig) -> float:
-    """How far the candidate is turned in pitch and roll, which rows tell, in reaches."""
-    turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(case.rig.extrinsics))[[0, 2]]
-    return float(np.abs(turned).max() / case.reach.degrees)
+def turned_by(initial: StereoRig, candidate: StereoRig, reach: Reach) -> float:
+    """How far a candidate is turned in pitch and roll, which rows tell, in reaches."""
+    turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(initial.extrinsics))[[0, 2]]
+    return float(np.abs(turned).max() / reach.degrees)
 
 
 def _matched(case: Case, run: StageRun, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Correspondences:
@@ -182,13 +181,22 @@ def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estim
             case.rig,
             case.prior,
             start=start,
-            ranges=matched_ranges(case, first, end_rig, without),
+            ranges=_matched_ranges(case, first, end_rig, without),
             windows=without_frames(case, tracks, without),
             view=case.images.view,
         )
         return estimated.judged_by(case.tolerances.matters)
 
     return estimate_of
+
+
+def _matched_ranges(case: Case, found: Correspondences, end_rig: StereoRig, excluded: Sequence[int]) -> MatchedRanges:
+    """The ranges of a case that have a sure match beside correspondences, without those of some frames."""
+    away = [case.images.pairs[frame] for frame in excluded]
+    ranges = [one for one in case.ranges if not any(one.pair is pair for pair in away)]
+    if not ranges:
+        return NO_RANGES
+    return match_ranges(case.images.at(float(found.scale)), end_rig, case.matcher, case.images.pairs, ranges)
 
 
 def _without_other_rigs(

@@ -1,7 +1,7 @@
 """What those who use a calibration have to expect of it: the row error over the view, and errors of depth."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -10,12 +10,24 @@ from jaxtyping import Float
 from stereorecal._arrays import central_differences, json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
-from stereorecal.recalibration._interval import Interval
 from stereorecal.recalibration._rig_errors import STEP, row_errors_of
 from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
 _ROWS_AT = 10.0  # baselines
+
+
+@dataclass(frozen=True)
+class Interval:
+    """An estimate and the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+    def as_dict(self) -> dict[str, float]:
+        """Plain data for JSON."""
+        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,33 +4,31 @@ import enum
 from dataclasses import dataclass, replace
 from typing import Any, Unpack
 
-import numpy as np
-
 from stereorecal._arrays import json_data, refuse_tracers
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
 from stereorecal.estimation import check_prior, rig_parameters
-from stereorecal.geometry import StereoRig, View, checked_rig, with_unit_baseline
+from stereorecal.geometry import PINHOLE, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._as_dict import score_as_dict
 from stereorecal.recalibration._assessment import looked, without_mismatch
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._correction import Correction, correction_of
-from stereorecal.recalibration._ending import rows_at
-from stereorecal.recalibration._expected import depth_error_intervals
+from stereorecal.recalibration._correction import Correction
+from stereorecal.recalibration._expected import Interval
 from stereorecal.recalibration._frame_choice import selected_frames
-from stereorecal.recalibration._health_text import health_text
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
+from stereorecal.recalibration._row_residuals import row_residuals
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
+from stereorecal.report.number_text import change
 from stereorecal.scoring import ImageQuality, Pyramid, host, pyramid
 from stereorecal.scoring.host import Score, with_measured_range
 
+_ANGLES, _SHIFTS = ("pitch", "yaw", "roll"), ("y", "z")
 HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
 
 
@@ -97,16 +95,12 @@ class Health:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
-        if self.mismatch is not None:
-            return self.mismatch.verdict
-        if self.doubts and not self.healthy:
+        if self.mismatch is None and self.doubts and not self.healthy:
             return "Cannot tell: the calibration has values that hardly any rig has."
-        if self.reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
-            return f"Cannot tell: {self.shown.problem}."
-        if self.reason is Reason.NO_MATCHES:
+        if self.mismatch is None and self.reason is Reason.NO_MATCHES:
             return f"Repair it: {self.reason.value}."
         decision = None if self.correction is None else self.correction.decision
-        return verdict_of(self.reason, decision, self.pairs, repaired=False)
+        return verdict_of(self.reason, decision, self.pairs, self.mismatch, self.shown.problem, repaired=False)
 
     @property
     def advice(self) -> str:
@@ -141,8 +135,8 @@ class Health:
                 "axes": correction and (correction.main_axes if self.condition is Condition.REPAIR else ()),
                 "correction": correction
                 and {
-                    "rotation_deg": {name: correction.axes[name].as_dict() for name in ("pitch", "yaw", "roll")},
-                    "translation_percent": {name: correction.axes[name].as_dict() for name in ("y", "z")},
+                    "rotation_deg": {name: correction.axes[name].as_dict() for name in _ANGLES},
+                    "translation_percent": {name: correction.axes[name].as_dict() for name in _SHIFTS},
                     "row_error_px": correction.row_error,
                 },
                 "rows_apart_px": correction and correction.rows_px.as_dict(),
@@ -152,15 +146,33 @@ class Health:
         )
 
     def __str__(self) -> str:
-        return health_text(
-            f"{self.verdict}\n{self.advice}",
-            self.doubts,
-            self.score,
-            self.view,
-            self.covered,
-            self.row_error,
-            self.correction,
-        )
+        lines = [self.verdict, self.advice, *(f"check      {doubt}" for doubt in self.doubts)]
+        lines.append(f"matched    {self.score}")
+        if self.view is not None and self.view.projection != PINHOLE:
+            lines.append(f"view       {self.view}")
+        found = self.correction
+        if found is None:
+            sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
+            return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
+        rows, axes = found.rows_px, found.axes
+        angles = ", ".join(f"{name} {_plus_minus(axes[name], 3)}" for name in _ANGLES)
+        shifts = ", ".join(f"{name} {_plus_minus(axes[name], 2)}" for name in _SHIFTS)
+        depth = "; ".join(f"{_range(error)} at {distance} B" for distance, error in found.depth_percent.items())
+        lines += [
+            f"row error  {self.row_error:.2f} px; {found.row_error:.2f} px if corrected",
+            f"correction {angles} deg; {shifts} % of the baseline",
+            f"systematic {rows.value:.2f} px where the images show something ({rows.low:.2f} to {rows.high:.2f} px)",
+            f"depth      {depth}",
+        ]
+        return "\n".join(lines)
+
+
+def _plus_minus(found: Interval, digits: int) -> str:
+    return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
+
+
+def _range(error: Interval) -> str:
+    return f"{change(error.value, 'far')} ({change(error.low, 'far')} to {change(error.high, 'far')})"
 
 
 def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Health:
@@ -194,15 +206,12 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
     look = looked(case, settings.schedule.stages[-1])
     assert look is not None  # the default schedule ends on matches
     run, assessment = look
-    assessment = None if assessment is None else without_mismatch(case, assessment)
-    score = _score(images, case.matcher)
-    few = Seen(enough=images.enough)
-    reason = reason_of(None, few) if assessment is None else assessment.reason
-    found = Health(
-        score=score,
+    covered = 0.0 if run.found is None else run.found.covered
+    nothing = Health(
+        score=_score(images, matcher),
         row_error=float("nan"),
-        reason=reason,
-        covered=run.found.covered if run.found is not None else 0.0,
+        reason=reason_of(None, Seen(enough=images.enough)),
+        covered=covered,
         shown=images.best_quality,
         correction=None,
         doubts=doubtful,
@@ -210,16 +219,16 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         pairs=len(images.pairs),
     )
     if assessment is None:
-        return replace(found, mismatch=mismatch_of(images, matcher, found.covered))
-    found = replace(found, mismatch=assessment.mismatch)
-    if reason is Reason.FRAMES_DISAGREE:
-        return replace(found, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
-    if reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):
-        return found
-    rows, estimated = row_errors(rows_at(case, assessment.found, assessment.candidate)), assessment.estimate
-    depth = depth_error_intervals(estimated, np.zeros(len(estimated.names)))
-    correction = correction_of(estimated, assessment.decision, depth, rows.after)
-    return replace(found, row_error=rows.before, covered=assessment.seen.covered, correction=correction)
+        return replace(nothing, mismatch=mismatch_of(images, matcher, covered))
+    assessment = without_mismatch(case, assessment)
+    nothing = replace(nothing, reason=assessment.reason, mismatch=assessment.mismatch)
+    if assessment.reason is Reason.FRAMES_DISAGREE:
+        return replace(nothing, disagreeing=tuple(images.pairs[frame].name for frame in assessment.excluded))
+    if assessment.reason in (Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES):
+        return nothing
+    rows = row_residuals(case.chart, assessment.found, assessment.candidate).errors
+    correction = Correction(assessment.estimate, assessment.decision, rows.after)
+    return replace(nothing, row_error=rows.before, covered=assessment.seen.covered, correction=correction)
 
 
 def _score(images: Pyramid, matcher: AbstractMatcher) -> Score:

@@ -23,9 +23,10 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Parameters, row_chart
+from stereorecal.recalibration._assessment import turned_by
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, row_residuals
+from stereorecal.recalibration._row_residuals import RowResiduals, places_of, row_residuals
 from stereorecal.recalibration._tile_counts import share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED
 from stereorecal.recalibration._worker_tasks import matched, range_matches
@@ -59,24 +60,22 @@ class JointEstimate:
         """What is left at a θ of an estimate, and under the initial rig."""
         repair, estimated = self.recordings[at].repair, self.estimates[at]
         chart = row_chart(repair.initial, repair.settings.reach, self.free)
-        candidate = chart.coordinates_of(estimated.chart.rig_at(theta))
-        return row_residuals(chart, self.estimated_from[at].found, candidate)
+        return row_residuals(chart, self.estimated_from[at].found, estimated.chart.rig_at(theta))
 
     def reason(self, at: int, tiles: Int[np.ndarray, "2 k tiles"]) -> Reason:
         """What is said of the rig of an estimate; its tiles have these counts before and after."""
         estimated, found = self.estimates[at], self.estimated_from[at].found
         repair, candidate = self.recordings[at].repair, self.rig(at)
-        turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(repair.initial.extrinsics))[[0, 2]]
         seen = replace(
-            repair.findings.seen or Seen(),
+            repair.seen or Seen(),
             matches=found.found,
             covered=found.covered,
-            places=len(np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)),
+            places=len(places_of(found)),
             frames_disagree=len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight),
             late=estimated.is_late,
             misfit_px=max(estimated.misfit),
             lost=share_lost(tiles),
-            away=float(np.abs(turned).max() / repair.settings.reach.degrees),
+            away=turned_by(repair.initial, candidate, repair.settings.reach),
         )
         return reason_of(self.decisions[at], seen)
 
@@ -95,7 +94,7 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
     for r, prior, some in zip(recordings, priors, ranges, strict=True):
         start = _start(r, r.repair.candidate)
         estimated_from.append(Recording(r.found, r.repair.initial, prior, start, some, r.windows, r.repair.view))
-    tolerances = recordings[0].repair.tolerances
+    tolerances = recordings[0].repair.settings.tolerances
     estimates = _estimates(estimated_from, tolerances, each)
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]

@@ -50,15 +50,12 @@ class Repair:
     fault: Fault | None = None
     traceback: str | None = field(default=None, repr=False)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Plain data for JSON; what is missing is None."""
-        return self._as_dict(expected=True)
+    def as_dict(self, *, expected: bool = True) -> dict[str, Any]:
+        """Plain data for JSON; what is missing is None.
 
-    def as_row(self) -> dict[str, Any]:
-        """The same for a table, which does not show what to expect: that takes a while for many recordings."""
-        return self._as_dict(expected=False)
-
-    def _as_dict(self, *, expected: bool) -> dict[str, Any]:
+        Args:
+            expected: whether to say what to expect, which takes a while for many recordings.
+        """
         found = {} if self.solution is None else self.solution.to_dict(expected=expected)
         return {"scene": self.name, "error": self.error, "fault": self.fault and self.fault.name.lower(), **found}
 
@@ -217,7 +214,7 @@ def _repaired_together(
 
 def _selected_pairs(pairs: Sequence[Pair], solution: Solution) -> tuple[Pair, ...]:
     """The pairs that the repair looked at."""
-    return tuple(pairs if solution.frames.selected is None else (pairs[number] for number in solution.frames.selected))
+    return tuple(pairs if solution.selected is None else (pairs[number] for number in solution.selected))
 
 
 def _repaired_or_fault(scene: Scene, options: Mapping[str, Any]) -> Repair:

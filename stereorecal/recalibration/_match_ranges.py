@@ -33,6 +33,17 @@ class RangesSeen:
     contradict: int
     refused: Reason | None = None
 
+    @classmethod
+    def of(
+        cls, given: int, matched: MatchedRanges, initial: StereoRig, candidate: StereoRig, reason: Reason
+    ) -> "RangesSeen | None":
+        """What became of so many ranges; None if there were none."""
+        if not given:
+            return None
+        used = candidate if reason.accepted else initial
+        refused = None if reason.accepted or not matched.fit_better(initial, candidate) else reason
+        return cls(given, len(matched.metres), int(matched.contradict(used).sum()), refused)
+
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         refused = self.refused and self.refused.name.lower()

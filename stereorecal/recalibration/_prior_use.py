@@ -134,13 +134,13 @@ def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:
 
 
 def known_after(
-    use: PriorUse, estimated: Estimate | None, initial: StereoRig, rig: StereoRig, used: Sequence[int], *, good: bool
+    use: PriorUse, estimated: Estimate | None, initial: StereoRig, rig: StereoRig, used: Sequence[str], *, good: bool
 ) -> SavedPrior | None:
     """What is known of the rig to use; None: no more than of any calibration.
 
     Args:
         estimated: None where nothing was found.
-        used: numbers of the pairs that it rests on.
+        used: fingerprints of the pairs that it rests on.
         good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
     """
     rows_alone = estimated is None or is_exact(use.prior)
@@ -149,7 +149,7 @@ def known_after(
     if estimated is None or rows_alone:
         return SavedPrior(rig, None)
     before = _before(use, initial)
-    images = (*before.images, *(use.images[number] for number in used), *use.other_images)
+    images = (*before.images, *used, *use.other_images)
     known = recentred_posterior(estimated.posterior, estimated.chart.coordinates_of(rig))
     return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
 

@@ -8,13 +8,12 @@ from stereorecal._arrays import refuse_tracers
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recalibration._assessment import looked
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._ending import ending_of_assessment, ending_of_search
 from stereorecal.recalibration._prepared_case import prepared, what_may_change
 from stereorecal.recalibration._search import run_schedule
 from stereorecal.recalibration._search_start import started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solution_of import solution_of
+from stereorecal.recalibration._solution_of import solution_of_assessment, solution_of_search
 from stereorecal.recordings import Pairs
 
 
@@ -63,9 +62,7 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
         run, assessment = look
         cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
-            ending = ending_of_assessment(to_decide, assessment)
-            return solution_of(to_decide, settings, (replace(run, matching_cost=0.0),), ending, cost, began)
+            run = replace(run, matching_cost=0.0)
+            return solution_of_assessment(to_decide, settings, (run,), assessment, cost, began)
     case, stages = run_schedule(case, settings, start, began)
-    to_decide = case.with_free(settings.free)
-    ending = ending_of_search(to_decide, settings.schedule, stages)
-    return solution_of(to_decide, settings, stages, ending, cost, began)
+    return solution_of_search(case.with_free(settings.free), settings, stages, cost, began)

@@ -1,6 +1,6 @@
 """A solution as the plain data of its page."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,23 +10,20 @@ from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig
-from stereorecal.recalibration._intrinsics_table import intrinsics_table
-from stereorecal.recalibration._motion_report import motion_text, odometer_text
-from stereorecal.recalibration._regional_misfit import WORTH_SAYING
-from stereorecal.recalibration._repair_text import EPIPOLAR_ERROR_LEFT, axes_of
+from stereorecal.recalibration._facts import changed_axes, changed_intrinsics, facts_of
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
-from stereorecal.recalibration._settings_text import matcher_as_text, origins_of, settings_as_text
+from stereorecal.recalibration._settings_text import matcher_as_text, settings_as_text
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pair
-from stereorecal.report.number_text import count, number, percent
+from stereorecal.report.number_text import count, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
-from stereorecal.report.short_list import short_list
 from stereorecal.scoring.host import disparity, rectify
-from stereorecal.strategies import name_of
+from stereorecal.strategies import name_of, origin_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
+_REMARKS = ("left out", "misfit", "undetermined", "intrinsics", "ranges", "motion", "odometer", "error left")
 _SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
@@ -41,7 +38,7 @@ def report_of(
     """All that the page about a solution shows.
 
     Args:
-        pairs: those that were repaired, in their order.
+        pairs: those that were given, in their order.
         command: that repeats it, if it was one.
         settings: what else is needed to run it again.
         absent: frames that did not come to the repair, and why.
@@ -49,14 +46,17 @@ def report_of(
     Raises:
         InputError: if the pairs are not those of the solution.
     """
-    if not pairs or max(solution.frames.used, default=0) >= len(pairs):
+    numbers = solution.used if solution.selected is None else solution.selected
+    if not pairs or max(numbers, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
+    matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
     found, rows, frame, way = solution.found, None, 0, None
+    remarks = {fact.about: fact.sentence for fact in facts_of(solution)}
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
-    pair = pairs[solution.frames.used[frame] if solution.frames.used else 0]
+    pair = matched[solution.used[frame] if solution.used else 0]
     expected = solution.expected
     after = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
@@ -73,13 +73,16 @@ def report_of(
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
         expected_said=expected and str(expected),
-        axes=axes_of(solution) if telling else (),
-        intrinsics=intrinsics_table(solution.intrinsics, solution.initial, solution.candidate) if telling else (),
+        axes=changed_axes(solution) if telling else (),
+        intrinsics=changed_intrinsics(solution) if telling else (),
         depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
         climbs=climbs_of(solution.stages),
         way=way,
-        frames=[*_frames(solution, pairs), *((frame, "not used", why) for frame, why in absent)],
-        remarks=_remarks(solution) if telling else (),
+        frames=[
+            *_frames(solution, matched),
+            *((what, "not used", why) for what, why in (*absent, *_not_matched(solution, len(pairs)))),
+        ],
+        remarks=[remarks[about] for about in _REMARKS if remarks.get(about)] if telling else (),
         command=command,
         settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),
@@ -128,7 +131,7 @@ def _depths(solution: AbstractResult) -> list[Depth]:
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
     found = []
     for index, pair in enumerate(pairs):
-        if index not in solution.frames.used:
+        if index not in solution.used:
             found.append((pair.name, "left out", "it shows another rig than the others"))
         elif pair.name in solution.disagreeing:
             found.append((pair.name, "used", "it shows another rig than others"))
@@ -137,39 +140,21 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
     return found
 
 
-def _remarks(solution: AbstractResult) -> list[str]:
-    known, misfit, intrinsics = solution.uncertainty, solution.misfit, solution.intrinsics
-    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken"
-    remarks = []
-    if solution.left_out:
-        out = len(solution.left_out)
-        remarks.append(f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below.")
-    if misfit is not None and (solution.reason is Reason.MISFIT or misfit.high > WORTH_SAYING):
-        remarks.append(
-            f"{whose}: a tenth of the regions are off by more than {number(misfit.high, 2)} px; {misfit.cause.value}."
-        )
-    if known is not None and known.undetermined:
-        open_ = short_list(known.undetermined, "; ")
-        remarks.append(
-            f"Not determined by these images: {open_}. Their values are mostly assumed: that they changed little."
-        )
-    if intrinsics is not None:
-        sentence = str(intrinsics).splitlines()[0]
-        remarks.append(f"{sentence[:1].upper()}{sentence[1:]}.")
-    if solution.ranges is not None:
-        remarks.append(f"Of the ranges {solution.ranges}.")
-    if solution.estimate is not None and solution.estimate.windows:
-        remarks.append(f"Motion: {motion_text(solution.estimate)}.")
-    if solution.estimate is not None and solution.settings.odometer is not None:
-        remarks.append(f"Odometer: {odometer_text(solution.estimate)}.")
-    if solution.leaves_epipolar_error:
-        remarks.append(f"{EPIPOLAR_ERROR_LEFT[:1].upper()}{EPIPOLAR_ERROR_LEFT[1:]}.")
-    return remarks
+def _not_matched(solution: AbstractResult, given: int) -> Iterator[tuple[str, str]]:
+    """How many of the pairs that were given were not matched, and why."""
+    if solution.selected is None:
+        return
+    dropped = 0 if solution.prior_use is None else solution.prior_use.dropped
+    if dropped:
+        yield f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"
+    if rest := given - len(solution.selected) - dropped:
+        yield f"{rest} other {'pair' if rest == 1 else 'pairs'}", "others show more texture"
 
 
 def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     settings = solution.settings
+    origins = sorted({origin_of(stage.strategy) for stage in settings.schedule.stages})
     stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
     return json_data(
         {
@@ -179,7 +164,7 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
             "matcher, with the range that was measured": matcher_as_text(solution.matcher),
             "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",
-            "versions": {**versions(), "plug-ins": ", ".join(origins_of(settings))},
+            "versions": {**versions(), "plug-ins": ", ".join(origins)},
         }
     )
 

@@ -37,13 +37,13 @@ class RepairedRecording:
     @property
     def kept(self) -> tuple[Pair, ...]:
         """The pairs that it rests on."""
-        return tuple(self.pairs[index] for index in self.repair.frames.used)
+        return tuple(self.pairs[index] for index in self.repair.used)
 
     @property
     def windows(self) -> Windows:
         """Of the kept pairs that follow each other, numbered as these."""
         estimate = self.repair.estimate
-        return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.frames.used)
+        return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.used)
 
     def usable(self, *, intrinsics_free: bool) -> bool:
         """Whether it can take part. Frames may disagree by intrinsics that are free; that is judged at the end."""

@@ -9,10 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart, differences_at
 from stereorecal.scoring import TILES, Correspondences
 
 TILES_OF_A_FRAME = TILES[0] * TILES[1]
+
+
+@dataclass(frozen=True, eq=False)
+class RowErrors:
+    """|Row difference| of the correspondences, pixels at full size: the mean over the tiles of a tile's median.
+
+    Attributes:
+        before: under the initial calibration.
+        after: under the candidate.
+        significance: of the gain, in standard errors over the places of tiles in the frames.
+    """
+
+    before: float
+    after: float
+    significance: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,10 +70,24 @@ class RowResiduals:
         places, where = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
         return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
 
+    @property
+    def errors(self) -> RowErrors:
+        """The row errors of what each tile shows, before and after."""
+        before, after = self.medians(self.start_residual), self.medians(self.residual)
+        gain = self.by_place(before - after)
+        error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
+        return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
 
-def row_residuals(chart: RigChart, found: Correspondences, z: Float[np.ndarray, "n"]) -> RowResiduals:
-    """What correspondences say of the rig at a point of the box."""
-    valid, scale = np.asarray(found.weight) > 0, float(found.scale)
+
+def places_of(found: Correspondences) -> Int[np.ndarray, "p"]:
+    """The places of a frame at which correspondences show something, in any frame."""
+    return np.unique(np.asarray(found.tile)[np.asarray(found.weight) > 0] % TILES_OF_A_FRAME)
+
+
+def row_residuals(chart: RigChart, found: Correspondences, candidate: StereoRig) -> RowResiduals:
+    """Row differences of correspondences, under the initial calibration, which the box is centred on, and a
+    candidate."""
+    valid, scale, z = np.asarray(found.weight) > 0, float(found.scale), chart.coordinates_of(candidate)
     after, before = (differences_at(found, chart, at)[valid] / scale for at in (z, np.zeros_like(z)))
     return RowResiduals(
         residual=after,

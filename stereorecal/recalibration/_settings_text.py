@@ -6,7 +6,7 @@ from typing import Any
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._schedule import Stage
 from stereorecal.recalibration._settings import Settings
-from stereorecal.strategies import name_of, origin_of
+from stereorecal.strategies import name_of
 
 _UNLIMITED = "no limit"
 
@@ -26,11 +26,6 @@ def settings_as_text(settings: Settings) -> dict[str, Any]:
         "seed": settings.seed,
         "tolerances": ", ".join(f"{name} {value}" for name, value in asdict(settings.tolerances).items()),
     }
-
-
-def origins_of(settings: Settings) -> list[str]:
-    """Distributions of the strategies, each with its version."""
-    return sorted({origin_of(stage.strategy) for stage in settings.schedule.stages})
 
 
 def matcher_as_text(matcher: AbstractMatcher) -> str:

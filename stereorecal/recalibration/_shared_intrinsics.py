@@ -7,17 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal.decision import Reason
-from stereorecal.estimation import NO_RANGES, Each, with_free_together
+from stereorecal.estimation import Each, with_free_together
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters, row_chart
-from stereorecal.recalibration._acceptance import row_errors
 from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recalibration._joint_estimate import JointEstimate, joint_estimate
 from stereorecal.recalibration._match_ranges import RangesSeen
-from stereorecal.recalibration._ranges_of_case import ranges_seen
 from stereorecal.recalibration._regional_misfit import misfit
 from stereorecal.recalibration._repaired_recording import RepairedRecording
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, places_of
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.recalibration._worker_tasks import counted
@@ -41,14 +39,12 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
         intrinsics = _intrinsics(solved, answers)
         if not intrinsics.taken:
             solutions = _with_intrinsics_held(recordings, free, each)
-            return tuple(solution.with_findings(intrinsics=intrinsics) for solution in solutions)
+            return tuple(replace(solution, intrinsics=intrinsics) for solution in solutions)
     results = iter(_solutions(solved, answers, intrinsics))
     return tuple(
         next(results)
         if r.usable(intrinsics_free=intrinsics_free)
-        else r.repair.with_findings(
-            intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r)
-        )
+        else replace(r.repair, intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r))
         for r in recordings
     )
 
@@ -77,24 +73,18 @@ def _answers(solved: JointEstimate, each: Each) -> list[Solution]:
         repair, reason = recording.repair, solved.reason(index, tiles)
         estimated, decision = solved.estimates[index], solved.decisions[index]
         rows = solved.rows(index, decision.theta)
-        disagreeing = repair.frames.disagreeing if reason is Reason.FRAMES_DISAGREE else ()
-        findings = replace(
-            repair.findings,
-            score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
-            row_errors=row_errors(rows),
-            misfit=misfit(rows, late=estimated.is_late),
-            uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
-            estimate=estimated,
-            decision=decision,
-            matched_ranges=estimated.matched_ranges,
-            ranges=_range_report(solved, index, rig, reason),
-        )
         solution = replace(
             repair,
             candidate=rig,
             reason=reason,
-            findings=findings,
-            frames=replace(repair.frames, disagreeing=disagreeing),
+            score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
+            row_errors=rows.errors,
+            misfit=misfit(rows, late=estimated.is_late),
+            uncertainty=uncertainty_of(estimated, rig, row_chart(repair.initial, repair.settings.reach, solved.free)),
+            estimate=estimated,
+            decision=decision,
+            ranges=_range_report(solved, index, rig, reason),
+            disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
             settings=replace(repair.settings, free=solved.free),
             prior_use=repair.prior_use and replace(repair.prior_use, other_images=_images_of_others(recordings, index)),
         )
@@ -115,12 +105,10 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsic
     held = with_free_together(solved.estimates, _held(free).names)
     outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
     fixed, freed = (
-        float(np.mean([row_errors(solved.rows(at, theta)).after for at, theta in enumerate(thetas)]))
+        float(np.mean([solved.rows(at, theta).errors.after for at, theta in enumerate(thetas)]))
         for thetas in (held, [one.theta for one in decisions])
     )
-    tiles = [
-        np.asarray(one.found.tile)[np.asarray(one.found.weight) > 0] % TILES_OF_A_FRAME for one in solved.estimated_from
-    ]
+    places = np.unique(np.concatenate([places_of(one.found) for one in solved.estimated_from]))
     expected = [
         estimated.row_error_px(one.theta)[10][0] for estimated, one in zip(solved.estimates, decisions, strict=True)
     ]
@@ -131,7 +119,7 @@ def _intrinsics(solved: JointEstimate, answers: Sequence[Solution]) -> Intrinsic
         outcome,
         fixed_px=fixed,
         freed_px=freed,
-        shown=len(np.unique(np.concatenate(tiles))) / TILES_OF_A_FRAME,
+        shown=len(places) / TILES_OF_A_FRAME,
         expected_px=min(expected),
         refused=answers[0].reason if outcome is IntrinsicsOutcome.REFUSED else None,
     )
@@ -147,15 +135,14 @@ def _solutions(solved: JointEstimate, answers: Sequence[Solution], intrinsics: I
     found = []
     for index, answer in enumerate(answers):
         if answer.accepted or not solved.free.shared:
-            found.append(answer.with_findings(intrinsics=intrinsics))
+            found.append(replace(answer, intrinsics=intrinsics))
             continue
         own = solved.recordings[index].repair
         scaled = baseline_measured and own.reason.healthy and not solved.ranges[index]
         own = _scaled(own, answer) if scaled else own
         of_ranges = _range_report(solved, index, own.rig, answer.reason)
-        matched_ranges = NO_RANGES if of_ranges is None else answer.findings.matched_ranges
         own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
-        found.append(own.with_findings(intrinsics=own_intrinsics, ranges=of_ranges, matched_ranges=matched_ranges))
+        found.append(replace(own, intrinsics=own_intrinsics, ranges=of_ranges))
     return found
 
 
@@ -165,7 +152,9 @@ def _scaled(solution: Solution, found: Solution) -> Solution:
     extrinsics = np.array(solution.rig.extrinsics, float)
     extrinsics[3:] *= _length(found.candidate) / _length(found.initial)
     return replace(
-        solution.with_findings(uncertainty=found.uncertainty, estimate=found.estimate),
+        solution,
+        uncertainty=found.uncertainty,
+        estimate=found.estimate,
         candidate=solution.rig.with_extrinsics(extrinsics),
         reason=Reason.IMPROVED,
         settings=replace(solution.settings, free=found.settings.free),
@@ -179,14 +168,14 @@ def _length(rig: StereoRig) -> float:
 def _range_report(solved: JointEstimate, index: int, used: StereoRig, reason: Reason) -> RangesSeen | None:
     """What became of the ranges of a recording, with the rig to use."""
     estimated, found, given = solved.estimates[index], solved.rig(index), len(solved.recordings[index].ranges)
-    report = ranges_seen(given, estimated.matched_ranges, estimated.chart.rig, found, reason)
+    report = RangesSeen.of(given, estimated.matched_ranges, estimated.chart.rig, found, reason)
     return report and replace(report, contradict=int(estimated.matched_ranges.contradict(used).sum()))
 
 
 def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
     """The repair of a recording where nothing that is shared could be solved for."""
     intrinsics = _not_solved(recording.repair, free) if free.intrinsics else None
-    return recording.repair.with_findings(intrinsics=intrinsics, ranges=_unmatched(recording))
+    return replace(recording.repair, intrinsics=intrinsics, ranges=_unmatched(recording))
 
 
 def _unmatched(recording: RepairedRecording) -> RangesSeen | None:

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._ending import ending_of_search
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._search_start import started
 from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solution_of import solution_of
+from stereorecal.recalibration._solution_of import solution_of_search
 from stereorecal.recalibration._stages import run_stage
 from stereorecal.strategies import Budget
 
@@ -50,7 +49,7 @@ def next_slice(case: Case, schedule: Schedule, at: Progress) -> Progress | Solut
     last = replace(schedule, stages=(stage,))
     settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach})
     settings = replace(settings, free=case.free, tolerances=case.tolerances)
-    return solution_of(case, settings, (done,), ending_of_search(case, last, (done,)), Cost(), began)
+    return solution_of_search(case, settings, (done,), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

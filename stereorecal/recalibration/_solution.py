@@ -5,15 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import extra
 from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._repair_text import text_of
+from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recordings import Pairs, as_pairs
-from stereorecal.report.repair_text import repair_text
-
-_OTHERS = "others show more texture"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +22,27 @@ class Solution(AbstractResult):
         initial: the calibration that the repair started from.
         candidate: the best calibration found, accepted or not.
         reason: the verdict on the candidate.
-        findings: what the images say.
-        frames: which pairs it rests on.
-        search: how it was searched.
+        score_before, score_after: of the initial calibration and of the candidate, at full scale, over the pairs that
+            were kept.
+        used: numbers of the pairs that the candidate rests on, among those that were matched.
+        view, matcher: with which everything was scored; the matcher carries its measured disparity range.
+        stages: what each stage of the schedule did.
+        status, message: how the search ended.
+        cost: units that the repair took, by what they were spent on; `cost.total` is all of it.
+        seconds: wall time.
         settings: with which it can be repeated; `free` is what could move in the calibration to use.
+        selected: numbers of the pairs that were matched; None: all of them.
+        left_out: names of the pairs that show another rig than the others; the candidate does without them.
+        disagreeing: the same where they are too many, and nothing is left out.
+        row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
+        uncertainty, misfit: of the candidate; None in the same cases.
+        intrinsics: what became of intrinsics that could move; None if none could, or nothing was repaired.
+        ranges: what became of ranges; None if there were none.
+        estimate: of all parameters of the rig; None where too little was found, or the count is all there is.
+        decision: on the initial calibration, by the estimate; None in the same cases.
+        seen: what the images show besides, that checks look at; None in the same cases.
+        mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
+            rig explains it.
         prior_use: the prior that it began with, and which pairs count.
     """
 
@@ -69,18 +83,8 @@ class Solution(AbstractResult):
         with extra("figures", "an HTML page"):
             from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_page import repair_page
-        every, selected = as_pairs(pairs), self.frames.selected
-        if selected is not None:
-            if not every or max(selected) >= len(every):
-                raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
-            dropped = 0 if self.prior_use is None else self.prior_use.dropped
-            if dropped:
-                absent = (*absent, (f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"))
-            if rest := len(every) - len(selected) - dropped:
-                absent = (*absent, (f"{rest} other {'pair' if rest == 1 else 'pairs'}", _OTHERS))
-            every = tuple(every[number] for number in selected)
-        page = repair_page(report_of(self, every, name, command, settings or {}, absent))
+        page = repair_page(report_of(self, as_pairs(pairs), name, command, settings or {}, absent))
         write_text(path, page, replace=overwrite)
 
     def __str__(self) -> str:
-        return repair_text(text_of(self))
+        return repair_text(self)

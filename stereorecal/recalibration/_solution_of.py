@@ -1,83 +1,172 @@
-"""What is told of a repair: from a judged candidate to the solution."""
+"""The solution that a look at the images, or the end of a search, comes to."""
 
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from jaxtyping import Int
 
-from stereorecal.decision import Reason
-from stereorecal.estimation import NO_RANGES
+from stereorecal.decision import Reason, Seen, reason_of
+from stereorecal.estimation import NO_RANGES, Estimate
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._assessment import Assessment, assessed, without_mismatch
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._ending import Ending
-from stereorecal.recalibration._ranges_of_case import ranges_seen
-from stereorecal.recalibration._result import Findings, FramesUsed, SearchRun
+from stereorecal.recalibration._freed_intrinsics import Intrinsics, IntrinsicsOutcome, intrinsics_of
+from stereorecal.recalibration._match_ranges import RangesSeen
+from stereorecal.recalibration._mismatch import mismatch_of
+from stereorecal.recalibration._regional_misfit import misfit
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors, row_residuals
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stages import StageRun
+from stereorecal.recalibration._stages import StageRun, last_matched
+from stereorecal.recalibration._tile_counts import counts
+from stereorecal.recalibration._uncertainty import uncertainty_of
 from stereorecal.scoring.host import Score
+from stereorecal.strategies import Status
 
 
-def solution_of(
-    case: Case, settings: Settings, stages: tuple[StageRun, ...], ending: Ending, cost: Cost, began: float
+def solution_of_search(
+    case: Case, settings: Settings, stages: tuple[StageRun, ...], cost: Cost, began: float
 ) -> Solution:
-    """The solution.
+    """The solution that the stages of a schedule come to, judged by matches, or, where there are none, by the count.
 
     Args:
-        case: what was judged; all that is free in it may move in the calibration to use.
+        case: with all that may change free, which then may move in the calibration to use.
+        stages: that were run: fewer than the schedule of the settings has where a budget ended.
         cost: of what came before the stages.
         began: when the clock was started.
     """
-    reason = ending.reason
-    if ending.found is not None:
-        last = max(number for number, stage in enumerate(stages) if stage.found is not None)
-        stages = tuple(replace(one, found=ending.found) if number == last else one for number, one in enumerate(stages))
-    frames, whole = len(case.images.pairs), case.images.at(1.0)
-    used = np.isin(np.arange(frames), ending.without, invert=True)
-    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
-    before, after = (Score(int(found.sum()), pixels) for found in ending.tiles[:, used])
-    excluded = tuple(case.images.pairs[frame].name for frame in ending.excluded)
+    runs = [run for stage in stages for run in stage.runs]
+    status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
+    cut = len(stages) < len(settings.schedule.stages) or any(stage.cut for stage in stages)
+    if cut:
+        status, message = Status.BUDGET, Status.BUDGET.value
+    end_rig = stages[-1].ended if stages else case.rig
+    run = last_matched(stages)
+    assessment = None if cut or run is None else assessed(case, run, end_rig)
+    if assessment is not None:
+        found = solution_of_assessment(case, settings, stages, assessment, cost, began)
+        return replace(found, status=status, message=message)
+    tiles, mismatch = counts(case, end_rig), None
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    if cut or run is not None:  # the count alone hardly sees a wrong yaw
+        reason = reason_of(None, Seen(enough=case.images.enough, cut=cut))
+        if not cut and run is not None and run.found is not None:
+            mismatch = mismatch_of(case.images, case.matcher, run.found.covered)
+    elif status is Status.NO_SIGNAL:
+        reason = Reason.TOO_LITTLE_TEXTURE
+    else:
+        reason = Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
+    found = _solution(case, settings, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
+    return replace(found, status=status, message=message)
+
+
+def solution_of_assessment(
+    case: Case, settings: Settings, stages: tuple[StageRun, ...], assessment: Assessment, cost: Cost, began: float
+) -> Solution:
+    """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
+    `solution_of_search`."""
+    assessment = without_mismatch(case, assessment)
+    estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
+    rows = row_residuals(case.chart, found, candidate)
+    last = max(number for number, stage in enumerate(stages) if stage.found is not None)
+    return _solution(
+        case,
+        settings,
+        tuple(replace(one, found=found) if number == last else one for number, one in enumerate(stages)),
+        candidate,
+        assessment.reason,
+        assessment.tiles,
+        replace(cost, judging=cost.judging + assessment.matching_cost),
+        began,
+        excluded=assessment.excluded,
+        row_errors=rows.errors,
+        uncertainty=uncertainty_of(estimated, candidate, case.without_intrinsics.chart),
+        misfit=misfit(rows, late=estimated.is_late),
+        intrinsics=_intrinsics(case, assessment, rows.errors) if assessment.reason.accepted else None,
+        estimate=estimated,
+        decision=assessment.decision,
+        seen=assessment.seen,
+        mismatch=assessment.mismatch,
+    )
+
+
+def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrinsics | None:
+    """What became of intrinsics, or the length of the baseline, that a repair changes; None if it may not."""
+    if not case.free.shared:
+        return None
+    estimated, found, theta = assessment.estimate, assessment.found, assessment.decision.theta
+    extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
+    held = row_residuals(case.of_extrinsics.chart, found, extrinsics_alone).errors
+    return intrinsics_of(
+        estimated,
+        theta,
+        case.free.shared,
+        IntrinsicsOutcome.REFINED,
+        fixed_px=held.after,
+        freed_px=errors.after,
+        shown=assessment.seen.places / TILES_OF_A_FRAME,
+        expected_px=estimated.row_error_px(theta)[10][0],
+    )
+
+
+def _solution(
+    case: Case,
+    settings: Settings,
+    stages: tuple[StageRun, ...],
+    candidate: StereoRig,
+    reason: Reason,
+    tiles: Int[np.ndarray, "2 k tiles"],
+    cost: Cost,
+    began: float,
+    *,
+    excluded: tuple[int, ...] = (),
+    estimate: Estimate | None = None,
+    **findings: Any,
+) -> Solution:
+    """The solution with a candidate, accepted or not.
+
+    Args:
+        tiles: counts at full scale of all frames, under the initial calibration and the candidate.
+        excluded: numbers of the frames that show another rig than the others; all of them count all the same where they
+            are too many to say which are wrong.
+        findings: what else is found, as `Solution` names it.
+    """
     disagree = reason is Reason.FRAMES_DISAGREE
-    matched_ranges = NO_RANGES if ending.estimate is None else ending.estimate.matched_ranges
+    frames, whole = len(case.images.pairs), case.images.at(1.0)
+    used = np.isin(np.arange(frames), () if disagree else excluded, invert=True)
+    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in tiles[:, used])
+    names = tuple(case.images.pairs[frame].name for frame in excluded)
+    matched_ranges = NO_RANGES if estimate is None else estimate.matched_ranges
     return Solution(
         initial=case.rig,
-        candidate=ending.candidate,
+        candidate=candidate,
         reason=reason,
-        findings=Findings(
-            score_before=before,
-            score_after=after,
-            row_errors=ending.row_errors,
-            uncertainty=ending.uncertainty,
-            misfit=ending.misfit,
-            intrinsics=ending.intrinsics,
-            ranges=ranges_seen(len(case.ranges), matched_ranges, case.rig, ending.candidate, reason),
-            matched_ranges=matched_ranges,
-            estimate=ending.estimate,
-            decision=ending.decision,
-            seen=ending.seen,
-            mismatch=ending.mismatch,
+        score_before=before,
+        score_after=after,
+        used=tuple(np.flatnonzero(used).tolist()),
+        view=case.images.view,
+        matcher=case.matcher,
+        stages=stages,
+        status=Status.CONVERGED,
+        message="one look at the images was enough",
+        cost=Cost(
+            survey=cost.survey + sum(stage.survey_cost for stage in stages),
+            starts=cost.starts,
+            search=sum(stage.search_cost for stage in stages),
+            correspondences=sum(stage.matching_cost for stage in stages),
+            judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
         ),
-        frames=FramesUsed(
-            selected=case.selected,
-            used=tuple(np.flatnonzero(used).tolist()),
-            left_out=() if disagree else excluded,
-            disagreeing=excluded if disagree else (),
-        ),
-        search=SearchRun(
-            view=case.images.view,
-            matcher=case.matcher,
-            stages=stages,
-            status=ending.status,
-            message=ending.message,
-            cost=Cost(
-                survey=cost.survey + sum(stage.survey_cost for stage in stages),
-                starts=cost.starts,
-                search=sum(stage.search_cost for stage in stages),
-                correspondences=sum(stage.matching_cost for stage in stages),
-                judging=sum(stage.judging_cost for stage in stages) + ending.judging_cost + 2 * whole.cost,
-            ),
-            seconds=time.perf_counter() - began,
-        ),
+        seconds=time.perf_counter() - began,
         settings=settings,
+        selected=case.selected,
+        left_out=() if disagree else names,
+        disagreeing=names if disagree else (),
+        ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),
+        estimate=estimate,
         prior_use=case.prior_use,
+        **findings,
     )

@@ -1,19 +1,34 @@
-"""The first two lines of what is said: a verdict, and what to do."""
+"""The first line of what is said of a repair, or of a look."""
 
 from stereorecal.decision import Decision, Reason
+from stereorecal.recalibration._mismatch import Mismatch
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
-def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaired: bool) -> str:
+def verdict_of(
+    reason: Reason,
+    decision: Decision | None,
+    pairs: int,
+    mismatch: Mismatch | None,
+    problem: str | None,
+    *,
+    repaired: bool,
+) -> str:
     """The verdict, in at most twelve words.
 
     Args:
         decision: None if nothing was decided.
         pairs: that were looked at.
+        mismatch: why these cannot be images of this rig, or None.
+        problem: why images of too little texture match elsewhere than their scene does, or None.
         repaired: by a repair, not a look.
     """
     begins = "Repaired" if repaired else "Repair it"
+    if mismatch is not None:
+        return mismatch.verdict
+    if reason is Reason.TOO_LITTLE_TEXTURE and problem is not None:
+        return f"Cannot tell: {problem}."
     if decision is None or reason is Reason.MORE_MATCHES:
         begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
         return f"{begins}: {reason.value}."
@@ -29,9 +44,3 @@ def verdict_of(reason: Reason, decision: Decision | None, pairs: int, *, repaire
         which = f"from {number} pair{'' if pairs == 1 else 's'}"
         return f"Cannot tell {which}: row error {before[1]:.2f} to {before[2]:.2f} px."
     return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
-
-
-def advice_of(reason: Reason, *, intrinsics_change: bool = False) -> str:
-    """What to do."""
-    note = " The intrinsics change too; to keep them, free the extrinsics alone (--free extrinsics)."
-    return reason.advice + (note if intrinsics_change else "")

@@ -65,7 +65,7 @@ class Climb:
 
 
 @dataclass(frozen=True)
-class Axis:
+class Change:
     """The change of a parameter.
 
     Attributes:
@@ -73,6 +73,7 @@ class Axis:
         before, change: values.
         half_width: of the 95 % interval of the change; None if it is not known.
         observed: whether the images determine it.
+        digits: with which it is written.
     """
 
     name: str
@@ -81,33 +82,12 @@ class Axis:
     change: float
     half_width: float | None
     observed: bool
+    digits: int = 3
 
     @property
     def after(self) -> float:
         """The value of the candidate."""
         return self.before + self.change
-
-
-@dataclass(frozen=True)
-class Intrinsic:
-    """The change of one intrinsic parameter of a camera.
-
-    Attributes:
-        camera, name, unit: as people write them.
-        digits: with which it is written.
-        before, after: values.
-        half_width: of the 95 % interval of the change.
-        observed: whether the images determine it.
-    """
-
-    camera: str
-    name: str
-    unit: str
-    digits: int
-    before: float
-    after: float
-    half_width: float
-    observed: bool
 
 
 @dataclass(frozen=True)
@@ -144,8 +124,8 @@ class RepairReport:
         expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
             the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
-        axes, intrinsics, depths: tables; empty where the candidate means nothing, or nothing was refined. No depths of
-            a calibration that is not known to be good.
+        axes, intrinsics, depths: tables, intrinsics with their camera; empty where the candidate means nothing, or
+            nothing was refined. No depths of a calibration that is not known to be good.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, whether it was used, and why not.
@@ -169,8 +149,8 @@ class RepairReport:
     misfit: Mapping[str, Any] | None
     expected: Float[np.ndarray, "h_e w_e"] | None
     expected_said: str | None
-    axes: Sequence[Axis]
-    intrinsics: Sequence[Intrinsic]
+    axes: Sequence[Change]
+    intrinsics: Sequence[tuple[str, Change]]
     depths: Sequence[Depth]
     climbs: Sequence[Climb]
     way: Climb | None

@@ -166,7 +166,8 @@ def expectations(rigs: int) -> None:
                 continue
             taken += bool(solution.intrinsics and solution.intrinsics.taken)
             told.append(came_true(solution))
-            widths.append([*(solution.expected.depth_percent[d].farthest for d in (10, 30)), solution.expected.rows_px])
+            depths = [solution.expected.depth_percent[distance] for distance in (10, 30)]
+            widths.append([*(max(abs(one.low), abs(one.high)) for one in depths), solution.expected.rows_px])
             print(name, seed, solution.reason.name, np.round(told[-1], 2), np.round(widths[-1], 2), flush=True)
         every += told
         share, wide = 100 * np.mean(told, axis=0), np.median(widths, axis=0)

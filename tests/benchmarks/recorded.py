@@ -68,8 +68,8 @@ class Case:
     @classmethod
     def of(cls, bench: str, name: str, solution: sr.Solution, judge: Callable[[sr.StereoRig], Errors]) -> "Case":
         """What a repair rests on."""
-        found = solution.findings
-        return cls(bench, name, found.estimate, solution.settings.free.names, found.seen, solution.initial, judge)
+        free = solution.settings.free.names
+        return cls(bench, name, solution.estimate, free, solution.seen, solution.initial, judge)
 
     def record(self, folder: Path | None) -> None:
         """In a file of its own."""

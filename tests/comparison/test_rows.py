@@ -67,8 +67,7 @@ def test_counts_are_of_all_frames_even_of_those_that_a_repair_left_out(scene, mo
         solution = recalibrate_case(*arguments)
         whole.append(solution)
         half = Score(solution.score_before.count // 2, solution.score_before.pixels // 2)
-        frames = replace(solution.frames, used=(0,))
-        return replace(solution.with_findings(score_before=half, score_after=half), frames=frames)
+        return replace(solution, used=(0,), score_before=half, score_after=half)
 
     monkeypatch.setattr(_trial, "recalibrate_case", leaves_out)
     table = compare_scenes([given_scene], strategies={"idle": Idle()}, **(SMALL | {"draws": 1}))

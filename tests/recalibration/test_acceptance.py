@@ -1,4 +1,4 @@
-"""The verdict where the count is all there is, the row errors of a candidate, and what parts of images say."""
+"""The row errors of a candidate, and what parts of images say."""
 
 import numpy as np
 import pytest
@@ -6,21 +6,14 @@ from hypothesis import given, strategies as st
 
 from stereorecal import SAD, difference, health, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals
-from stereorecal.recalibration._acceptance import row_errors, verdict_on_count
 from stereorecal.recalibration._tile_counts import share_lost
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
-@given(before=st.integers(0, 1000), after=st.integers(0, 1000))
-def test_the_count_alone_must_rise(before, after):
-    assert (verdict_on_count(before, after, signal=True) is Reason.MORE_MATCHES) == (after > before)
-    assert verdict_on_count(before, after, signal=False) is Reason.TOO_LITTLE_TEXTURE
-
-
 def paired(before: np.ndarray, after: np.ndarray) -> RowErrors:
     """Of one frame, each tile at its own place."""
-    return row_errors(RowResiduals(residual=after, start_residual=before, tile=np.arange(len(before))))
+    return RowResiduals(residual=after, start_residual=before, tile=np.arange(len(before))).errors
 
 
 def test_significance_is_that_of_a_paired_test():

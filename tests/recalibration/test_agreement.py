@@ -31,7 +31,7 @@ def test_frames_of_one_rig_agree(street):
     found, looked = sr.recalibrate(street.rig, street.pairs), sr.health(street.rig, street.pairs)
     assert found.reason is looked.reason is sr.Reason.ALREADY_GOOD
     assert found.left_out == found.disagreeing == looked.disagreeing == ()
-    assert found.frames.used == (0, 1, 2, 3)
+    assert found.used == (0, 1, 2, 3)
     assert "disagree" not in str(found)
 
 
@@ -49,7 +49,7 @@ def test_a_frame_that_is_late_is_left_out(street):
 
 
 def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
-    kept, how = [pairs[index] for index in solution.frames.used], {"matcher": solution.matcher, "view": solution.view}
+    kept, how = [pairs[index] for index in solution.used], {"matcher": solution.matcher, "view": solution.view}
     assert len(kept) < len(pairs)
     assert solution.score_before == sr.score(solution.initial, kept, **how)
     if solution.candidate.left is solution.initial.left:

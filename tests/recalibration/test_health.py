@@ -222,6 +222,6 @@ def test_of_many_pairs_those_are_looked_at_that_a_repair_selects(scene):
     many = [replace(pair, name=f"{index}-{pair.name}") for index in range(9) for pair in given.pairs]
     options = {"matcher": SAD(num_disparities=24)}
     found, repaired = health(given.rig, many, **options), recalibrate(given.rig, many, **options)
-    assert found.pairs == len(repaired.frames.selected) == 24
+    assert found.pairs == len(repaired.selected) == 24
     assert found.score.count == repaired.score_before.count
     assert health(given.rig, many, prior="exact", **options).pairs == len(many)

@@ -176,5 +176,5 @@ def test_what_cannot_be_of_the_rig_takes_no_part_in_a_joint_estimate(data_dir: P
     first, second = recalibrate_many([true, wrong])
     assert first.solution.accepted
     assert not second.solution.accepted
-    assert second.solution.findings.mismatch is not None
-    assert len(pickle.dumps(second.solution.findings.mismatch)) < 2000, "no images travel with it"
+    assert second.solution.mismatch is not None
+    assert len(pickle.dumps(second.solution.mismatch)) < 2000, "no images travel with it"

@@ -159,7 +159,7 @@ def test_the_next_look_begins_with_it(scenes, first):
     _, pairs, _ = scenes
     second = sr.recalibrate(first.rig, pairs, matcher=MATCHER, prior=first.prior)
     assert second.prior_use.name == "saved"
-    assert second.frames.selected == (1,)
+    assert second.selected == (1,)
     assert second.prior_use.as_dict()["not_again"] == 1
     assert "1 of 2 pairs was used before and does not count again" in str(second)
     alone = sr.recalibrate(first.rig, pairs[1:], matcher=MATCHER, prior=first.prior)

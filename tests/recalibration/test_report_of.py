@@ -77,9 +77,7 @@ def test_a_page_concludes_as_the_verdict_does():
 
 
 def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
-    replace(repaired, frames=replace(repaired.frames, selected=(0,))).to_html(
-        tmp_path / "out.html", [*harbour, *harbour]
-    )
+    replace(repaired, selected=(0,)).to_html(tmp_path / "out.html", [*harbour, *harbour])
     page = (tmp_path / "out.html").read_text(encoding="utf-8")
     assert "1 other pair</td>" in page
     assert "1 frame was used." in page
@@ -105,10 +103,11 @@ def test_lenses(repaired, harbour):
     other = replace(repaired, initial=RIG, candidate=replace(RIG, right=right))
 
     def intrinsics_of(seen: Intrinsics | None):
-        return reported(replace(other, findings=replace(other.findings, intrinsics=seen)), harbour).intrinsics
+        return reported(replace(other, intrinsics=seen), harbour).intrinsics
 
-    focal, centre, first = intrinsics_of(seen)
-    assert (focal.camera, focal.name, focal.unit) == ("right", "focal length, f", "px")
+    cameras, (focal, centre, first) = zip(*intrinsics_of(seen), strict=True)
+    assert cameras == ("right",) * 3
+    assert (focal.name, focal.unit) == ("focal length, f", "px")
     before = float(RIG.right.matrix[0, 0])
     np.testing.assert_allclose([focal.before, focal.after], [before, before * np.exp(0.01)])
     np.testing.assert_allclose(focal.half_width, 0.005 * focal.after)
@@ -122,8 +121,8 @@ def test_what_is_to_be_expected_of_rows_has_the_sign_of_the_rows(repaired, rig, 
     """As `sr.difference` has them: the row in the left rectified image less the one in the right."""
     true = chart.rig_at(np.r_[0.3, 0.0, 0.2, np.zeros(chart.dim - 3)])
     shown, columns, rows = view(rig), np.linspace(0, 639, 17), np.linspace(0, 479, 13)
-    kept = replace(repaired, initial=rig, reason=Reason.ALREADY_GOOD, search=replace(repaired.search, view=shown))
-    found = kept.with_findings(estimate=estimate(seen(rig, true, cells=900), rig)).expected
+    kept = replace(repaired, initial=rig, reason=Reason.ALREADY_GOOD, view=shown)
+    found = replace(kept, estimate=estimate(seen(rig, true, cells=900), rig)).expected
     apart = row_errors_of(rig, true, shown, columns, rows, (10.0,))[0]
     assert np.nanmean(np.abs(apart)) > 1.0
     assert np.nanmax(np.abs(found.rows - apart) / found.rows_deviation) < 5.0

@@ -114,7 +114,7 @@ def test_all_frames_are_decided_on_however_few_the_last_stage_looks_at(scene, de
     few = replace(schedule, stages=(*schedule.stages[:-1], replace(schedule.stages[-1], frames=2)))
     repaired = sr.recalibrate(off, given.pairs, matcher=sr.SAD(num_disparities=24), schedule=few)
     assert repaired.accepted
-    assert repaired.frames.used == (0, 1, 2)
+    assert repaired.used == (0, 1, 2)
     assert len(repaired.found.weight) == 3
 
 

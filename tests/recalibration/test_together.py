@@ -149,8 +149,8 @@ def test_frames_are_counted_as_they_were_given(scenes):
     options = {"schedule": rows, "matcher": sr.SAD(num_disparities=24), "budget": 0.5, "free": ("rotation", "left.k1")}
     chosen = chosen_frames(pairs)
     solution = sr.recalibrate(off, pairs, **options)
-    assert solution.frames.selected == tuple(int(pair.name) for pair in chosen) != tuple(range(MOST_FRAMES))
-    assert solution.frames.used == tuple(range(MOST_FRAMES))
+    assert solution.selected == tuple(int(pair.name) for pair in chosen) != tuple(range(MOST_FRAMES))
+    assert solution.used == tuple(range(MOST_FRAMES))
     assert sr.recalibrate(off, chosen, **options).score_before == solution.score_before
 
 

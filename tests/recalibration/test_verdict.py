@@ -41,7 +41,7 @@ def looked(harbour) -> Health:
 
 
 def without(solution: sr.Solution, finding: str) -> sr.Solution:
-    return replace(solution, findings=replace(solution.findings, **{finding: None}))
+    return replace(solution, **{finding: None})
 
 
 def sentences(text: str) -> list[str]:

@@ -12,7 +12,7 @@ from made_up_repair import made_up
 from stereorecal.comparison import compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.report.repair_page import repair_page
-from stereorecal.report.repair_report import Axis, Conclusion
+from stereorecal.report.repair_report import Change, Conclusion
 from stereorecal.strategies import Budget, strategy
 
 pytestmark = pytest.mark.skipif(browser_path() is None, reason="there is no Chromium on this machine")
@@ -126,9 +126,9 @@ def test_figures_are_read(page: Page, width: int):
 def test_changes_of_axes_fit_a_telephone(browser: Page, tmp_path: Path):
     """With their intervals, beside a candidate too."""
     axes = [
-        Axis("yaw", "°", -0.44, -0.176, 0.288, True),
-        Axis("x", "mm", -356.0, 0.0, None, True),
-        Axis("z", "mm", -3.6, 8.877, 20.556, False),
+        Change("yaw", "°", -0.44, -0.176, 0.288, True),
+        Change("x", "mm", -356.0, 0.0, None, True),
+        Change("z", "mm", -3.6, 8.877, 20.556, False),
     ]
     path = tmp_path / "out.html"
     path.write_text(repair_page(made_up(conclusion=Conclusion.GOOD, axes=axes)), encoding="utf-8")

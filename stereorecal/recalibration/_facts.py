@@ -1,0 +1,159 @@
+"""What there is to say of a solution: said here once, for all that print it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereorecal.decision import Reason
+from stereorecal.estimation import DEFAULT, EXACT
+from stereorecal.geometry import AXES, PINHOLE, intrinsic
+from stereorecal.objectives import BASELINE
+from stereorecal.recalibration._calibration_warnings import doubts
+from stereorecal.recalibration._motion_report import motion_text, odometer_text
+from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
+from stereorecal.recalibration._result import AbstractResult
+from stereorecal.report.number_text import change, depths
+from stereorecal.report.repair_report import Change
+from stereorecal.report.short_list import short_list
+
+_SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
+_EPIPOLAR_ERROR_LEFT = (
+    "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
+    "or something that moved"
+)
+_CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A remark on a solution.
+
+    Attributes:
+        about: which remark it is.
+        text: for lines of text; "": none.
+        heading: of its line; "": none.
+        sentence: for a page, where its place is not beside a table or a figure that says the same; "": none.
+    """
+
+    about: str
+    text: str
+    heading: str = ""
+    sentence: str = ""
+
+
+def facts_of(solution: AbstractResult) -> Iterator[Fact]:
+    """All remarks, in the order in which a text has them."""
+    estimate, use, known = solution.estimate, solution.prior_use, solution.uncertainty
+    if solution.view.projection != PINHOLE:
+        yield Fact("view", str(solution.view), "view")
+    for doubt in doubts(solution.initial):
+        yield Fact("doubt", doubt, "check")
+    if use is not None and str(use) not in (DEFAULT, EXACT):
+        yield Fact("prior", str(use), "prior")
+    if solution.misfit is not None:
+        yield _misfit(solution, solution.misfit)
+    if solution.intrinsics is not None:
+        text = str(solution.intrinsics)
+        yield Fact("intrinsics", text, sentence=_sentence(text))
+    if solution.ranges is not None:
+        yield Fact("ranges", str(solution.ranges), "ranges", f"Of the ranges {solution.ranges}.")
+    if estimate is not None and estimate.windows:
+        text = motion_text(estimate)
+        yield Fact("motion", text, "motion", f"Motion: {text}.")
+    if estimate is not None and solution.settings.odometer is not None:
+        text = odometer_text(estimate)
+        yield Fact("odometer", text, "odometer", f"Odometer: {text}.")
+    if solution.left_out:
+        out, names = len(solution.left_out), ", ".join(solution.left_out)
+        sentence = f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below."
+        yield Fact("left out", f"left out, since they disagree with the others: {names}", sentence=sentence)
+    if solution.disagreeing:
+        yield Fact("disagreeing", f"these disagree with others: {', '.join(solution.disagreeing)}")
+    if known is not None and known.undetermined:
+        text = f"not determined by these images: {short_list(known.undetermined, '; ')}"
+        assumed = "Their values are mostly assumed: that they changed little."
+        yield Fact("undetermined", text, sentence=f"{_sentence(text)} {assumed}")
+    if solution.expected is not None:
+        yield Fact("expected", str(solution.expected), "expect")
+        yield from _corners(solution)
+    if solution.leaves_epipolar_error:
+        yield Fact("error left", _EPIPOLAR_ERROR_LEFT, "check", _sentence(_EPIPOLAR_ERROR_LEFT))
+    if solution.accepted:
+        yield _depth_before(solution)
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def _misfit(solution: AbstractResult, misfit: Misfit) -> Fact:
+    """What is worth saying of the misfit."""
+    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken"
+    text = sentence = ""
+    if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
+        text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
+        sentence = f"{whose}: {text}."
+    if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
+        text = f"the lens model does not fit; {misfit.alike:.2f} px of the epipolar error are systematic"
+    return Fact("misfit", text, "misfit", sentence)
+
+
+def _corners(solution: AbstractResult) -> Iterator[Fact]:
+    """What is extrapolated to where nothing matched, if it matters."""
+    if solution.decision is None:
+        return
+    shown, view = (px[int(solution.accepted), 0] for px in (solution.decision.rows_px, solution.decision.view_px))
+    if view > max(2.0 * shown, solution.settings.tolerances.good_rows_px):
+        text = f"row error {view:.2f} px over the whole view, most of it where nothing matched"
+        yield Fact("corners", text, "corners")
+
+
+def _depth_before(solution: AbstractResult) -> Fact:
+    """What the repair says of the depth of the initial calibration."""
+    estimate = solution.estimate
+    if solution.decision is not None and solution.decision.depth_corrected < 1.0:
+        how = "is corrected as far as is safe" if solution.decision.depth_corrected else "stays as it was calibrated"
+        return Fact("depth", f"{how}; frames in motion, or ranges, determine it", "depth")
+    if estimate is None:
+        return Fact("depth", f"depth was off: {depths(solution.depth_error_percent)}")
+    errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))
+    ends = {d: dict.fromkeys(change(end, "far") for end in (low, high)) for d, (_, low, high) in errors.items()}
+    return Fact("depth", "depth was off: " + ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items()))
+
+
+def changed_axes(solution: AbstractResult) -> list[Change]:
+    """The change of each of the extrinsics, in degrees and millimetres; its interval only where the rig to use is good:
+    else it would be that of an answer that was found wrong."""
+    known, changes = solution.uncertainty, solution.change
+    found = []
+    for index, name in enumerate(AXES):
+        factor, unit = (180 / np.pi, "°") if index < 3 else (1e3, "mm")
+        half_width, observed = None, True
+        called = BASELINE if name == "x" else name
+        if known is not None and called in known.names:
+            at = known.names.index(called)
+            wide = float(known.interval[at]) * (1.0 if index < 3 else 10.0 * float(solution.initial.baseline))
+            half_width, observed = (wide if solution.reason.healthy else None), bool(known.observed[at])
+        before = factor * float(solution.initial.extrinsics[index])
+        found.append(Change(name, unit, before, factor * float(changes[index]), half_width, observed))
+    return found
+
+
+def changed_intrinsics(solution: AbstractResult) -> list[tuple[str, Change]]:
+    """The camera and the change of each intrinsic parameter, in units of a calibration file, if they were taken; else
+    none: then they stay, and are no answer."""
+    intrinsics, found = solution.intrinsics, []
+    if intrinsics is None or not intrinsics.taken:
+        return []
+    for full, wide in zip(intrinsics.names, intrinsics.interval.tolist(), strict=True):
+        camera, _, name = full.partition(".")
+        if not name:
+            continue  # the baseline, which is an axis of the rig
+        before, after = (intrinsic(getattr(rig, camera), name) for rig in (solution.initial, solution.candidate))
+        half_width = wide / 100.0 * after if name in ("f", "aspect") else wide
+        unit, digits = ("px", 2) if name in ("f", "cx", "cy") else ("", 5)
+        observed = full not in intrinsics.undetermined
+        called = _CALLED.get(name, name)
+        found.append((camera, Change(called, unit, before, after - before, half_width, observed, digits)))
+    return found
