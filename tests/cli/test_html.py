@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from machine import at_call
 
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
@@ -41,25 +40,6 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
     answer = command("compare", *words, "--html", tmp_path / "out.html")
     assert answer.code == 130
     assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
-
-
-@pytest.mark.slow(after=2)
-@pytest.mark.parametrize("force", [False, True])
-@pytest.mark.parametrize("verb", ["compare", "recalibrate"])
-def test_a_page_that_another_run_has_written_meanwhile(
-    command, clean_scene: Path, tmp_path: Path, verb: str, force: bool
-):
-    """It stays, and the rest of the result is not lost; with --force it is replaced."""
-    target = tmp_path / "out.html"
-    words = ["--scene", clean_scene, *SMALL] if verb == "compare" else [clean_scene, "--schedule", "count"]
-    with at_call("fsync", lambda _: target.write_text("theirs")):
-        answer = command(verb, *words, "--html", target, *(["--force"] if force else []))
-    assert {"compare": "compass", "recalibrate": "before  "}[verb] in answer.out
-    if force:
-        assert target.read_text(encoding="utf-8").rstrip().endswith("</html>")
-        return
-    assert (answer.code, target.read_text()) == (2, "theirs")
-    assert "exists already" in answer.err
 
 
 @pytest.mark.parametrize(

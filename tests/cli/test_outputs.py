@@ -94,14 +94,31 @@ def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Pat
     assert state(bag) == before
 
 
-def test_a_file_that_another_run_has_written_meanwhile_stays(command, folder: Path, tmp_path: Path):
-    """The result is printed in place of being written."""
+MEANWHILE = {  # and what is printed in its place
+    ("diff", "--json"): '"stereorecal.difference/1"',
+    ("recalibrate", "--output"): '"K_left"',
+    ("compare", "--html"): "compass",
+    ("recalibrate", "--html"): "before  ",
+}
+
+
+@pytest.mark.slow(after=6)
+@pytest.mark.parametrize(("verb", "option"), MEANWHILE)
+@pytest.mark.parametrize("force", [False, True])
+def test_a_file_that_another_run_has_written_meanwhile(
+    command, drifted_scene: Path, tmp_path: Path, verb: str, option: str, force: bool
+):
+    """It stays, and the result is not lost; with --force it is replaced."""
     target = tmp_path / "out.json"
     with at_call("fsync", lambda _: target.write_text("theirs")):
-        answer = command("diff", folder, folder, "--quiet", "--json", target)
+        answer = command(*words(verb, drifted_scene), option, target, *(["--force"] if force else []))
+    if force:
+        assert (answer.code, answer.err) == (0, "")
+        assert "theirs" not in target.read_text(encoding="utf-8")
+        return
     assert (answer.code, target.read_text()) == (2, "theirs")
-    assert json.loads(answer.out)["schema"] == "stereorecal.difference/1"
-    assert "exists already" in answer.err
+    assert "the file exists already" in answer.err
+    assert MEANWHILE[verb, option] in answer.out
 
 
 def test_no_earlier_copy_is_replaced(tmp_path: Path):
@@ -125,19 +142,25 @@ def test_convert(command, folder: Path):
     assert state(folder) == before
 
 
-@pytest.mark.parametrize("force", [True, False])
-@pytest.mark.parametrize("option", ["--json", "--output"])
-def test_another_file_is_replaced_with_force_only(command, folder: Path, tmp_path: Path, option: str, force: bool):
-    """As by all commands, also by the one that writes while it looks."""
-    other = tmp_path / "other.json"
+@pytest.mark.parametrize(("verb", "option"), OPTIONS)
+def test_another_file_is_replaced_with_force_only(
+    command, folder: Path, tmp_path: Path, verb: str, option: str, moody_matcher
+):
+    """It is looked for before any work."""
+    other = tmp_path / ("other.npz" if option == "--maps" else "other.json")
     other.write_text("mine")
-    answer = command("monitor", folder, "--once", "--quiet", option, other, *(["--force"] if force else []))
-    if not force:
-        assert (answer.code, other.read_text()) == (2, "mine")
-        assert "exists already" in answer.err
-    else:
-        assert answer.code in (0, 1, 4), answer.err
-        assert (other.read_text() == "mine") is (option == "--output")  # nothing was repaired
+    asked = (*words(verb, folder), *(("--matcher", "moody") if verb != "diff" else ()), option, other)
+    moody_matcher(lambda search: pytest.fail("worked before it looked"))
+    answer = command(*asked)
+    assert (answer.code, answer.out, other.read_text()) == (2, "", "mine")
+    assert "other." in answer.err
+    assert "the file exists already; choose another or add --force" in answer.err
+    moody_matcher()
+    answer = command(*asked, "--force")
+    assert answer.code in (0, 1, 4), answer.err
+    unrepaired = option == "--output" and (verb == "monitor" or "not written" in answer.out)
+    assert (other.read_bytes() == b"mine") is unrepaired
+    assert {path.name for path in tmp_path.iterdir()} == {"scene", other.name}
 
 
 def test_a_state_that_is_none_is_left_alone(command, folder: Path, tmp_path: Path):

@@ -90,16 +90,6 @@ def test_a_damaged_file(command, sides, repaired: Path, damage: str):
     assert answer.code in (0, 1)
 
 
-def test_none_is_saved(command, sides, drifted_scene: Path):
-    answer = command("recalibrate", drifted_scene, *COUNT, "--prior", "saved")
-    assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "no prior is saved with this calibration" in answer.err
-    answer = command("score", drifted_scene, "--prior", "saved")
-    assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "no prior is saved with this calibration" in answer.err
-    assert command("score", drifted_scene, "--prior", "sure").code == 2
-
-
 def test_what_lies_there_stays_unless_it_is_forced(command, drifted, tmp_path: Path):
     beside = tmp_path / "new.yaml.prior.json"
     beside.write_text("precious")

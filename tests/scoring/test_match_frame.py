@@ -11,9 +11,10 @@ from stereorecal.scoring.host import counts, disparities, disparity, score
 MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
 
 
+@pytest.mark.parametrize("size", [(320, 240), (160, 120)])  # candidates of small ones share a call
 @pytest.mark.parametrize("matcher", MATCHERS)
-def test_count_is_the_sum_of_valid_over_frames_each_of_which_is_as_alone(scene, matcher):
-    given_scene = scene("street", 0, frames=2)
+def test_count_is_the_sum_of_valid_over_frames_each_of_which_is_as_alone(scene, matcher, size):
+    given_scene = scene("street", 0, size, frames=2)
     rig, pairs = given_scene.rig, given_scene.pairs
     both, *each = (prepare(rig, some, view(rig)) for some in (pairs, pairs[:1], pairs[1:]))
     points = with_unit_baseline(rig.extrinsics) + np.radians([[0.0] * 6, [0.5, 0.2, -0.4, 0.0, 0.0, 0.0]])
