@@ -9,8 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_repairs import _compile_cache
 
-from stereorecal import _compile_cache
 from stereorecal.matching import SAD
 
 try:
@@ -190,7 +190,7 @@ def test_what_runs_in_the_background():
     """A process that ends waits for nothing that has not begun."""
     code = """
 import threading, time
-from stereorecal._compile_cache import _BACKGROUND
+from parts_of_repairs import _BACKGROUND
 began = threading.Event()
 _BACKGROUND.submit(lambda: (began.set(), time.sleep(0.5), print("last", flush=True)))
 _BACKGROUND.submit(lambda: print("never", flush=True))

@@ -293,13 +293,13 @@ RECORDED: dict[str, tuple[list[str], str]] = {
     "distances zero": (["--distances", "0"], "in baselines, each 1 or more"),
 }
 PRIOR: dict[str, tuple[list[str], str]] = {
-    "prior": (["--prior", "sure"], "--prior"),
+    "prior": (["--prior", "sure"], "unknown prior 'sure'; choose one of: saved, default, exact"),
     "prior that is not there": (["--prior", "saved"], "no prior is saved with this calibration"),
 }
 RECALIBRATE: dict[str, tuple[list[str], str]] = {
     "strategy": (["--strategy", "compas"], "unknown strategy 'compas'; did you mean compass?"),
     "free": (["--free", "extrinsic"], "did you mean extrinsics"),
-    "free alone": (["--free", "intrinsics"], "free them as well"),
+    "free alone": (["--free", "intrinsics"], "a schedule that ends on the count estimates neither intrinsics nor"),
     "free empty": (["--free", ""], "--free is empty; give"),
     "ranges": (["--ranges", "/none.csv"], "no such file"),
     "need not met": (["--strategy", "optimistix-levenberg-marquardt"], "needs"),

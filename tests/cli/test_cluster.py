@@ -11,8 +11,7 @@ from threading import Thread
 
 import pytest
 from distributed import LocalCluster
-
-from stereorecal.cli import _cluster
+from parts_of_repairs import _cluster
 
 SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
 
@@ -47,17 +46,10 @@ def test_the_same_answers(command, scheduler: str, clean_scene: Path, drifted_sc
     assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
 
 
-def refused(answer) -> str:
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("stereorecal: ")
-    assert answer.err.count("\n") == 1
-    return answer.err
-
-
 @pytest.mark.parametrize("address", ["", "host", "tcp://host", "carrier-pigeon://host:1", "host:door"])
 def test_what_is_no_address(command, clean_scene: Path, address: str):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
-    assert f"no Dask scheduler answers at {address!r}" in refused(answer)
+    answer.refuses(f"no Dask scheduler answers at {address!r}")
 
 
 def answer_in_another_language(server: socket.socket) -> None:
@@ -80,7 +72,7 @@ def test_no_scheduler(command, clean_scene: Path, who: str):
         began = time.monotonic()
         answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
     assert time.monotonic() - began < 10  # one is waited for for five seconds
-    assert f"no Dask scheduler answers at '{address}'; start one with: dask scheduler" in refused(answer)
+    answer.refuses(f"no Dask scheduler answers at '{address}'; start one with: dask scheduler")
 
 
 @pytest.mark.parametrize(
@@ -94,14 +86,14 @@ def test_a_scheduler_that_cannot_serve(command, clean_scene: Path, workers: int,
     with LocalCluster(n_workers=workers, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
         address = next(iter(cluster.scheduler.workers), cluster.scheduler_address)
         answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
-    assert said.format(address) in refused(answer)
+    answer.refuses(said.format(address))
 
 
 def test_without_the_extra(command, clean_scene: Path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", "dask:host:8786")
     install = "run: pip install 'stereorecal[dask]'"
-    assert refused(answer).endswith(f"--executor dask needs distributed, which is not installed; {install}\n")
+    answer.refuses(f"--executor dask needs distributed, which is not installed; {install}\n")
 
 
 class Stuck(Executor):

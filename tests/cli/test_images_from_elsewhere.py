@@ -91,16 +91,10 @@ def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
     words = ("--bag", path, "--left", "/l/image_raw", "--right", "/r/image_raw")
     answer = command("score", *words)
     assert (answer.code, answer.err) == (0, "")
-    answer = command("recalibrate", *words, "--in-place")
-    assert (answer.code, answer.err) == (
-        2,
-        "stereorecal: --in-place: the calibration came from no file; give --output.\n",
+    command("recalibrate", *words, "--in-place").refuses(
+        "--in-place: the calibration came from no file; give --output."
     )
-    answer = command("score", *words, "--format", "ros")
-    assert (answer.code, answer.err) == (
-        2,
-        "stereorecal: --format and --cameras belong to --calibration; leave them out.\n",
-    )
+    command("score", *words, "--format", "ros").refuses(": --format and --cameras belong to --calibration; leave them")
 
 
 def image_files(folder: Path, seen, names: tuple[list[str], list[str]]) -> tuple[Path, Path]:
@@ -182,14 +176,12 @@ def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
 def test_one_image_twice_is_no_fault_of_the_calibration(command, seen, calibration, tmp_path):
     left, right = image_files(tmp_path, [(one, one) for one, _ in seen], (["a"], ["a"]))
     answer = command("score", "--left", left, "--right", right, "--calibration", calibration)
-    assert answer.code == 2
-    assert answer.err.startswith(f"stereorecal: {left}/a.png and {right}/a.png: left and right are the same image; ")
+    answer.refuses(f"stereorecal: {left}/a.png and {right}/a.png: left and right are the same image; ")
 
 
 def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):
     answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
-    assert answer.code == 2
-    assert "--html shows one recording" in answer.err
+    answer.refuses("--html shows one recording")
 
 
 @pytest.mark.parametrize("turns", [(1, 1), (0, 2)], ids=["one above the other", "right upside down"])

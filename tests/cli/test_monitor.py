@@ -148,8 +148,7 @@ def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path
     content["K_left"][0][0] *= 1.1
     (recalibrated / "calib.json").write_text(json.dumps(content))
     answer = command("monitor", recalibrated, *words)
-    assert answer.code == 2
-    assert "belongs to another calibration than the given one; name another file" in answer.err
+    answer.refuses("belongs to another calibration than the given one; name another file")
     assert state.read_bytes() == kept
 
 

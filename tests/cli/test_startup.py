@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
+from parts_of_repairs import COMMANDS
 
 from stereorecal.cli import options_of
-from stereorecal.cli._commands import COMMANDS
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.synthetic import KINDS
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import widest
 
 from stereorecal.estimation import Estimate, estimate, points_of_view, readings, with_free_together
-from stereorecal.estimation._calibration_prior import widest
 from stereorecal.objectives import EXTRINSICS
 
 DRIFT = (0.2, 0.15, -0.3, 0.2, -0.3)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from gpu import as_on_a_gpu
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import highest_rival_cost
 
 from stereorecal import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference
-from stereorecal.matching.sad._winners import highest_rival_cost
 
 SHAPE = (37, 61)
 

@@ -3,12 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_estimates import _means_of_cells
 from spoiled import fog
 
 from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
 from stereorecal.matching import SAD
 from stereorecal.scoring import TILES, Correspondences, median_row_error, prepare, row_differences
-from stereorecal.scoring._correspondences import _means_of_cells
 from stereorecal.scoring.host import correspondences, match_radius
 from stereorecal.synthetic import default_rig
 

@@ -4,11 +4,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from machine import cores
+from parts_of_estimates import map_candidates
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host._map_candidates import map_candidates
 
 SAD_24 = SAD(num_disparities=24)
 

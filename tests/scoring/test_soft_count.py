@@ -6,12 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_estimates import _soft_area
 
 from stereorecal import InputError
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
 from stereorecal.scoring import forward_gradient
-from stereorecal.scoring._soft_count import _soft_area
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, run_strategy
 
 REACH = Reach(1.0, 0.01)

@@ -7,11 +7,10 @@ import jax
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import WINDOW, Rectified, _uneven, refine
 from scipy.ndimage import map_coordinates
 
 from stereorecal.matching import Disparity
-from stereorecal.scoring._rectify import Rectified
-from stereorecal.scoring._subpixel import WINDOW, _uneven, refine
 
 SIZE = HEIGHT, WIDTH = 72, 96
 MARGIN = 16  # pixels of the frame that a window or the local contrast meets the border within
