@@ -40,7 +40,6 @@ from stereorecal.estimation._outlines import (
 )
 from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_conversions import updated as updated
-from stereorecal.matching.sad._winners import highest_rival_cost as highest_rival_cost
 from stereorecal.online._filter import (
     OF_LENSES as OF_LENSES,
     FilterEstimate as FilterEstimate,
