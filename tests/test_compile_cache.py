@@ -190,7 +190,7 @@ def test_what_runs_in_the_background():
     """A process that ends waits for nothing that has not begun."""
     code = """
 import threading, time
-from parts_of_repairs import _BACKGROUND
+from stereorecal._compile_cache import _BACKGROUND
 began = threading.Event()
 _BACKGROUND.submit(lambda: (began.set(), time.sleep(0.5), print("last", flush=True)))
 _BACKGROUND.submit(lambda: print("never", flush=True))
