@@ -78,6 +78,14 @@ class Answer:
     out: str
     err: str
 
+    def refuses(self, *words: str) -> None:
+        """Bad input: exit code 2, nothing on stdout, one sentence on stderr, in which these words are."""
+        assert (self.code, self.out, self.err.count("\n")) == (2, "", 1), self
+        assert self.err.startswith("stereorecal: "), self
+        assert self.err.endswith("\n"), self
+        for word in words:
+            assert word.lower() in self.err.lower(), (word, self)
+
 
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:

@@ -9,8 +9,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_repairs import _compile_cache
 
-from stereorecal import _compile_cache
 from stereorecal.matching import SAD
 
 try:

@@ -41,7 +41,7 @@ CHOICE = (
     "tests/io",
     "tests/matching",
     "tests/strategies",
-    "tests/scoring/test_traced.py",
+    "tests/scoring/test_pure.py",
     "tests/scoring/test_score.py",
     "tests/cli/test_diff.py",
     "tests/cli/test_score.py",

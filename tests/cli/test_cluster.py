@@ -11,11 +11,9 @@ from threading import Thread
 
 import pytest
 from distributed import LocalCluster
-
-from stereorecal.cli import _cluster
+from parts_of_repairs import _cluster
 
 SMALL = ("--draws", 2, "--scale", 0.5, "--budget", 5)
-COUNT = ("--schedule", "count")
 
 
 @pytest.fixture(scope="module")
@@ -27,36 +25,31 @@ def scheduler():
         yield cluster.scheduler_address
 
 
-@pytest.mark.slow  # tutorial 6 compares in a cluster, and the next test goes there by command
-@pytest.mark.parametrize("scheme", ["tcp://", ""])
-def test_compare(command, scheduler: str, clean_scene: Path, scheme: str):
+@pytest.mark.parametrize(
+    ("verb", "scheme"),
+    [
+        ("recalibrate", "tcp://"),
+        # tutorial 6 compares in a cluster
+        pytest.param("compare", "tcp://", marks=pytest.mark.slow),
+        pytest.param("compare", "", marks=pytest.mark.slow),
+    ],
+)
+def test_the_same_answers(command, scheduler: str, clean_scene: Path, drifted_scene: Path, verb: str, scheme: str):
+    about, rows = {
+        "compare": (("--scene", clean_scene, *SMALL), "trials"),
+        "recalibrate": ((drifted_scene, clean_scene, "--schedule", "count"), "repairs"),
+    }[verb]
     address = f"dask:{scheme}{scheduler.removeprefix('tcp://')}"
-    words = ("compare", "--scene", clean_scene, *SMALL, "--json", "-")
-    plain, spread = (command(*words, "--executor", kind) for kind in ("serial", address))
-    assert (spread.code, spread.err) == (0, "")
-    here, there = (json.loads(answer.out)["trials"] for answer in (plain, spread))
-    assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
-
-
-def test_recalibrate(command, scheduler: str, clean_scene: Path, drifted_scene: Path):
-    words = ("recalibrate", drifted_scene, clean_scene, *COUNT, "--json", "-")
-    plain, spread = (command(*words, "--executor", kind) for kind in ("serial", f"dask:{scheduler}"))
+    plain, spread = (command(verb, *about, "--json", "-", "--executor", kind) for kind in ("serial", address))
     assert (spread.code, spread.err) == (plain.code, "")
-    here, there = (json.loads(answer.out)["repairs"] for answer in (plain, spread))
+    here, there = (json.loads(answer.out)[rows] for answer in (plain, spread))
     assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
-
-
-def refused(answer) -> str:
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("stereorecal: ")
-    assert answer.err.count("\n") == 1
-    return answer.err
 
 
 @pytest.mark.parametrize("address", ["", "host", "tcp://host", "carrier-pigeon://host:1", "host:door"])
 def test_what_is_no_address(command, clean_scene: Path, address: str):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
-    assert f"no Dask scheduler answers at {address!r}" in refused(answer)
+    answer.refuses(f"no Dask scheduler answers at {address!r}")
 
 
 def answer_in_another_language(server: socket.socket) -> None:
@@ -79,28 +72,28 @@ def test_no_scheduler(command, clean_scene: Path, who: str):
         began = time.monotonic()
         answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
     assert time.monotonic() - began < 10  # one is waited for for five seconds
-    assert f"no Dask scheduler answers at '{address}'; start one with: dask scheduler" in refused(answer)
+    answer.refuses(f"no Dask scheduler answers at '{address}'; start one with: dask scheduler")
 
 
-def test_a_worker_is_no_scheduler(command, clean_scene: Path):
-    with LocalCluster(n_workers=1, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
-        (address,) = cluster.scheduler.workers
+@pytest.mark.parametrize(
+    ("workers", "said"),
+    [
+        (1, "is a Dask worker; give the address of the scheduler"),
+        (0, "has no workers; start some with: dask worker {}"),
+    ],
+)
+def test_a_scheduler_that_cannot_serve(command, clean_scene: Path, workers: int, said: str):
+    with LocalCluster(n_workers=workers, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
+        address = next(iter(cluster.scheduler.workers), cluster.scheduler_address)
         answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
-    assert "is a Dask worker; give the address of the scheduler" in refused(answer)
-
-
-def test_a_scheduler_without_workers(command, clean_scene: Path):
-    with LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=":0") as cluster:
-        address = cluster.scheduler_address
-        answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
-    assert f"has no workers; start some with: dask worker {address}" in refused(answer)
+    answer.refuses(said.format(address))
 
 
 def test_without_the_extra(command, clean_scene: Path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", "dask:host:8786")
     install = "run: pip install 'stereorecal[dask]'"
-    assert refused(answer).endswith(f"--executor dask needs distributed, which is not installed; {install}\n")
+    answer.refuses(f"--executor dask needs distributed, which is not installed; {install}\n")
 
 
 class Stuck(Executor):

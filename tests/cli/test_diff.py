@@ -53,9 +53,7 @@ def test_another_layout(command, tmp_path: Path):
     answer = command("diff", source, tmp_path / "other.json")
     assert (answer.code, answer.err) == (0, "")
     assert "yaw +0.100" in answer.out
-    answer = command("diff", sources, source)
-    assert (answer.code, answer.out) == (2, "")
-    assert "2 sequences are in there" in answer.err
+    command("diff", sources, source).refuses("2 sequences are in there")
 
 
 def test_json(command, clean_scene: Path, drifted_scene: Path, rigs, tmp_path: Path):
@@ -70,44 +68,13 @@ def test_json(command, clean_scene: Path, drifted_scene: Path, rigs, tmp_path: P
     assert "NaN" not in target.read_text()
 
 
-def test_quiet(command, clean_scene: Path):
-
-    answer = command("diff", clean_scene, clean_scene, "--quiet")
-    assert (answer.code, answer.out, answer.err) == (0, "", "")
-
-
-def spoiled(folder: Path, **keys: object) -> Path:
-    path = folder / "calib.json"
-    path.write_text(json.dumps({**json.loads(path.read_text()), **keys}))
-    return path
-
-
-@pytest.mark.parametrize(
-    ("keys", "message"),
-    [
-        ({"image_size": [320, 240]}, "the calibrations are for left images of 160x120 and of 320x240; resize one"),
-        ({"K_left": None, "K_right": None}, "calib.json: the camera matrices are null"),
-        ({"T": [0, 0, 0]}, "the baseline is zero"),
-        ({"distortion_model": "fov"}, "'fov' is not supported"),
-    ],
-)
-def test_bad_calibrations(command, clean_scene: Path, folder: Path, tmp_path: Path, keys: dict, message: str):
-    target = tmp_path / "out.json"
-    answer = command("diff", clean_scene, spoiled(folder, **keys), "--json", target)
-    assert (answer.code, answer.out) == (2, "")
-    assert answer.err.startswith("stereorecal: ")
-    assert answer.err.count("\n") == 1
-    assert message in answer.err
-    assert not target.exists()
-
-
-def test_bad_places(command, clean_scene: Path, tmp_path: Path):
+def test_bad_places(command, clean_scene: Path, folder: Path, tmp_path: Path):
+    content = json.loads((folder / "calib.json").read_text())
+    (folder / "calib.json").write_text(json.dumps({**content, "image_size": [320, 240]}))
     for words, message in (
+        ((clean_scene, folder), "the calibrations are for left images of 160x120 and of 320x240; resize one"),
         ((clean_scene, tmp_path / "nowhere.json"), "nowhere.json: there is no such file"),
         ((tmp_path, clean_scene), "there is no calibration file in it"),
         ((clean_scene, clean_scene, "--json", tmp_path), "cannot be written there"),
     ):
-        answer = command("diff", *words)
-        assert (answer.code, answer.out) == (2, "")
-        assert message in answer.err
-        assert answer.err.count("\n") == 1
+        command("diff", *words).refuses(message)

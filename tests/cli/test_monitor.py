@@ -51,9 +51,6 @@ def test_a_knock_is_repaired_and_written_where_told(command, scene: Path, drive:
     apart = abs(sr.io.load_rig(repaired).extrinsics - drive.knocked.extrinsics)[0]
     assert apart < 0.001 < abs(drive.rig.extrinsics - drive.knocked.extrinsics)[0]
     assert load(state).frame == BEFORE + AFTER
-    refused = command("monitor", scene, "--output", repaired)
-    assert refused.code == 2
-    assert "exists already" in refused.err
 
 
 def test_cameras_with_a_trigger_have_no_delay(command, scene: Path, tmp_path: Path):
@@ -151,8 +148,7 @@ def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path
     content["K_left"][0][0] *= 1.1
     (recalibrated / "calib.json").write_text(json.dumps(content))
     answer = command("monitor", recalibrated, *words)
-    assert answer.code == 2
-    assert "belongs to another calibration than the given one; name another file" in answer.err
+    answer.refuses("belongs to another calibration than the given one; name another file")
     assert state.read_bytes() == kept
 
 
@@ -185,9 +181,6 @@ def test_the_live_view_of_depth_beyond_infinity(
 
 
 def test_tolerances_are_those_of_the_decision(command, scene: Path, tmp_path: Path):
-    refused = command("monitor", scene, "--once", "--tolerances", "harm=2")
-    assert (refused.code, refused.err.count("\n")) == (2, 1)
-    assert "harm" in refused.err
     state = tmp_path / "state"
     assert command("monitor", scene, "--distances", "3,8", "--state", state, "--limit", "2", "--quiet").code in (
         0,

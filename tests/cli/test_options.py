@@ -38,21 +38,3 @@ def test_help_tells_defaults_once_and_shared_options_under_their_title(command, 
     assert "--calibration FILE …  " in text
     assert text.index("--in-place") < text.index("SCENE  ") < text.index("--left FILES")
     assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("diff here", "the following arguments are required: B"),
-        ("strategies chekc", "unknown action 'chekc' (did you mean check?)"),
-        ("strategies 7", "unknown action '7' (choose one of: list, check)"),
-        ("recalibrate --maps", "argument --maps: expected one argument"),
-        ("recalibrate --seed some", "argument --seed: invalid int value: 'some'"),
-        ("recalibrate --piars 2", "unrecognized arguments: --piars (did you mean --pairs?)"),
-    ],
-)
-def test_one_sentence_says_what_is_wrong(words: str, said: str, capsys):
-    with pytest.raises(SystemExit) as end:
-        options(words)
-    assert end.value.code == 2
-    assert capsys.readouterr().err == f"stereorecal: {said}; see stereorecal {words.split()[0]} --help\n"

@@ -2,12 +2,12 @@
 
 import json
 import shutil
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from machine import at_call
+from spoiled import fog
 
 import stereorecal as sr
 from stereorecal.io import load_rig, load_scene, save_scene
@@ -43,37 +43,12 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     (repair,) = content["repairs"]
     scene = load_scene(drifted_scene)
     solution = sr.recalibrate(scene.rig, scene.pairs)
-    assert (repair["accepted"], repair["healthy"], repair["reason"]) == (True, True, "improved")
-    said = {name: repair[name] for name in ("verdict", "why", "advice", "message")}
-    assert list(said.values()) == [solution.verdict, solution.reason.value, solution.advice, solution.message]
+    expected = json.loads(json.dumps(solution.to_dict(), allow_nan=False))
+    told = {"scene", "error", "fault", "image_size", "frames"}
+    assert {**repair, "seconds": None} == {**expected, **{name: repair[name] for name in told}, "seconds": None}
+    assert (repair["reason"], repair["error"], repair["fault"]) == ("improved", None, None)
     assert alone.out.splitlines()[:2] == [solution.verdict, solution.advice]
-    for when, said in (("before", solution.score_before), ("after", solution.score_after)):
-        assert repair[f"score_{when}"] == {"count": said.count, "pixels": 160 * 120, "fraction": said.fraction}
-        assert repair["row_error_px"][when] == getattr(solution.row_errors, when)
-    for which, rig in (("before", scene.rig), ("candidate", solution.candidate), ("used", solution.rig)):
-        angles = np.radians(list(repair["extrinsics"][which]["rotation_deg"].values()))
-        np.testing.assert_allclose(angles, rig.extrinsics[:3], rtol=1e-14)
-        assert list(repair["extrinsics"][which]["translation_m"].values()) == rig.extrinsics[3:].tolist()
-    change = repair["change"]
-    np.testing.assert_allclose(list(change["rotation_deg"].values()), np.degrees(solution.change[:3]))
-    np.testing.assert_allclose(
-        list(change["translation_percent"].values()), 100 * solution.change[3:] / float(scene.rig.baseline)
-    )
-    widths = repair["interval_95"]
-    found = [*widths["rotation_deg"].values(), *widths["translation_percent"].values()]
-    np.testing.assert_allclose(found, solution.uncertainty.interval)
-    assert list(repair["observed"]) == repair["covariance"]["axes"] == ["pitch", "yaw", "roll", "y", "z"]
-    assert list(repair["observed"].values()) == solution.uncertainty.observed.tolist()
-    np.testing.assert_allclose(repair["covariance"]["matrix"], solution.covariance)
-    assert list(repair["depth_error_percent"]) == ["5", "10", "30", "100"]
-    assert repair["evaluations"] == solution.evaluations
-    assert repair["cost"] == pytest.approx(solution.cost.budgeted)
-    assert repair["cost_total"] == pytest.approx(solution.cost.total)
-    assert repair["cost_of"] == pytest.approx(asdict(solution.cost))
-    assert repair["seconds"] > 0
-    assert sum(stage["evaluations"] for stage in repair["stages"]) == repair["evaluations"]
-    assert repair["image_size"] == [160, 120]
-    assert repair["frames"] == 1
+    assert (repair["seconds"] > 0, repair["image_size"], repair["frames"]) == (True, [160, 120], 1)
     # What was written is a calibration to go on with, with the user's own keys.
     written = json.loads(output.read_text())
     assert written["boat"] == "Ladja"
@@ -97,28 +72,23 @@ def test_0_repaired(command, drifted_scene: Path):
     assert answer.out.startswith("Repaired: ")
 
 
-def test_1_not_improved_and_nothing_is_written(command, drifted_scene: Path, tmp_path: Path, moody):
+@pytest.mark.parametrize("there", [False, True])
+def test_1_not_improved_and_nothing_is_written(command, drifted_scene: Path, tmp_path: Path, moody, there: bool):
+    """Nor is an old file replaced, though it might be."""
     target = tmp_path / "repaired.json"
-    answer = command("recalibrate", drifted_scene, *NOTHING, "--output", target)
+    if there:
+        target.write_text("precious")
+    answer = command("recalibrate", drifted_scene, *NOTHING, "--output", target, "--force")
     assert (answer.code, answer.err) == (1, "")
     assert answer.out.startswith("Not repaired: ")
     assert answer.out.endswith(f"{target}: not written, since the initial calibration stays\n")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_an_old_file_stays_when_nothing_is_better(command, drifted_scene: Path, tmp_path: Path, moody):
-    target = tmp_path / "repaired.json"
-    target.write_text("precious")
-    assert command("recalibrate", drifted_scene, *NOTHING, "--output", target, "--force").code == 1
-    assert target.read_text() == "precious"
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["precious"] * there
 
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("order", [1, -1])
 def test_4_when_one_of_several_cannot_be_told(command, drifted_scene: Path, tmp_path: Path, order: int):
-    fog = np.full((120, 160), 128.0, np.float32)
-    fog[0, 0] = 129.0
-    save_scene(replace(load_scene(drifted_scene), pairs=(sr.Pair(fog, fog[::-1].copy()),)), tmp_path / "fog")
+    save_scene(replace(load_scene(drifted_scene), pairs=(fog((160, 120)),)), tmp_path / "fog")
     answer = command("recalibrate", *(drifted_scene, tmp_path / "fog")[::order], *COUNT)
     assert (answer.code, answer.err) == (4, "")
     assert "more matches" in answer.out
@@ -157,15 +127,6 @@ def test_2_when_one_of_several_turns_out_bad(command, folder: Path, drifted_scen
 # --- input --------------------------------------------------------------------------------------------------
 
 
-def test_files_that_lie_anywhere(command, drifted_scene: Path, tmp_path: Path):
-    scene, loose = tmp_path / "scene.json", tmp_path / "loose.json"
-    words = [f"--{side}={drifted_scene}/{side}.*" for side in ("left", "right")]
-    assert command("recalibrate", drifted_scene, *COUNT, "--output", scene).code == 0
-    calibration = ("--calibration", drifted_scene / "calib.json")
-    assert command("recalibrate", *words, *calibration, *COUNT, "--output", loose).code == 0
-    assert json.loads(scene.read_text()) == json.loads(loose.read_text())
-
-
 @pytest.mark.parametrize(("words", "frames"), [((), 2), (("--pairs", 0), 1)])
 def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int, moody):
     for side in ("left", "right"):
@@ -175,14 +136,6 @@ def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int
     shutil.copy(drifted_scene / "calib.json", tmp_path / "s")
     content = json.loads(command("recalibrate", tmp_path / "s", *NOTHING, *words, "--json", "-").out)
     assert content["repairs"][0]["frames"] == frames
-
-
-@pytest.mark.parametrize("matcher", ["bm", "sgbm"])
-def test_matchers(command, drifted_scene: Path, matcher: str):
-    answer = command("recalibrate", drifted_scene, *COUNT, "--matcher", matcher, "--json", "-")
-    content = json.loads(answer.out)
-    assert content["settings"]["matcher"]["name"] == matcher
-    assert content["repairs"][0]["score_before"]["count"] > 500
 
 
 @pytest.mark.slow
@@ -231,70 +184,18 @@ def test_folders_of_one_rig_as_one_recording(command, drifted_scene: Path, tmp_p
         assert found["freed_px"] < found["fixed_px"] + 0.05
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--free", "extrinsic"], "did you mean extrinsics"),
-        (["--free", "intrinsics"], "free them as well"),
-        (["--free", ""], "--free is empty; give"),
-        (["--ranges", "/none.csv"], "no such file"),
-    ],
-)
-def test_what_is_free_is_checked(command, drifted_scene: Path, words, said):
-    answer = command("recalibrate", drifted_scene, *words)
-    assert answer.code == 2
-    assert said in answer.err
-
-
 def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
     table = tmp_path / "ranges.csv"
     table.write_text("pair,column,row,metres\nnobody,10,10,3.5\n")
-    answer = command("recalibrate", drifted_scene, "--ranges", table)
-    assert answer.code == 2
-    assert "nobody" in answer.err
+    command("recalibrate", drifted_scene, "--ranges", table).refuses("nobody")
 
 
 # --- output -------------------------------------------------------------------------------------------------
 
 
-def test_nothing_is_overwritten_without_force(command, drifted_scene: Path, tmp_path: Path, moody):
-    target = tmp_path / "repaired.json"
-    target.write_text("precious")
-    moody(lambda run: pytest.fail("worked before it looked"))
-    answer = command("recalibrate", drifted_scene, *COUNT, "--strategy", "moody", "--output", target)
-    assert (answer.code, answer.out) == (2, "")
-    assert "repaired.json: the file exists already; choose another or add --force" in answer.err
-    assert target.read_text() == "precious"
-    assert command("recalibrate", drifted_scene, *COUNT, "--output", target, "--force").code == 0
-    assert load_rig(target).left.size == (160, 120)
-    assert list(tmp_path.iterdir()) == [target]
-
-
-def test_a_file_that_appears_meanwhile_is_not_overwritten(command, drifted_scene: Path, tmp_path: Path):
-    target = tmp_path / "repaired.json"
-    with at_call("fsync", lambda _: target.write_text("precious")):
-        answer = command("recalibrate", drifted_scene, *COUNT, "--output", target)
-    assert answer.code == 2
-    assert "the file exists already" in answer.err
-    assert target.read_text() == "precious"
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["{scene}", "--output={tmp}"], "cannot be written there"),
-        (["{scene}", "--output={tmp}/a.json", "--json={tmp}/../{name}/a.json"], "name the same file"),
-        (["{scene}", "{scene}", "--output={tmp}/a.json"], "--output takes the calibration of one recording"),
-    ],
-    ids=["folder", "the file of --json", "several recordings"],
-)
-def test_places_that_make_no_sense(command, drifted_scene: Path, tmp_path: Path, words: list[str], said: str):
-    answer = command(
-        "recalibrate", *(w.format(scene=drifted_scene, tmp=tmp_path, name=tmp_path.name) for w in words), *COUNT
-    )
-    assert (answer.code, answer.out) == (2, "")
-    assert said in answer.err
-    assert answer.err.count("\n") == 1
+def test_the_calibration_of_one_recording_is_written(command, drifted_scene: Path, tmp_path: Path):
+    answer = command("recalibrate", drifted_scene, drifted_scene, "--output", tmp_path / "a.json", *COUNT)
+    answer.refuses("--output takes the calibration of one recording")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -303,7 +204,7 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
     old, before = (folder / "calib.json").read_bytes(), load_scene(folder)
     for words in (("--output", folder / "calib.json"), ("--output", folder / "calib.json", "--force")):
         answer = command("recalibrate", folder, *COUNT, *words)
-        assert (answer.code, answer.out) == (2, "")
+        answer.refuses("calib.json: ")
         assert (folder / "calib.json").read_bytes() == old
     assert "this is an input file of the run and will not be overwritten; replace it with --in-place" in answer.err
     assert command("recalibrate", folder, *COUNT, "--in-place").code == 0
@@ -311,37 +212,3 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
     after = load_scene(folder)
     assert after.info == before.info
     assert np.abs(after.rig.extrinsics - before.rig.extrinsics).max() > np.radians(0.1)
-
-
-def test_json_on_stdout_and_nothing_else(command, drifted_scene: Path):
-    answer = command("recalibrate", drifted_scene, *COUNT, "--json", "-")
-    assert (answer.code, answer.err) == (0, "")
-    (repair,) = json.loads(answer.out)["repairs"]
-    assert repair["row_error_px"] is repair["covariance"] is None
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_quiet(command, drifted_scene: Path, tmp_path: Path, count: int, terminal):
-    terminal("stderr")
-    target = tmp_path / "out.json"
-    answer = command("recalibrate", *[drifted_scene] * count, *COUNT, "--quiet", "--json", target)
-    assert (answer.code, answer.out, answer.err) == (0, "", "")
-    assert len(json.loads(target.read_text())["repairs"]) == count
-
-
-@pytest.mark.parametrize("there", [False, True])
-def test_progress_only_on_a_terminal(command, drifted_scene: Path, terminal, there: bool):
-    terminal("stderr", there)
-    answer = command("recalibrate", drifted_scene, *COUNT)
-    assert ("repairing" in answer.err) == there
-    assert (answer.err == "") == (not there)
-    assert "repairing" not in answer.out
-
-
-def test_threads(command, clean_scene: Path, drifted_scene: Path):
-    plain, threads = (
-        json.loads(command("recalibrate", drifted_scene, clean_scene, *COUNT, "--executor", kind, "--json", "-").out)
-        for kind in ("serial", "threads:2")
-    )
-    for one, two in zip(plain["repairs"], threads["repairs"], strict=True):
-        assert {**one, "seconds": 0} == {**two, "seconds": 0}

@@ -11,10 +11,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+from parts_of_repairs import _signals
 from slow import terminal
 
 from stereorecal import InputError, recalibrate_many
-from stereorecal.cli import _signals
 from stereorecal.io import load_scene
 
 

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
+from parts_of_repairs import COMMANDS
 
 from stereorecal.cli import options_of
-from stereorecal.cli._commands import COMMANDS
 from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
 from stereorecal.synthetic import KINDS
 
@@ -64,6 +64,10 @@ def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_o
 @pytest.mark.parametrize(
     ("words", "said"),
     [
+        ("diff here", "the following arguments are required: B; see stereorecal diff --help"),
+        ("strategies 7", "unknown action '7' (choose one of: list, check); see stereorecal strategies --help"),
+        ("recalibrate --maps", "argument --maps: expected one argument; see stereorecal recalibrate --help"),
+        ("recalibrate --seed some", "argument --seed: invalid int value: 'some'; see stereorecal recalibrate --help"),
         ("score scene --jsno out.json", "unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         (
             "recalibrate scene --in-palce",

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lenses import LENSES
+from parts_of_estimates import _calibration_prior as of_boards
 
 import stereorecal as sr
 from stereorecal.estimation import (
     CalibrationCovariance,
-    _calibration_prior as of_boards,
     as_prior,
     calibration_covariances,
     calibration_prior,

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from stereorecal.estimation._drift import SIZES, drift_sizes
+from parts_of_estimates import SIZES, drift_sizes
 
 KINDS, WEIGHTS = drift_sizes()
 

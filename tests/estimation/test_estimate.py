@@ -82,14 +82,6 @@ def test_rows_say_nothing_of_the_length_of_the_baseline(rig, chart, prior, seen)
 # --- what must not matter -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("said", ["default", "exact"])
-def test_always_the_same(rig, chart, seen, said):
-    found = seen(rig, chart.rig_at(at(chart)))
-    one, other = estimate(found, rig, said), estimate(found, rig, said)
-    np.testing.assert_array_equal(one.theta, other.theta)
-    np.testing.assert_array_equal(one.intervals, other.intervals)
-
-
 def test_nor_does_the_order_of_frames_or_correspondences_matter(rig, chart, prior, seen):
     found = seen(rig, chart.rig_at(at(chart)), frames=2, cells=800)
     mixed = np.random.default_rng(0).permutation(800)

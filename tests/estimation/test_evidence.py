@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import Explained, all_explained, marginal, normal_of, updated
 
 from stereorecal.estimation import CalibrationPrior, Normal
-from stereorecal.estimation._evidence import Explained, all_explained, marginal, normal_of
-from stereorecal.estimation._prior_conversions import updated
 
 ROWS, DRIFTING = 14, 5
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import FLOOR, grouped
 
 from stereorecal.estimation import PLACES, rig_parameters
-from stereorecal.estimation._groups import FLOOR, grouped
 from stereorecal.geometry import Camera, StereoRig, rectifying_rotations
 
 COLUMNS, ROWS = 14, 9

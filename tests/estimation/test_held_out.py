@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from parts_of_estimates import Groups, parts_of
 
 from stereorecal.estimation import PLACES, estimate, frames_by_place
-from stereorecal.estimation._groups import Groups
-from stereorecal.estimation._held_out import parts_of
 from stereorecal.objectives import BASELINE
 
 DRIFT = (0.3, 0.2, -0.4, 0.2, -0.3)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from lenses import WIDE_LENSES
+from parts_of_estimates import within_field
 
 import stereorecal as sr
 from stereorecal.estimation import rig_parameters
-from stereorecal.estimation._lens_field import within_field
 from stereorecal.scoring import Correspondences, with_rays_of
 
 FOCAL = {"omni": 600.0}  # pixels, of a plane behind a sphere; the others 280

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import PointwiseLoss, errors_near, points_shown
 
 from stereorecal.estimation import Estimate, Matters, Posterior, estimate, points_of_view, readings
-from stereorecal.estimation._losses import PointwiseLoss, errors_near, points_shown
 
 SIZES = {"deg": 0.05, "%": 0.3, "px": 2.0, "": 1e-3}
 

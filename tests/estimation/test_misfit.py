@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import correlation, covariance_of_rows, unexpected
 
 from stereorecal.estimation import PLACES
-from stereorecal.estimation._misfit import correlation, covariance_of_rows, unexpected
 
 EVERY = np.arange(PLACES[0] * PLACES[1])
 LEFT = EVERY % PLACES[0] < 5

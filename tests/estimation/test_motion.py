@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import Motion, by_theta, residuals, track_readings
 from simulated_tracks import AHEAD, REST, SIDEWAYS, rolling_tracks, tracks_of
 
 import stereorecal as sr
@@ -17,7 +18,6 @@ from stereorecal.estimation import (
     rig_parameters,
     window,
 )
-from stereorecal.estimation._motion_residuals import Motion, by_theta, residuals, track_readings
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.scoring import Tracks
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import Offsets, _rectangle, _squares, _sums, outlines
 
 from stereorecal.estimation import PLACES
-from stereorecal.estimation._outlines import Offsets, _rectangle, _squares, _sums, outlines
 
 N = PLACES[0] * PLACES[1]
 LABELS = [

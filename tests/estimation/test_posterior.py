@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import merged
 
 from stereorecal.estimation import Posterior
-from stereorecal.estimation._posterior import merged
 
 UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
 

@@ -3,7 +3,6 @@
 from dataclasses import fields, replace
 
 import cv2
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from gpu import as_on_a_gpu
@@ -11,7 +10,6 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal import InputError
 from stereorecal.matching import BM, SAD, SGBM, reference
-from stereorecal.matching.sad._winners import highest_rival_cost
 
 SHAPE = (37, 61)
 
@@ -98,12 +96,6 @@ def test_twice_a_cost_may_not_fit_where_the_cost_does():
     left = np.tile(3.0 * np.arange(80), (48, 1)).astype(np.float32)
     fast, plain = matcher.match(left, 255.0 - left), reference.match(left, 255.0 - left, matcher)
     np.testing.assert_array_equal(np.asarray(fast.valid), plain.valid)
-
-
-@given(st.integers(0, 2**30 - 1), st.integers(0, 100))
-def test_the_limit_of_a_rival(cost, uniqueness_ratio):
-    """In 32 bits, whose product with a ratio may not fit."""
-    assert int(highest_rival_cost(jnp.int32(cost), uniqueness_ratio)) == cost + cost * uniqueness_ratio // 100
 
 
 def test_the_limit_of_a_rival_does_not_overflow():

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig, rotation_from_euler
-from stereorecal.objectives import Reach, differences_at, epipolar_objective, linearised, row_chart
+from stereorecal.objectives import Reach, epipolar_objective, linearised, row_chart
 from stereorecal.scoring import Correspondences
 from stereorecal.strategies import Budget, Status, run_strategy, strategy
 
@@ -39,17 +39,6 @@ def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, bud
     found = exact(z, seed)
     weights = np.broadcast_to(precision, found.weight.shape)
     return epipolar_objective(linearised(found, CHART, np.asarray(at)), weights, prior, budget)
-
-
-@settings(max_examples=25)
-@given(z=in_box, by=in_box, seed=st.integers(0, 5))
-def test_derivatives_of_the_rows(z, by, seed):
-    """Central differences of what `row_differences` says, along any direction."""
-    found, step = exact([0.1, -0.2, 0.05, 0.3, -0.1], seed), 1e-5 * by
-    rows = linearised(found, CHART, z)
-    np.testing.assert_allclose(rows.differences, differences_at(found, CHART, z), atol=1e-11)
-    ends = [differences_at(found, CHART, z + step), differences_at(found, CHART, z - step)]
-    np.testing.assert_allclose(np.tensordot(step, rows.jacobian, 1), (ends[0] - ends[1]) / 2, atol=1e-8)
 
 
 @settings(max_examples=25)

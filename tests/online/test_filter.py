@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import OF_LENSES, FilterEstimate, Measurement, SequentialTest, at_start
 
 from stereorecal.online import Config, init
-from stereorecal.online._filter import OF_LENSES, FilterEstimate, Measurement, at_start
-from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.synthetic import default_rig
 
 SIGMA = np.array([0.01, 0.1, 0.02, 0.5, 1.0])

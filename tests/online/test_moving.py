@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from parts_of_repairs import _moving
 from simulated_tracks import tracks_of
 
 from stereorecal.estimation import Normal
-from stereorecal.online import State, _moving, init, step
+from stereorecal.online import State, init, step
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 from stereorecal.synthetic import default_rig

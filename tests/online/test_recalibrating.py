@@ -4,9 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from parts_of_repairs import _recalibrating
 from rides import BEFORE, Ride, error
 
-from stereorecal.online import Config, Kind, _recalibrating, freeze, init, reading, recalibrate, rollback
+from stereorecal.online import Config, Kind, freeze, init, reading, recalibrate, rollback
 from stereorecal.recalibration import Reason, RowErrors
 
 

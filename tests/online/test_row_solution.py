@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-
-from stereorecal.online._row_solution import RowSolution
+from parts_of_estimates import RowSolution
 
 PRIOR = np.eye(5) * 36.0  # 1 / (a sixth of the box)²: a drift of a third of the reach, in a box of two
 TILES = 48

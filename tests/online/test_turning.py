@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from lenses import WIDE_LENSES
+from parts_of_estimates import small, turn
 
 from stereorecal.geometry import Camera, rotation_from_vector
-from stereorecal.online._turning import small, turn
 
 SIZE = (320, 240)
 PINHOLE = Camera(SIZE, np.array([[260.0, 0, 160], [0, 260.0, 120], [0, 0, 1]]), np.array([-0.05, 0.01, 0, 0, 0]))

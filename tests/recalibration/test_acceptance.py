@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from parts_of_repairs import share_lost
 
 from stereorecal import SAD, difference, health, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals
-from stereorecal.recalibration._tile_counts import share_lost
 
 SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 

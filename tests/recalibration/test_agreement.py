@@ -5,6 +5,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from spoiled import fog
 
 import stereorecal as sr
 from stereorecal.recalibration import Condition
@@ -107,9 +108,7 @@ def test_one_frame_from_before_a_bump(street):
 
 @pytest.mark.slow
 def test_a_frame_that_shows_nothing_has_no_say(street):
-    fog = np.full(street.pairs[0].left.shape, 128.0, np.float32)
-    fog[0, 0] = 129.0
-    blank = sr.Pair(fog, fog[::-1].copy(), "fog")
+    blank = fog()
     assert sr.recalibrate(street.rig, [*street.pairs[:2], blank]).left_out == ()
     conflict = [turned(street.pairs[0], street.rig, 0.0), turned(street.pairs[1], street.rig, 1.2), blank]
     assert sr.recalibrate(street.rig, conflict).reason is sr.Reason.FRAMES_DISAGREE

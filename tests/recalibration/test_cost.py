@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from parts_of_estimates import _survey
 
 import stereorecal as sr
-from stereorecal.scoring.host import _survey
 
 SIZE = (320, 240)
 AREAS: list[int] = []

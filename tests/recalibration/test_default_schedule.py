@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import jax
 import numpy as np
 import pytest
+from spoiled import fog
 
 import stereorecal as sr
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration import Reason, Schedule, ScoreKind, Solution, Stage
-from stereorecal.recordings import Pair
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Status
 from stereorecal.synthetic import decalibrate, default_rig, photographs, plan_drive
 
@@ -54,12 +54,6 @@ def harbour(scene):
 @pytest.fixture(scope="module")
 def repaired(harbour):
     return repair(drifted(), harbour)
-
-
-def fog() -> Pair:
-    flat = np.full((240, 320), 128.0, np.float32)
-    flat[0, 0] = 129.0
-    return Pair(flat, flat[::-1].copy())
 
 
 def test_a_drifted_rig_comes_right(repaired):
@@ -115,16 +109,6 @@ def test_the_same_again(harbour, repaired):
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_open_sea_never_does_harm(scene, drift, seed):
     assert_harmless(repair(drifted(drift), scene("open-sea", seed, RIG.left.size).pairs))
-
-
-def test_fog():
-    solution = repair(drifted(), [fog()])
-    assert solution.reason is Reason.TOO_LITTLE_TEXTURE
-    assert solution.status is Status.NO_SIGNAL
-    assert solution.rig is solution.initial
-    assert solution.row_errors is solution.uncertainty is solution.covariance is None
-    assert solution.score_after.count == 0
-    assert "±" not in str(solution)
 
 
 def test_a_drift_far_beyond_the_reach(harbour):

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import example, given, strategies as st
 
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recalibration import DISTANCES, depth_errors
@@ -19,33 +19,22 @@ angle, part = st.floats(-3, 3), st.floats(-0.02, 0.02)
 rigs = st.builds(rig, angle, angle, angle, st.floats(-2, -0.05), part, part)
 
 
-@given(rigs)
-def test_the_same_rig_is_right(given_rig):
-    errors = depth_errors(given_rig, given_rig)
-    assert tuple(errors) == DISTANCES == (5, 10, 30, 100)
-    np.testing.assert_allclose(list(errors.values()), 0.0, atol=1e-7)
-
-
-@given(st.floats(-0.5, 1.5))
+@given(st.floats(-2.0, 1.5))
+@example(0.0)
+@example(-2.0)
+@example(0.2)
+@example(-0.2)
 def test_yaw(degrees):
-    """The right camera believed to look more to the left than it does moves every disparity by the same."""
+    """The right camera believed to look more to the left than it does moves every disparity by the same: things are too
+    near, or too far and at last beyond infinity."""
     error = np.radians(degrees)
+    assert tuple(depth_errors(rig(yaw=degrees), rig())) == DISTANCES == (5, 10, 30, 100)
     for distance, percent in depth_errors(rig(yaw=degrees), rig()).items():
         expected = 100 * (1 / (np.cos(error) + distance * np.sin(error)) - 1)
         assert percent == pytest.approx(expected if np.cos(error) + distance * np.sin(error) > 0 else np.inf)
         # In the words of a stereo user: Z = f B / d, and d is off by f tan(error).
         if abs(degrees) < 0.3 and distance <= 10:
             assert percent == pytest.approx(100 * (1 / (1 + distance * np.tan(error)) - 1), abs=0.2)
-
-
-def test_signs():
-    """Disparities too large: too near. Too small: too far, and at last beyond infinity."""
-    near, far = depth_errors(rig(yaw=0.2), rig()), depth_errors(rig(yaw=-0.2), rig())
-    assert all(-100 < near[d] < 0 < far[d] for d in DISTANCES)
-    assert list(near.values()) == sorted(near.values(), reverse=True)
-    assert list(far.values()) == sorted(far.values())
-    assert depth_errors(rig(yaw=-2.0), rig())[100] == np.inf
-    assert np.isfinite(depth_errors(rig(yaw=-2.0), rig())[5])
 
 
 @pytest.mark.parametrize("wrong", [{"pitch": 0.5}, {"roll": 0.5}, {"pitch": -1.0}, {"roll": -1.0}, {"y": 0.004}])

@@ -1,26 +1,13 @@
 """All that a calibration file holds may change, unless it is held: lenses that no extrinsics make up for come right."""
 
-from dataclasses import replace
-
-import numpy as np
 import pytest
+from wrong_lenses import TRUE, over_the_view, wrong
 
 import stereorecal as sr
-from stereorecal.geometry import changed_camera, same_camera, view
-from stereorecal.recalibration import IntrinsicsOutcome, Reason, row_errors_of
+from stereorecal.geometry import same_camera
+from stereorecal.recalibration import IntrinsicsOutcome, Reason
 
-TRUE = sr.synthetic.default_rig().resized((320, 240))
-WRONG = replace(
-    TRUE,
-    left=changed_camera(TRUE.left, {"f": 0.002, "cy": 0.7, "k1": 0.03, "k2": -0.03, "p1": 0.003}),
-    right=changed_camera(TRUE.right, {"f": -0.003, "cy": -0.5, "k1": -0.03, "k2": 0.02, "p2": -0.002}),
-)
-
-
-def over_the_view(rig: sr.StereoRig) -> float:
-    """Root mean square of the rows of points at ten baselines, pixels."""
-    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
-    return float(np.sqrt(np.nanmean(apart**2)))
+WRONG = wrong({"k1": 0.03, "k2": -0.03, "p1": 0.003}, {"k1": -0.03, "k2": 0.02, "p2": -0.002})
 
 
 def same_intrinsics(one: sr.StereoRig, other: sr.StereoRig) -> bool:

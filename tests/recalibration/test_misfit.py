@@ -5,10 +5,10 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from parts_of_repairs import Cause, misfit
 from spoiled_rows import X, nothing, seen
 
 import stereorecal as sr
-from stereorecal.recalibration._regional_misfit import Cause, misfit
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.4])

@@ -7,13 +7,13 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
+from parts_of_repairs import Mismatch, mismatch_of
 
 from stereorecal import InputError, recalibrate
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Condition, Reason, fixed, health, recalibrate_many
-from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recordings import Pair, Scene
 from stereorecal.scoring import pyramid
 from stereorecal.synthetic import KINDS, decalibrate

@@ -5,12 +5,12 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from parts_of_repairs import MOST_WINDOWS, check_odometer, following
 from scipy.ndimage import fourier_shift
 
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recalibration._motion_windows import MOST_WINDOWS, check_odometer, following
 from stereorecal.recordings import share_of
 from stereorecal.scoring.host import Matches, tracked
 

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_repairs import fingerprint, prior_use
 
 import stereorecal as sr
 from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
 from stereorecal.io import load_rig, save_rig
 from stereorecal.recalibration import Condition
-from stereorecal.recalibration._prior_use import fingerprint, prior_use
 
 DRIFT = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
 MATCHER = sr.SAD(num_disparities=32)

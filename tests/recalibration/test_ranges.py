@@ -3,9 +3,9 @@
 import cv2
 import numpy as np
 import pytest
+from parts_of_repairs import match_ranges
 
 import stereorecal as sr
-from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import with_measured_range
 from stereorecal.synthetic import ranges as measured

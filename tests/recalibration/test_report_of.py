@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from parts_of_repairs import conclusion_of, report_of
 from simulated_rows import chart as chart, rig as rig, seen as seen
 
 import stereorecal as sr
 from stereorecal.estimation import estimate
 from stereorecal.geometry import changed_camera, view
 from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason, row_errors_of
-from stereorecal.recalibration._repair_report import conclusion_of, report_of
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))

@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from parts_of_repairs import prepared, run_schedule, started
 
 from stereorecal.matching import SAD
 from stereorecal.objectives import Parameters, Reach, row_chart
 from stereorecal.recalibration import Schedule, ScoreKind, Stage, as_settings
-from stereorecal.recalibration._prepared_case import prepared
-from stereorecal.recalibration._search import run_schedule
-from stereorecal.recalibration._search_start import started
 from stereorecal.strategies import AbstractStrategy, Need, Outcome, Status
 
 

@@ -1,19 +1,9 @@
 """Options stand once: what callers may say, what a repair computes with, and what the descriptions name."""
 
-import re
-from dataclasses import fields
-
-import pytest
-
 import stereorecal as sr
-from stereorecal.recalibration import Settings, as_settings
+from stereorecal.recalibration import as_settings
 
-OPTIONS, KINDS = sr.RepairOptions.__optional_keys__, (sr.HealthOptions, sr.RepairOptions)
-
-
-def test_settings_are_what_options_come_to():
-    assert {field.name for field in fields(Settings)} == OPTIONS
-    assert sr.HealthOptions.__optional_keys__ < OPTIONS
+OPTIONS = sr.RepairOptions.__optional_keys__
 
 
 def test_nothing_said_is_the_default():
@@ -32,13 +22,3 @@ def test_settings_are_options_again():
 def test_ranges_free_the_length_of_the_baseline():
     named = sr.Range("pair", (5.0, 5.0), 3.0)
     assert as_settings({"ranges": named}).free.names == (*sr.Parameters().names, "baseline")
-
-
-@pytest.mark.parametrize(
-    ("function", "options"), [(sr.recalibrate, OPTIONS), (sr.health, sr.HealthOptions.__optional_keys__)]
-)
-def test_descriptions_name_every_option(function, options: frozenset[str]):
-    (said,) = re.findall(r"by name: `([^`]*)`", function.__doc__)
-    assert set(re.split(r",\s*", said)) == options
-    described = [set(re.findall(r"^        (\w+):", kind.__doc__, re.MULTILINE)) for kind in KINDS]
-    assert described == [sr.HealthOptions.__optional_keys__, OPTIONS - sr.HealthOptions.__optional_keys__]

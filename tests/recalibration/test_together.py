@@ -7,27 +7,16 @@ from operator import attrgetter
 
 import numpy as np
 import pytest
+from wrong_lenses import TRUE, over_the_view, wrong
 
 import stereorecal as sr
-from stereorecal.geometry import changed_camera, view
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, chosen_frames, row_errors_of, sharing
+from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, chosen_frames, sharing
 from stereorecal.synthetic import photographs, plan_drive
 
 SIZE = (320, 240)
-TRUE = sr.synthetic.default_rig().resized(SIZE)
-WRONG = replace(
-    TRUE,
-    left=changed_camera(TRUE.left, {"f": 0.002, "cy": 0.7, "k1": 0.012, "k2": -0.02}),
-    right=changed_camera(TRUE.right, {"f": -0.003, "cy": -0.5, "k1": -0.008, "k2": 0.02}),
-)
+WRONG = wrong({"k1": 0.012, "k2": -0.02}, {"k1": -0.008, "k2": 0.02})
 BOTH = ("extrinsics", "intrinsics")
-
-
-def over_the_view(rig: sr.StereoRig) -> float:
-    """Root mean square of the rows of points at ten baselines, pixels."""
-    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 319, 17), np.linspace(0, 239, 13))[0]
-    return float(np.sqrt(np.nanmean(apart**2)))
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from parts_of_repairs import uncertainty
 
 from stereorecal.objectives import EXTRINSICS, Reach, row_chart
 from stereorecal.recalibration import Uncertainty
-from stereorecal.recalibration._uncertainty import uncertainty
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig()

@@ -2,7 +2,7 @@
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -141,6 +141,26 @@ def test_data_of_a_repair(repaired):
     assert decision["expected_loss"]["candidate"] < decision["expected_loss"]["before"]
     assert decision["rows_px"]["candidate"]["high"] < decision["rows_px"]["before"]["low"]
     assert {"name", "count", "before", "after", "fitted"} == set(decision["held_out"][0])
+    for when, said in (("before", repaired.score_before), ("after", repaired.score_after)):
+        assert data[f"score_{when}"] == {"count": said.count, "pixels": 320 * 240, "fraction": said.fraction}
+        assert data["row_error_px"][when] == getattr(repaired.row_errors, when)
+    for which, rig in (("before", repaired.initial), ("candidate", repaired.candidate), ("used", repaired.rig)):
+        angles = np.radians(list(data["extrinsics"][which]["rotation_deg"].values()))
+        np.testing.assert_allclose(angles, rig.extrinsics[:3], rtol=1e-14)
+        assert list(data["extrinsics"][which]["translation_m"].values()) == rig.extrinsics[3:].tolist()
+    change, widths, baseline = data["change"], data["interval_95"], float(repaired.initial.baseline)
+    np.testing.assert_allclose(list(change["rotation_deg"].values()), np.degrees(repaired.change[:3]))
+    np.testing.assert_allclose(list(change["translation_percent"].values()), 100 * repaired.change[3:] / baseline)
+    found = [*widths["rotation_deg"].values(), *widths["translation_percent"].values()]
+    np.testing.assert_allclose(found, repaired.uncertainty.interval)
+    assert list(data["observed"]) == data["covariance"]["axes"] == ["pitch", "yaw", "roll", "y", "z"]
+    assert list(data["observed"].values()) == repaired.uncertainty.observed.tolist()
+    np.testing.assert_allclose(data["covariance"]["matrix"], repaired.covariance)
+    assert list(data["depth_error_percent"]) == ["5", "10", "30", "100"]
+    assert (data["evaluations"], data["cost"]) == (repaired.evaluations, pytest.approx(repaired.cost.budgeted))
+    assert data["cost_total"] == pytest.approx(repaired.cost.total)
+    assert data["cost_of"] == pytest.approx(asdict(repaired.cost))
+    assert sum(stage["evaluations"] for stage in data["stages"]) == data["evaluations"]
     refused = replace(repaired, reason=Reason.CANNOT_TELL).to_dict()
     assert (refused["accepted"], refused["healthy"], refused["expected"]) == (False, False, None)
 

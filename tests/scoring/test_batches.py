@@ -39,14 +39,6 @@ def test_batch_size_and_order_do_not_matter(scene, offsets, asked, data):
     assert np.array_equal(alone, together)
 
 
-def test_candidates_differ(scene):
-    """Else the property above would hold for a constant."""
-    given_scene = scene()
-    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.002 * i, 0, 0, 0, 0, 0] for i in range(4)])
-    assert len(set(counts(prepared, points, SAD_32))) == 4
-
-
 @pytest.mark.parametrize("matcher", [SAD_32, BM(num_disparities=32)])
 def test_no_candidates_no_counts(scene, matcher):
     given_scene = scene()

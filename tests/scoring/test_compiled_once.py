@@ -61,49 +61,32 @@ def test_pinhole_lenses_share_their_programs(compilations, given, at):
     assert matched[0] != matched[4]
 
 
-def pure(name, data, found):
-    """The function of the extrinsics alone. Each call makes a new one."""
-    return {
-        "count": lambda e: sr.count(data, e, MATCHER),
-        "soft_count": lambda e: sr.soft_count(data, e, MATCHER),
-        "correspondences": lambda e: sr.correspondences(data, e, MATCHER),
-        "row_differences": lambda e: sr.row_differences(found, e),
-    }[name]
+PURE = {
+    "count": lambda data, found: lambda e: sr.count(data, e, MATCHER),
+    "soft_count": lambda data, found: lambda e: sr.soft_count(data, e, MATCHER),
+    "correspondences": lambda data, found: lambda e: sr.correspondences(data, e, MATCHER),
+    "row_differences": lambda data, found: lambda e: sr.row_differences(found, e),
+}
+WAYS = {
+    "plain": lambda f, at: f(at),
+    "NumPy": lambda f, at: f(np.asarray(at)),
+    "vmap": lambda f, at: jax.vmap(f)(jnp.stack([at] * 4)),
+    "grad": lambda f, at: jax.grad(f)(at),
+    "jacfwd": lambda f, at: jax.jacfwd(f)(at),
+    "value_and_grad": lambda f, at: jax.value_and_grad(f)(at),
+    "vmap of grad": lambda f, at: jax.vmap(jax.grad(f))(jnp.stack([at] * 4)),
+    "jvp": lambda f, at: jax.jvp(f, (at,), (jnp.ones(6),)),
+}
+ASKED = [(name, way) for name in PURE for way in ("plain", "NumPy", "vmap")]
+ASKED += [("soft_count", way) for way in list(WAYS)[3:]] + [("row_differences", "jacfwd")]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["count", "soft_count", "correspondences", "row_differences"])
-@pytest.mark.parametrize("kind", ["plain", "NumPy", "vmap"])
-def test_pure_functions(compilations, data, found, at, name, kind):
+@pytest.mark.parametrize(("name", "way"), ASKED)
+def test_pure_functions_and_their_derivatives(compilations, data, found, at, name, way):
     """With a new lambda at the second call, and other extrinsics."""
-    points = [np.asarray(at), np.asarray(at) + 1e-4]
-    if kind == "plain":
-        check(compilations, lambda k: pure(name, data, found)(jnp.asarray(points[k])))
-    elif kind == "NumPy":
-        check(compilations, lambda k: pure(name, data, found)(points[k]))
-    else:
-        check(compilations, lambda k: jax.vmap(pure(name, data, found))(jnp.asarray([points[k]] * 4)))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mode", [jax.grad, jax.jacfwd, jax.value_and_grad])
-def test_derivatives_of_the_soft_count(compilations, data, found, at, mode):
-    check(compilations, lambda k: mode(pure("soft_count", data, found))(at + 1e-4 * k))
-
-
-@pytest.mark.slow
-def test_gradients_of_a_batch(compilations, data, found, at):
-    check(compilations, lambda k: jax.vmap(jax.grad(pure("soft_count", data, found)))(jnp.stack([at + 1e-4 * k] * 4)))
-
-
-@pytest.mark.slow
-def test_jvp_of_the_soft_count(compilations, data, found, at):
-    check(compilations, lambda k: jax.jvp(pure("soft_count", data, found), (at + 1e-4 * k,), (jnp.ones(6),)))
-
-
-@pytest.mark.slow
-def test_the_jacobian_of_row_differences(compilations, data, found, at):
-    check(compilations, lambda k: jax.jacfwd(pure("row_differences", data, found))(at + 1e-4 * k))
+    points = [at, at + 1e-4]
+    check(compilations, lambda k: WAYS[way](PURE[name](data, found), points[k]))
 
 
 @pytest.mark.slow

@@ -3,12 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_estimates import _means_of_cells
+from spoiled import fog
 
 from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
 from stereorecal.matching import SAD
-from stereorecal.recordings import Pair
 from stereorecal.scoring import TILES, Correspondences, median_row_error, prepare, row_differences
-from stereorecal.scoring._correspondences import _means_of_cells
 from stereorecal.scoring.host import correspondences, match_radius
 from stereorecal.synthetic import default_rig
 
@@ -33,9 +33,7 @@ def found(harbour):
 
 @pytest.fixture(scope="module")
 def in_fog(harbour):
-    flat = np.full((240, 320), 128.0, np.float32)
-    flat[0, 0] = 129.0
-    return found_in(harbour.rig, [Pair(flat, flat[::-1].copy())])
+    return found_in(harbour.rig, [fog()])
 
 
 def test_shapes_are_those_of_the_images(found, in_fog):

@@ -3,14 +3,12 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from machine import cores
+from parts_of_estimates import map_candidates
 
-from stereorecal.geometry import view, with_unit_baseline
+from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.scoring import prepare
-from stereorecal.scoring.host import counts, counts_one_by_one, disparities
-from stereorecal.scoring.host._map_candidates import map_candidates
 
 SAD_24 = SAD(num_disparities=24)
 
@@ -64,20 +62,3 @@ def test_one_program_serves_any_number(scene, compilations):
     for number in (0, 2, 7, 50):
         map_candidates(first_two, frames, np.zeros((number, 6)), SAD_24)
     assert compilations == []
-
-
-@pytest.mark.slow
-@settings(max_examples=8, deadline=None)
-@given(
-    kind=st.sampled_from(["harbour", "street", "coast"]),
-    offsets=st.lists(st.tuples(*[st.floats(-0.03, 0.03)] * 3), min_size=1, max_size=12),
-)
-def test_counts_what_disparities_show(scene, kind, offsets):
-    """Pixel for pixel: `score` and a search must mean the same by a count."""
-    given_scene = scene(kind, 0, (160, 120))
-    data = prepared(given_scene)
-    candidates = np.repeat(with_unit_baseline(given_scene.rig.extrinsics)[None], len(offsets), axis=0)
-    candidates[:, :3] += offsets
-    shown = [sum(d.valid.sum() for d in disparities(data, one.astype(np.float32), SAD_24)) for one in candidates]
-    np.testing.assert_array_equal(counts(data, candidates, SAD_24), shown)
-    np.testing.assert_array_equal(counts_one_by_one(data, candidates, SAD_24), shown)

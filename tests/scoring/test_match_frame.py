@@ -11,14 +11,18 @@ from stereorecal.scoring.host import counts, disparities, disparity, score
 MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
 
 
+@pytest.mark.parametrize("size", [(320, 240), (160, 120)])  # candidates of small ones share a call
 @pytest.mark.parametrize("matcher", MATCHERS)
-def test_count_is_the_sum_of_valid(scene, matcher):
-    given_scene = scene("street", 0, frames=2)
-    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    extrinsics = with_unit_baseline(given_scene.rig.extrinsics)
-    found = disparities(prepared, extrinsics, matcher)
-    assert len(found) == 2
-    assert sum(d.valid.sum() for d in found) == counts(prepared, extrinsics[None], matcher)[0]
+def test_count_is_the_sum_of_valid_over_frames_each_of_which_is_as_alone(scene, matcher, size):
+    given_scene = scene("street", 0, size, frames=2)
+    rig, pairs = given_scene.rig, given_scene.pairs
+    both, *each = (prepare(rig, some, view(rig)) for some in (pairs, pairs[:1], pairs[1:]))
+    points = with_unit_baseline(rig.extrinsics) + np.radians([[0.0] * 6, [0.5, 0.2, -0.4, 0.0, 0.0, 0.0]])
+    single = [counts(one, points, matcher) for one in each]
+    assert len({tuple(one) for one in single}) == 2
+    np.testing.assert_array_equal(counts(both, points, matcher), np.sum(single, axis=0))
+    for point, *alone in zip(points, *single, strict=True):
+        assert [one.valid.sum() for one in disparities(both, point, matcher)] == alone
 
 
 @pytest.mark.parametrize("matcher", MATCHERS)

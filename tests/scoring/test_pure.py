@@ -1,8 +1,6 @@
 """The pure face: it composes with JAX, every mode gives the same derivative, and what it cannot take it refuses in a
 sentence."""
 
-import re
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -157,38 +155,6 @@ def test_all_modes_give_one_gradient(data, candidates):
         np.testing.assert_allclose(gradient * UNIT, expected, atol=1e-3 * np.linalg.norm(expected), err_msg=name)
 
 
-@pytest.mark.slow
-def test_the_value_beside_a_gradient_is_the_soft_count(data, candidates):
-    plain = float(sr.soft_count(data, candidates[0], MATCHER))
-    for value in (
-        jax.value_and_grad(soft(data))(candidates[0])[0],
-        jax.jvp(soft(data), (candidates[0],), (jnp.ones(6),))[0],
-        jax.linearize(soft(data), candidates[0])[0],
-    ):
-        assert float(value) == pytest.approx(plain, rel=1e-5)
-
-
-@pytest.mark.slow
-def test_gradients_of_a_batch_are_those_of_its_members(data, candidates):
-    batch = np.asarray(jax.vmap(jax.grad(soft(data)))(candidates))
-    alone = np.stack([np.asarray(jax.grad(soft(data))(e)) for e in candidates])
-    np.testing.assert_allclose(batch * UNIT, alone * UNIT, atol=1e-3 * np.linalg.norm(alone * UNIT))
-
-
-@pytest.mark.slow
-def test_chains_go_through(data, candidates):
-    """The gradient of a function of the soft count of a function of something else."""
-
-    def outer(z):
-        return jnp.sqrt(sr.soft_count(data, candidates[0] + z * jnp.asarray(UNIT, jnp.float32), MATCHER))
-
-    z = jnp.zeros(6)
-    inner = np.asarray(jax.grad(soft(data))(candidates[0])) * UNIT
-    expected = 0.5 * inner / np.sqrt(float(sr.soft_count(data, candidates[0], MATCHER)))
-    for gradient in (jax.grad(outer)(z), jax.jacfwd(outer)(z)):
-        np.testing.assert_allclose(gradient, expected, atol=1e-3 * np.linalg.norm(expected))
-
-
 def test_the_gradient_is_that_of_finite_differences(data, truth):
     gradient, step = jax.grad(soft(data)), 5e-3
     actual, expected = [], []
@@ -248,34 +214,27 @@ def test_data_have_no_derivative(data, truth, mode, wrapped):
         mode(wrapped(lambda d: sr.soft_count(d, truth, MATCHER)))(data)
 
 
-PURE = (sr.count, sr.soft_count, sr.correspondences)
+REFUSED = {
+    "bm": (
+        sr.BM(num_disparities=32),
+        "needs a matcher in JAX.*use sr\\.SAD\\(\\.\\.\\.\\), or sr\\.score, which takes every .*\\.$",
+    ),
+    "sgbm": (
+        "sgbm",
+        "needs a matcher in JAX.*use sr\\.SAD\\(\\.\\.\\.\\), or sr\\.score, which takes every matcher\\.$",
+    ),
+    "no range": (sr.SAD(), r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"),
+    "no range of a name": ("sad", r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"),
+    "a typing error": ("sadd", r"unknown matcher 'sadd'; did you mean sad\?"),
+    "another case": ("SAD", "unknown matcher 'SAD'"),
+    "a range wider than the image": (sr.SAD(num_disparities=170), "beyond the width of the image"),
+}
 
 
-@pytest.mark.parametrize("function", PURE)
-@pytest.mark.parametrize("matcher", [sr.BM(num_disparities=32), sr.SGBM(num_disparities=32), "sgbm"])
-def test_opencv_matchers_are_refused(data, truth, function, matcher):
-    name = f"sr.{function.__name__} needs a matcher in JAX"
-    with pytest.raises(InputError, match=name + r".*use sr\.SAD\(\.\.\.\), or sr\.score, which takes every matcher\.$"):
-        function(data, truth, matcher)
-
-
-@pytest.mark.parametrize("function", PURE)
-@pytest.mark.parametrize("matcher", [sr.SAD(), "sad"])
-def test_matchers_without_a_range_are_refused(data, truth, function, matcher):
-    with pytest.raises(InputError, match=r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"):
-        function(data, truth, matcher)
-
-
-@pytest.mark.parametrize("function", PURE)
-@pytest.mark.parametrize(
-    ("matcher", "words"),
-    [
-        ("sadd", "unknown matcher 'sadd'; did you mean sad?"),
-        ("SAD", "unknown matcher 'SAD'"),
-    ],
-)
-def test_what_is_no_matcher_is_refused(data, truth, function, matcher, words):
-    with pytest.raises(InputError, match=re.escape(words)):
+@pytest.mark.parametrize("function", [sr.count, sr.soft_count, sr.correspondences])
+@pytest.mark.parametrize(("matcher", "said"), REFUSED.values(), ids=REFUSED)
+def test_matchers_that_cannot_serve_are_refused(data, truth, function, matcher, said):
+    with pytest.raises(InputError, match=f"sr.{function.__name__} {said}" if said.startswith("needs") else said):
         function(data, truth, matcher)
 
 
@@ -297,11 +256,6 @@ def test_a_traced_temperature_is_taken(data, truth):
     for temperature in (0.3, 0.05):
         expected = float(sr.soft_count(data, truth, MATCHER, temperature))
         assert float(cooled(temperature)) == pytest.approx(expected, rel=1e-5)
-
-
-def test_a_range_wider_than_the_image(data, truth):
-    with pytest.raises(InputError, match="beyond the width of the image"):
-        sr.count(data, truth, sr.SAD(num_disparities=170))
 
 
 @pytest.mark.slow

@@ -6,12 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_estimates import _soft_area
 
 from stereorecal import InputError
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
 from stereorecal.scoring import forward_gradient
-from stereorecal.scoring._soft_count import _soft_area
 from stereorecal.strategies import AbstractStrategy, Need, NeedNotMet, run_strategy
 
 REACH = Reach(1.0, 0.01)
@@ -46,9 +46,14 @@ def test_gradient_is_that_of_finite_differences(scene, kind):
     assert (norms > 0).all()
 
 
-@pytest.mark.parametrize("mode", [jax.grad, jax.jacfwd, jax.jacrev, lambda f: jax.jit(jax.grad(f))])
+def batched(function):
+    return lambda z: jax.vmap(jax.grad(function))(jnp.stack([0.5 * z, z]))[1]
+
+
+@pytest.mark.parametrize("mode", [jax.grad, jax.jacfwd, jax.jacrev, lambda f: jax.jit(jax.grad(f)), batched])
 def test_its_rule_gives_what_jax_gives(mode):
-    """On a score that compiles at once; and the derivatives of another one, where that is asked for."""
+    """On a score that compiles at once; and the derivatives of another one, where that is asked for; also inside of
+    other functions, and beside the value."""
     data, z = {"a": jnp.array([[0.3, -1.2], [0.7, 0.4], [-0.5, 0.9]]), "b": jnp.arange(3.0)}, jnp.array([0.2, -0.6])
 
     def plain(data, z):
@@ -60,7 +65,10 @@ def test_its_rule_gives_what_jax_gives(mode):
     expected = jax.grad(plain, argnums=1)(data, z)
     for score, value in ((forward_gradient(plain), plain), (forward_gradient(stepped, plain), stepped)):
         np.testing.assert_allclose(mode(lambda q, score=score: score(data, q))(z), expected, rtol=1e-5)
+        chained = mode(lambda q, score=score: jnp.exp(score(data, 2.0 * q)))(0.5 * z)
+        np.testing.assert_allclose(chained, 2.0 * jnp.exp(plain(data, z)) * expected, rtol=1e-5)
         assert score(data, z) == value(data, z)
+        np.testing.assert_allclose(jax.value_and_grad(score, argnums=1)(data, z)[0], plain(data, z), rtol=1e-6)
 
 
 @pytest.mark.slow
@@ -117,7 +125,8 @@ class Smooth(AbstractStrategy):
 def test_opencv_matchers_have_none(scene):
     given = scene()
     opaque = objective(given.rig, given.pairs, matcher=BM(num_disparities=48))
-    assert opaque.traced.soft_count is None
+    assert opaque.traced.soft_count is opaque.traced.count is None
+    assert type(opaque.value(np.zeros(5))) is float
     with pytest.raises(NeedNotMet, match="differentiable score"):
         run_strategy(Smooth(), opaque, np.zeros(5))
 

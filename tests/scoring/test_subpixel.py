@@ -7,11 +7,10 @@ import jax
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import WINDOW, Rectified, refine
 from scipy.ndimage import map_coordinates
 
 from stereorecal.matching import Disparity
-from stereorecal.scoring._rectify import Rectified
-from stereorecal.scoring._subpixel import WINDOW, _uneven, refine
 
 SIZE = HEIGHT, WIDTH = 72, 96
 MARGIN = 16  # pixels of the frame that a window or the local contrast meets the border within
@@ -140,29 +139,6 @@ def test_twin(seed):
     np.testing.assert_allclose(actual.disparity[both], d[both], atol=1e-3)
     np.testing.assert_allclose(actual.row[both], v[both], atol=1e-3)
     np.testing.assert_allclose(actual.variance[both], variance[both], rtol=1e-2)
-
-
-def test_uneven_is_a_jump_or_a_steep_slant():
-    """A step of two pixels on a slant of a fifth of a pixel: within nine columns; eight across a gap of two columns."""
-    near, across = np.zeros(SIZE, bool), np.zeros(SIZE, bool)
-    near[:, 45 - 9 : 45 + 9] = True
-    across[:, 45 - 8 : 45 + 8] = True
-    slant = 0.2 * X
-    gap = (X < 44) | (X > 45)
-    np.testing.assert_array_equal(_uneven(matched(slant + 2.0 * (X > 44))), near)
-    np.testing.assert_array_equal(_uneven(matched(slant + 2.0 * (X > 44), gap)), across)
-    assert not _uneven(matched(slant)).any()
-    assert _uneven(matched(0.3 * X)).all()
-    assert not _uneven(matched(1000.0 * X, False)).any()
-
-
-def test_good_means_every_check():
-    rectified, found = rough(0)
-    actual = jax.tree.map(np.asarray, refined(rectified, found))
-    assert not actual.good[~found.valid].any()
-    assert not actual.good[52:58, 63:72].any()  # five pixels off: nothing to settle on
-    assert np.abs(actual.row[actual.good]).max() < 2.0
-    assert np.abs(actual.disparity - found.values)[actual.good].max() < 1.0
 
 
 # --- motions that are known ---------------------------------------------------------------------------------

@@ -67,13 +67,16 @@ def test_images_of_different_things(scene):
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("size", [(160, 120), (320, 240)])
-def test_no_false_alarm_however_far_off(scene, kind, size):
-    given = scene(kind, 1, size)
+@pytest.mark.parametrize(("seed", "size"), [(1, (160, 120)), (1, (320, 240)), (0, (320, 240))])
+def test_no_false_alarm_however_far_off(scene, kind, seed, size):
+    """A survey, which refuses what matches little wherever it looks, takes all of them."""
+    given = scene(kind, seed, size)
     draw = np.random.default_rng(3)
     for _ in range(6):
         drift = np.array([*np.radians(draw.uniform(-5, 5, 3)), 0, *draw.uniform(-0.05, 0.05, 2) * given.rig.baseline])
-        refuse_swapped_images(pyramid(given.rig.with_extrinsics(given.rig.extrinsics + drift), given.pairs))
+        drifted = given.rig.with_extrinsics(given.rig.extrinsics + drift)
+        refuse_swapped_images(pyramid(drifted, given.pairs))
+    assert with_disparity_range(SAD(), drifted, given.pairs, view(drifted), np.radians(6.0)).num_disparities
 
 
 def test_nothing_is_said_of_what_shows_nothing(scene):
@@ -96,28 +99,6 @@ def test_the_sun_on_waves_is_no_mistake(scene):
             cv2.ellipse(spoiled, (int(x), int(y)), draw.integers(1, 8, 2).tolist(), 0.0, 0.0, 360.0, 255.0, -1)
         images.append(spoiled)
     refuse_swapped_images(pyramid(given.rig, [Pair(*images)]))
-
-
-@pytest.mark.slow(after=1)
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", [0, 1])
-def test_no_false_alarm(scene, kind, seed):
-    given_scene = scene(kind, seed)
-    rig = given_scene.rig
-    for signs in ((1, 1, 1), (1, -1, 1), (-1, 1, -1), (-1, -1, -1)):
-        drift = np.array([*np.radians(2.5 * np.array(signs)), 0.0, 0.025 * rig.baseline, -0.025 * rig.baseline])
-        drifted = rig.with_extrinsics(rig.extrinsics + drift)
-        assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted)).num_disparities
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-def test_no_false_alarm_within_a_wider_reach(scene, kind):
-    given_scene = scene(kind, 0)
-    rig = given_scene.rig
-    for sign in (1, -1):
-        drifted = rig.with_extrinsics(rig.extrinsics + np.radians([4.0 * sign, 5.0 * sign, -4.0, 0.0, 0.0, 0.0]))
-        assert with_disparity_range(SAD(), drifted, given_scene.pairs, view(drifted), np.radians(6.0)).num_disparities
 
 
 def test_an_inverted_rotation_is_named(scene):

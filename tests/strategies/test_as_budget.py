@@ -31,7 +31,7 @@ def test_a_number_limits_the_evaluations(number):
     "other",
     [
         "ten",
-        "10",
+        "9" * 100_000,
         b"10",
         True,
         False,
@@ -54,18 +54,13 @@ def test_anything_else_is_refused_and_the_right_call_is_shown(other):
         as_budget(other)
     message = str(caught.value)
     assert message.startswith("budget is ")
+    assert len(message) < 250
     assert message.endswith("; give a number of units, such as budget=500, or sr.Budget(evaluations=500, seconds=20).")
 
 
 def test_the_sentence_names_what_was_given():
     with pytest.raises(InputError, match=r"^budget is 'ten'; give a number of units, such as budget=500, or"):
         as_budget("ten")
-
-
-def test_the_sentence_stays_short():
-    with pytest.raises(InputError) as caught:
-        as_budget("9" * 100_000)
-    assert len(str(caught.value)) < 200
 
 
 @pytest.mark.parametrize("number", [0, -1, -0.0, float("nan"), -float("inf"), 10**400, np.float32("nan")])
@@ -81,5 +76,7 @@ def test_numbers_that_make_no_sense(number):
 )
 def test_an_objective_takes_all_of_them(given, left):
     problem = Problem(1, lambda points: points[:, 0])
-    assert Objective(problem, given).remaining == left
+    objective = Objective(problem, given)
+    assert objective.remaining == left
+    assert objective.value(np.ones(1)) == 1.0
     assert Objective(problem, 1).with_budget(given).remaining == left

@@ -47,12 +47,27 @@ def judged(strategy, function=hill, start=0.0, budget=None):
     return run_strategy(strategy, problem(function, budget), np.array([start]))
 
 
-def test_an_honest_nomination_wins():
-    run = judged(Scripted((0.2, 0.4), (0.4,)))
-    assert run.best == [0.4]
-    assert run.value == hill(0.4)
-    assert run.start_value == hill(0.0)
+NAN, INFINITE = float("nan"), float("inf")
+NOMINATIONS = {  # what was asked, what is nominated, the start, the score; what is the best
+    "honest": ((0.2, 0.4), 0.4, 0.0, hill, 0.4),
+    "a lie": ((0.2, 0.4), -0.9, 0.0, hill, 0.4),
+    "never evaluated": ((0.2,), 0.5, 0.0, hill, 0.5),
+    "infinite": ((0.2, 0.8, 0.4), 0.8, 0.0, lambda x: INFINITE if x > 0.7 else hill(x), 0.4),
+    "worse than the start": ((0.1, 0.9), 0.9, 0.5, hill, 0.5),
+    "as good as the start": ((0.7,), 0.7, 0.5, lambda x: float(abs(x) < 0.9), 0.5),
+    "no number": ((0.2, 0.8), 0.8, 0.0, lambda x: NAN if x > 0.7 else hill(x), 0.2),
+    "no number anywhere": ((0.2, 0.8), 0.8, 0.3, lambda x: NAN, 0.3),
+}
+
+
+@pytest.mark.parametrize(("asked", "nominated", "start", "score", "best"), NOMINATIONS.values(), ids=NOMINATIONS)
+def test_the_best_that_was_seen_is_returned(asked, nominated, start, score, best):
+    """And judging is free: the strategy has spent all of its budget."""
+    run = judged(Scripted(asked, (nominated,)), score, start, Budget(evaluations=0.25 * len(asked)))
+    assert run.best == [best]
+    np.testing.assert_array_equal([run.value, run.start_value], [score(best), score(start)])
     assert run.status is Status.CONVERGED
+    assert run.trace.total_cost == 0.25 * len(asked)
 
 
 def test_the_judge_looks_at_no_point_twice():
@@ -61,19 +76,6 @@ def test_the_judge_looks_at_no_point_twice():
     run = judged(Scripted((), (0.0,)), lambda x: looked.append(x) or hill(x))
     assert looked == [0.0]
     assert run.value == run.start_value == hill(0.0)
-
-
-def test_a_liar_is_not_believed():
-    run = judged(Scripted((0.2, 0.4), (-0.9,)))
-    assert run.best == [0.4]
-    assert run.value == hill(0.4)
-
-
-def test_a_nomination_that_was_never_evaluated_is_evaluated_for_free():
-    run = judged(Scripted((0.2,), (0.5,)), budget=Budget(evaluations=0.25))
-    assert run.best == [0.5]
-    assert run.value == 1.0
-    assert run.trace.total_cost == 0.25
 
 
 @pytest.mark.parametrize(
@@ -92,15 +94,28 @@ def test_what_judging_costs_is_counted_apart(asked, nominated, judged_points):
     assert run.trace.total_cost == 0.25 * len(asked)
 
 
-def test_judging_a_charged_point_is_counted():
-    @dataclass(frozen=True)
-    class Inside(AbstractStrategy):
-        def run(self, objective, start, seed):
-            objective.charge(0.5, best=np.array([0.5]))
-            return Outcome(np.array([0.5]), Status.CONVERGED)
+@dataclass(frozen=True)
+class Inside(AbstractStrategy):
+    """Climbs inside JAX, which tells its best points alone."""
 
-    run = judged(Inside())
-    assert run.judging_cost == 0.5  # the start and the charged point, which is the nomination
+    told: tuple = (0.5,)
+    nominated: float = 0.0
+
+    def run(self, objective, start, seed):
+        for point in self.told:
+            objective.charge(0.5, best=np.array([point]))
+        return Outcome(np.array([self.nominated]), Status.CONVERGED)
+
+
+@pytest.mark.parametrize(
+    ("told", "nominated", "best"), [((0.5,), 0.5, 0.5), ((0.5,), 0.0, 0.5), ((0.1, 0.4, 0.2), 0.0, 0.2)]
+)
+def test_of_charged_points_the_last_one_is_judged(told, nominated, best):
+    """Whether it is nominated or not."""
+    run = judged(Inside(told, nominated))
+    assert run.best == [best]
+    assert run.judging_cost == 0.5  # of that and of the start
+    assert run.trace.total_cost == 0.5 * len(told)
 
 
 def test_every_run_gets_the_whole_budget_whatever_was_spent_before():
@@ -113,33 +128,6 @@ def test_every_run_gets_the_whole_budget_whatever_was_spent_before():
     assert objective.spent == 0.5
 
 
-def test_infinity_does_not_hide_the_best_finite_value():
-    run = judged(Scripted((0.2, 0.8, 0.4), (0.8,)), lambda x: float("inf") if x > 0.7 else hill(x))
-    assert run.best == [0.4]
-
-
-def test_the_start_wins_when_nothing_is_better():
-    run = judged(Scripted((0.1, 0.9), (0.9,)), start=0.5)
-    assert run.best == [0.5]
-    assert run.value == run.start_value == 1.0
-
-
-def test_the_start_wins_a_tie():
-    run = judged(Scripted((0.7,), (0.7,)), lambda x: float(abs(x) < 0.9), start=0.5)
-    assert run.best == [0.5]
-
-
-def test_nan_never_wins():
-    run = judged(Scripted((0.2, 0.8), (0.8,)), lambda x: float("nan") if x > 0.7 else hill(x))
-    assert run.best == [0.2]
-    assert run.value == hill(0.2)
-
-
-def test_nan_everywhere_keeps_the_start():
-    run = judged(Scripted((0.2, 0.8), (0.8,)), lambda x: float("nan"), start=0.3)
-    assert run.best == [0.3]
-
-
 def test_no_signal():
     run = judged(Scripted((0.2, 0.8), (0.8,)), lambda x: 7.0)
     assert run.status is Status.NO_SIGNAL
@@ -150,18 +138,6 @@ def test_one_point_tells_nothing_about_the_signal():
     """A budget of one evaluation, spent on the start."""
     run = judged(Scripted((0.0,), (0.0,)), budget=Budget(evaluations=0.25))
     assert run.status is Status.CONVERGED
-
-
-def test_a_charged_point_can_win():
-    @dataclass(frozen=True)
-    class Inside(AbstractStrategy):
-        def run(self, objective, start, seed):
-            objective.charge(3.0, best=np.array([0.5]))
-            return Outcome(start, Status.CONVERGED)
-
-    run = judged(Inside())
-    assert run.best == [0.5]
-    assert run.trace.total_cost == 3.0
 
 
 @pytest.mark.parametrize("bad", [(1.5,), (float("nan"),), (0.0, 0.0), ()])
@@ -206,31 +182,20 @@ def test_ctrl_c_is_no_crash():
 
 
 @pytest.mark.parametrize(
-    ("need", "words"),
-    [(Need.SMOOTH, "differentiable score"), (Need.RESIDUALS, "least-squares residuals"), (Need.IMAGES, "the images")],
+    ("asks", "dim", "words"),
+    [
+        ({"needs": Need.SMOOTH}, 1, "cannot serve here: it needs .*differentiable score"),
+        ({"needs": Need.RESIDUALS}, 1, "cannot serve here: it needs .*least-squares residuals"),
+        ({"needs": Need.IMAGES}, 1, "cannot serve here: it needs .*the images"),
+        ({"max_dim": 1}, 2, "takes at most 1 free parameters, not 2"),
+        ({"min_dim": 2}, 1, "needs at least 2 free parameters, not 1"),
+    ],
 )
-def test_needs_are_checked_before_anything_runs(need, words):
-    class Needy(Crashing):
-        needs = need
-
-    with pytest.raises(NeedNotMet, match=f"strategy Needy cannot serve here: it needs .*{words}"):
-        judged(Needy())
-
-
-def test_greatest_number_of_parameters():
-    class Narrow(Crashing):
-        max_dim = 1
-
-    with pytest.raises(NeedNotMet, match="Narrow takes at most 1 free parameters, not 2"):
-        run_strategy(Narrow(), Objective(Problem(2, lambda points: points.sum(axis=1))), np.zeros(2))
-
-
-def test_least_number_of_parameters():
-    class Wide(Crashing):
-        min_dim = 2
-
-    with pytest.raises(NeedNotMet, match="Wide needs at least 2 free parameters, not 1"):
-        judged(Wide())
+def test_needs_are_checked_before_anything_runs(asks, dim, words):
+    with pytest.raises(NeedNotMet, match=f"strategy Needy {words}"):
+        run_strategy(
+            type("Needy", (Crashing,), asks)(), Objective(Problem(dim, lambda x: x.sum(axis=1))), np.zeros(dim)
+        )
 
 
 def test_the_strategy_cannot_move_the_start():
@@ -244,29 +209,3 @@ def test_the_strategy_cannot_move_the_start():
     run = run_strategy(Vandal(), problem(hill), start)
     assert start == [0.5]
     assert run.best == [0.5]
-
-
-@dataclass(frozen=True)
-class Decorated(AbstractStrategy):
-    """The contract leaves room for what a caller need not give."""
-
-    def run(self, objective, start, seed, *extra, tolerance=0.1, **more):
-        return Outcome(start, Status.CONVERGED)
-
-
-def test_further_arguments_with_defaults_are_accepted():
-    assert judged(Decorated()).status is Status.CONVERGED
-
-
-class ClimbsInside(AbstractStrategy):
-    """Inside JAX, and cut short."""
-
-    def run(self, objective, start, seed):
-        for step in (0.1, 0.3, 0.2):
-            objective.charge(1.0, best=np.array([step]))
-        return Outcome(start, Status.BUDGET)
-
-
-def test_of_charged_points_the_last_one_is_judged():
-    objective = Objective(Problem(1, lambda points: -np.abs(points[:, 0] - 0.3)))
-    assert run_strategy(ClimbsInside(), objective, np.zeros(1)).best == 0.2

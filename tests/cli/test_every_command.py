@@ -1,0 +1,86 @@
+"""What commands do alike, whatever they work out: JSON, silence, progress, matchers, executors."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+WORDS = {
+    "compare": ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5, "--scene"),
+    "recalibrate": ("--schedule", "count"),
+    "score": (),
+}
+ROWS = {"compare": "trials", "recalibrate": "repairs", "score": "scenes"}
+SCHEMAS = {"compare": "compare/1", "recalibrate": "solution/2", "score": "health/2"}
+each_verb = pytest.mark.parametrize("verb", WORDS)
+searching = pytest.mark.parametrize("verb", ["compare", "recalibrate"])
+
+
+def rows_of(command, verb: str, *words: object) -> tuple[dict, list[dict]]:
+    """The JSON on stdout, on which nothing else is, and its answers."""
+    answer = command(verb, *WORDS[verb], *words, "--json", "-")
+    content = json.loads(answer.out)
+    assert (answer.code in (0, 1), answer.err) == (True, "")
+    assert content["schema"] == f"stereorecal.{SCHEMAS[verb]}"
+    return content, content[ROWS[verb]]
+
+
+def count_of(row: dict) -> int:
+    """By the calibration that was given, or the best that is known."""
+    return row.get("score_reference") or row.get("count") or row["score_before"]["count"]
+
+
+@each_verb
+def test_json_on_stdout_is_what_a_file_would_hold(command, drifted_scene: Path, tmp_path: Path, verb: str):
+    target = tmp_path / "out.json"
+    answer = command(verb, *WORDS[verb], drifted_scene, "--json", target)
+    assert answer.err == ""
+    assert answer.out
+    content, rows = rows_of(command, verb, drifted_scene)
+    stored = json.loads(target.read_text())
+    assert stored["settings"] == content["settings"]
+    assert [{**row, "seconds": None} for row in stored[ROWS[verb]]] == [{**row, "seconds": None} for row in rows]
+    assert len(rows) == (2 if verb == "compare" else 1)
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@each_verb
+@pytest.mark.parametrize("to_file", [False, True])
+def test_quiet(command, drifted_scene: Path, tmp_path: Path, terminal, verb: str, to_file: bool):
+    """Also on a terminal; the exit code tells."""
+    loud = command(verb, *WORDS[verb], drifted_scene)
+    terminal("stderr")
+    target = tmp_path / "out.json"
+    answer = command(verb, *WORDS[verb], drifted_scene, "--quiet", *(["--json", target] if to_file else []))
+    assert (answer.code, answer.out, answer.err) == (loud.code, "", "")
+    assert target.exists() == to_file
+
+
+@searching
+@pytest.mark.parametrize("there", [False, True])
+def test_progress_only_on_a_terminal(command, drifted_scene: Path, terminal, verb: str, there: bool):
+    terminal("stderr", there)
+    answer = command(verb, *WORDS[verb], drifted_scene)
+    assert ("repairing" in answer.err) == there
+    assert (answer.err == "") == (not there)
+    assert "repairing" not in answer.out
+
+
+@each_verb
+def test_matchers(command, clean_scene: Path, verb: str):
+    counts = set()
+    for matcher in ("sad", "bm", "sgbm"):
+        content, rows = rows_of(command, verb, clean_scene, "--matcher", matcher)
+        assert content["settings"]["matcher"]["name"] == matcher
+        counts |= {count_of(row) for row in rows}
+    assert len(counts) == 3 * len(rows)
+    assert min(counts) > 500
+
+
+@searching
+def test_threads(command, clean_scene: Path, drifted_scene: Path, verb: str):
+    several = ("--scene", drifted_scene) if verb == "compare" else (drifted_scene,)
+    one, other = (
+        rows_of(command, verb, clean_scene, *several, "--executor", kind)[1] for kind in ("serial", "threads:2")
+    )
+    assert [{**row, "seconds": None} for row in one] == [{**row, "seconds": None} for row in other]

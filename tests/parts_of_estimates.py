@@ -1,0 +1,57 @@
+"""What lies inside of estimates, scores and matchers, and is held against a twin of its own.
+
+What is private, tests import by this and `parts_of_repairs` alone.
+"""
+
+from stereorecal.estimation import _calibration_prior as _calibration_prior
+from stereorecal.estimation._calibration_prior import widest as widest
+from stereorecal.estimation._drift import SIZES as SIZES, drift_sizes as drift_sizes
+from stereorecal.estimation._evidence import (
+    Explained as Explained,
+    all_explained as all_explained,
+    marginal as marginal,
+    normal_of as normal_of,
+)
+from stereorecal.estimation._groups import FLOOR as FLOOR, Groups as Groups, grouped as grouped
+from stereorecal.estimation._held_out import parts_of as parts_of
+from stereorecal.estimation._lens_field import within_field as within_field
+from stereorecal.estimation._losses import (
+    PointwiseLoss as PointwiseLoss,
+    errors_near as errors_near,
+    points_shown as points_shown,
+)
+from stereorecal.estimation._misfit import (
+    correlation as correlation,
+    covariance_of_rows as covariance_of_rows,
+    unexpected as unexpected,
+)
+from stereorecal.estimation._motion_residuals import (
+    Motion as Motion,
+    by_theta as by_theta,
+    residuals as residuals,
+    track_readings as track_readings,
+)
+from stereorecal.estimation._outlines import (
+    Offsets as Offsets,
+    _rectangle as _rectangle,
+    _squares as _squares,
+    _sums as _sums,
+    outlines as outlines,
+)
+from stereorecal.estimation._posterior import merged as merged
+from stereorecal.estimation._prior_conversions import updated as updated
+from stereorecal.online._filter import (
+    OF_LENSES as OF_LENSES,
+    FilterEstimate as FilterEstimate,
+    Measurement as Measurement,
+    at_start as at_start,
+)
+from stereorecal.online._row_solution import RowSolution as RowSolution
+from stereorecal.online._sequential_test import SequentialTest as SequentialTest
+from stereorecal.online._turning import small as small, turn as turn
+from stereorecal.scoring._correspondences import _means_of_cells as _means_of_cells
+from stereorecal.scoring._rectify import Rectified as Rectified
+from stereorecal.scoring._soft_count import _soft_area as _soft_area
+from stereorecal.scoring._subpixel import WINDOW as WINDOW, refine as refine
+from stereorecal.scoring.host import _survey as _survey
+from stereorecal.scoring.host._map_candidates import map_candidates as map_candidates

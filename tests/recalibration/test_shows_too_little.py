@@ -1,0 +1,75 @@
+"""Rigs x spoilings x doors: images that show too little change nothing and are no alarm; what they lack is named."""
+
+import json
+
+import numpy as np
+import pytest
+from spoiled import fog, turned
+
+import stereorecal as sr
+from stereorecal.recalibration import Condition, Reason
+from stereorecal.scoring import image_quality
+
+SAD_48 = sr.SAD(num_disparities=48)
+SIZE = (320, 240)
+
+
+def dim(gain: float, level: float):
+    """So much of the image's light on a grey level, and noise."""
+
+    def spoil(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+        grey = gain * image + level + draw.normal(0, 2, image.shape)
+        return np.clip(np.round(grey), 0, 255).astype(np.float32)
+
+    return spoil
+
+
+def covered(counts: float, kind: type):
+    """By a cap: of 16 bit and of floating point, what is stretched to full contrast is noise."""
+    return lambda image, draw: (
+        np.abs(draw.normal(0, counts, image.shape)) / (1 if kind is np.uint16 else 65535)
+    ).astype(kind)
+
+
+def interlaced(aside: int):
+    """A comb matches itself, every second row away from its own."""
+
+    def spoil(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+        image = np.array(image)
+        image[1::2] = np.roll(image, aside, axis=1)[1::2]
+        return image
+
+    return spoil
+
+
+SPOILINGS = {
+    "night": (dim(0.03, 4.0), "too dark"),
+    "noise on grey": (dim(0.0, 128.0), "too little texture"),
+    "fog": (None, ""),
+    "a cap, 16 bit": (covered(40.0, np.uint16), "noise"),
+    "a cap, floating point": (covered(0.5, np.float32), "noise"),
+    **{f"interlaced by {aside}": (interlaced(aside), "an image is interlaced.") for aside in (1, 2, 4)},
+}
+
+
+@pytest.mark.slow(after=len(SPOILINGS))
+@pytest.mark.parametrize("name", SPOILINGS)
+@pytest.mark.parametrize("degrees", [0.38, 0.0, 1.5], ids=["two rows off", "good", "far off"])
+def test_it_cannot_be_told(scene, name, degrees):
+    shown, (spoil, missing) = scene("harbour", 0, SIZE), SPOILINGS[name]
+    (pair,), rig, draw = shown.pairs, turned(shown.rig, degrees), np.random.default_rng(0)
+    make = sr.make_pair if name.startswith("a cap") else sr.Pair
+    spoiled = make(*(spoil(np.asarray(one), draw) for one in (pair.left, pair.right))) if spoil else fog(SIZE)
+    looked, done = (door(rig, [spoiled], matcher=SAD_48) for door in (sr.health, sr.recalibrate))
+    for said in (looked, done):
+        assert said.reason is Reason.TOO_LITTLE_TEXTURE
+        assert said.verdict.startswith("Cannot tell: ")
+        assert missing in said.verdict or (said is done and not name.startswith("interlaced"))  # a look says which
+        assert "every second row" in said.advice
+    assert looked.condition is Condition.CANNOT_TELL
+    assert done.rig is rig
+    assert "±" not in str(done)
+    data = json.loads(json.dumps(looked.as_dict(), allow_nan=False))
+    assert name != "fog" or (data["row_error_px"], data["correction"], data["count"]) == (None, None, 0)
+    assert name != "fog" or done.row_errors is done.uncertainty is done.covariance is None
+    assert not image_quality(pair).interlaced
