@@ -7,7 +7,6 @@ from stereorecal import _compile_cache as _compile_cache
 from stereorecal.cli import _cluster as _cluster, _signals as _signals
 from stereorecal.cli._commands import COMMANDS as COMMANDS
 from stereorecal.online import _moving as _moving, _recalibrating as _recalibrating
-from stereorecal.recalibration._acceptance import row_errors as row_errors
 from stereorecal.recalibration._match_ranges import match_ranges as match_ranges
 from stereorecal.recalibration._mismatch import Mismatch as Mismatch, mismatch_of as mismatch_of
 from stereorecal.recalibration._motion_windows import (
