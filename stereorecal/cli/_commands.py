@@ -54,7 +54,13 @@ def parser(words: Sequence[str] = ()) -> Parser:
     names = COMMANDS.names()
     verbs = [name for name in (*COMMANDS.own, *names) if "." not in name]  # its own first
     for verb in dict.fromkeys([verb for verb in verbs if verb in words] or verbs):
-        parts = [COMMANDS.find(name).cls for name in (*(n for n in names if n.startswith(f"{verb}.")), verb)]
+        try:
+            parts = [COMMANDS.find(name).cls for name in (*(n for n in names if n.startswith(f"{verb}.")), verb)]
+        except (InputError, PluginError) as error:
+            if verb in words:
+                raise
+            commands.add_parser(verb, help=str(error).replace("%", "%%"))
+            continue
         kind = parts[-1]
         if len(parts) > 1:
             kind = option_group(type(kind.__name__, tuple(parts), {"__doc__": kind.__doc__}))

@@ -88,19 +88,3 @@ def camera_pair(text: str | None) -> tuple[str, str] | None:
             "right,left to exchange them."
         )
     return names[0], names[1]
-
-
-def board_corners(text: str | None) -> tuple[int, int]:
-    """The corners inside of a chessboard, columns and rows, of --board-corners; by default 9x6.
-
-    Raises:
-        InputError: if it is no such text.
-    """
-    if text is None:
-        return 9, 6
-    refusal = f"--board-corners is {shortened(text)}; give the corners inside of the board, such as 9x6."
-    parts = text.split("x")
-    if len(parts) != 2:
-        raise InputError(refusal)
-    columns, rows = (positive(part, refusal) for part in parts)
-    return columns, rows

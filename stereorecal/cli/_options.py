@@ -27,6 +27,7 @@ _ELSEWHERE = {
     "--preset": "field",
     "--full": "field",
     "--boards": "boards",
+    "--board-corners": "boards",
 }
 
 
@@ -160,7 +161,8 @@ class Parser(argparse.ArgumentParser):
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
         if flag in _ELSEWHERE:
-            return f" ({_install(flag)})"
+            command = "recalibrate" if _ELSEWHERE[flag] == "boards" else "compare"
+            return f" ({flag} belongs to {command}, and comes with: {_install_line(flag)})"
         close = get_close_matches(flag, known, 1)
         return f" (did you mean {close[0]}?)" if close else ""
 
@@ -199,8 +201,10 @@ def _value(found: Field[Any]) -> dict[str, Any]:
 
 
 def _install(name: str) -> str:
-    """What to do where a command or an option is missing that another distribution has."""
+    """What to do where a command is missing that another distribution has."""
+    return f"{name} is not installed; run: {_install_line(name)}"
+
+
+def _install_line(name: str) -> str:
     folder = _ELSEWHERE[name]
-    return (
-        f"{name} is not installed; run: pip install stereorecal-{folder} (in a clone: pip install -e plugins/{folder})"
-    )
+    return f"pip install stereorecal-{folder} (in a clone: pip install -e plugins/{folder})"

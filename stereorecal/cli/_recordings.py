@@ -141,7 +141,7 @@ def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
     for one in parts[1:]:
         if one.rig is None or first.rig is None or not same_rig(one.rig, first.rig):
             raise InputError(f"{one.name} has another calibration than {first.name}; repair them as two recordings.")
-    pairs = tuple(replace(pair, name=f"{one.name}/{pair.name}") for one in parts for pair in one.pairs)
+    pairs = tuple(pair.named(f"{one.name}/{pair.name}") for one in parts for pair in one.pairs)
     return replace(first, name=name, pairs=pairs)
 
 

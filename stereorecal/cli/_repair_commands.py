@@ -24,6 +24,7 @@ from stereorecal.cli._shared_options import (
     ToleranceOptions,
     ViewOptions,
     WorkerOptions,
+    folders_of,
 )
 
 
@@ -144,6 +145,11 @@ class RecalibrateOptions(
     def check(self) -> None:
         self.check_recordings()
         self.check_fix(self)
+        if any(len(folders_of(scene)) > 1 for scene in self.scenes):
+            alone = {"--in-place": self.in_place, "--motion on": self.motion == "on", "--odometer": self.odometer}
+            alone["--fix"] = self.fix in ("late", "early")
+            if found := [name for name, given in alone.items() if given]:
+                raise InputError(f"{found[0]} takes the pairs of one folder; leave it out, or give no A+B.")
         if self.fix in ("exchanged", "turned") and self.ranges:
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()

@@ -124,15 +124,22 @@ class _SceneOptions:
     title = READS
     scenes: tuple[str, ...] = argument(
         f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data); A+B: two folders, or more, "
-        "of one rig that did not drift in between, as one recording",
+        "of one rig that did not drift in between, as one recording (--pairs and --limit are of each folder)",
         (),
         metavar="SCENE",
     )
 
 
 def folders_of(scene: str) -> list[str]:
-    """The folders that one recording consists of."""
-    return [scene] if Path(scene).exists() else scene.split("+")
+    """The folders that one recording consists of.
+
+    Raises:
+        InputError: if one of several has no name, or is named twice.
+    """
+    folders = [scene] if Path(scene).exists() else scene.split("+")
+    if len({Path(folder).resolve() for folder in folders}) < len(folders) or (len(folders) > 1 and "" in folders):
+        raise InputError(f"{scene}: A+B joins different folders; name each once.")
+    return folders
 
 
 @option_group
@@ -257,11 +264,3 @@ class WorkerOptions:
 
     seed: int = option("same seed, same result", 0, metavar="N")
     executor: str = option("serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC")
-
-
-@option_group
-class BoardOptions:
-    """The chessboard that images show."""
-
-    board_corners: str | None = option("inner corners of the chessboard (default: 9x6)", metavar="NxM")
-    square: float | None = option("side of its squares, as in the calibration", metavar="METRES")

@@ -51,13 +51,38 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
                     _write_through(complete[path], data, model=final)
         for path in complete:
             _check_free(path, replace)
-        for path, temporary in complete.items():
-            with _as_input_error(path):
-                os.replace(temporary, os.path.realpath(path))
+        _give_names(complete, replace)
     finally:
         for temporary in complete.values():
             with suppress(OSError):
                 temporary.unlink(missing_ok=True)
+
+
+def _give_names(complete: Mapping[Path, Path], replace: bool) -> None:
+    """Give complete files their names, or, where one cannot have it, leave all as they were."""
+    old: dict[Path, bytes | None] = {}
+    try:
+        for path, temporary in complete.items():
+            final = Path(os.path.realpath(path))
+            with _as_input_error(path):
+                before = final.read_bytes() if replace and final.exists() else None
+                (os.replace if replace else _rename_exclusively)(temporary, final)
+            old[final] = before
+    except BaseException:
+        for final, before in old.items():
+            with suppress(OSError):
+                final.unlink() if before is None else final.write_bytes(before)
+        raise
+
+
+def _rename_exclusively(temporary: Path, final: Path) -> None:
+    """As `os.replace`, but a file that another program made meanwhile stays, where the file system has links."""
+    try:
+        os.link(temporary, final)
+    except FileExistsError:
+        raise
+    except OSError:
+        os.replace(temporary, final)
 
 
 def make_folder(path: Path) -> None:

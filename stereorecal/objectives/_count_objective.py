@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
-from stereorecal.geometry import AnyView, StereoRig, checked_rig, with_unit_baseline
+from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives._chart import Chart
 from stereorecal.objectives._parameter_names import EXTRINSICS
@@ -112,7 +112,7 @@ def objective(
         InputError: if images and calibration do not fit, the temperature is not positive, or `rows` is not a share.
     """
     refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig, pairs, view)
-    images, reach = pyramid(checked_rig(rig), pairs, view), as_reach(reach)
+    images, reach = pyramid(rig, pairs, view), as_reach(reach)
     matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
     options = {"scale": scale, "rows": rows, "temperature": temperature, "budget": as_budget(budget)}
     return count_objective(images, matcher, reach, **options)

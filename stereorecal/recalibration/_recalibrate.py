@@ -28,8 +28,8 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
-            no sense, belongs to another rig, or rests on all these pairs already, or the boards do not fit the
-            calibration, or there is nothing that could move.
+            no sense, belongs to another rig, or rests on all these pairs already, or there is nothing that
+            could move.
         StrategyError: if a strategy crashes.
         TypeError: if there is no option of a name.
     """

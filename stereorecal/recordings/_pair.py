@@ -149,10 +149,19 @@ class Pair:
         """The pair as it was taken."""
         return self.turned((-self.turns[0] % 4, -self.turns[1] % 4))
 
+    def named(self, name: str) -> "Pair":
+        """The pair under another name."""
+        return replace(self, name=name, origin=None if self.origin is None else (_named, (self.origin, name)))
+
     def __reduce__(self):
         if self.origin is not None:
             return self.origin
         return Pair, (self.left, self.right, self.name, None, self.time, self.readout, self.turns)
+
+
+def _named(origin: tuple[Callable[..., Pair], tuple[Any, ...]], name: str) -> Pair:
+    make, arguments = origin
+    return make(*arguments).named(name)
 
 
 def _read_out(origin: tuple[Callable[..., Pair], tuple[Any, ...]], seconds: float) -> Pair:

@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
 from stereorecal._errors import InputError
-from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view, checked_rig
+from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
 from stereorecal.scoring._frame_selection import select_frames
 from stereorecal.scoring._image_quality import ImageQuality, image_quality
@@ -137,7 +137,7 @@ def prepare(rig: StereoRig, pairs: Pairs, view: AnyView = None, scale: float = 1
     """
     instead = "it before tracing, and vary the extrinsics of sr.count or sr.soft_count"
     refuse_tracers("sr.prepare", instead, rig, pairs, view)
-    return pyramid(checked_rig(rig), pairs, view).at(scale)
+    return pyramid(rig, pairs, view).at(scale)  # extrinsics of a rig that was turned would be other ones
 
 
 def _prepared(rig: StereoRig, pairs: Sequence[Pair], view: View, scale: float) -> ScoringData:

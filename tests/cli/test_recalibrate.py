@@ -174,7 +174,8 @@ def test_folders_of_one_rig_as_one_recording(command, drifted_scene: Path, tmp_p
     """What is said of them is said once; they leave no more than the extrinsics alone would."""
     target = tmp_path / "solution.json"
     words = ("--free", "extrinsics,intrinsics", "--json", target)
-    answer = command("recalibrate", f"{drifted_scene}+{drifted_scene}", *words, "--output", tmp_path / "new.json")
+    again = shutil.copytree(drifted_scene, tmp_path / "again")
+    answer = command("recalibrate", f"{drifted_scene}+{again}", *words, "--output", tmp_path / "new.json")
     assert answer.code in (0, 1)
     assert "new.json: " in answer.out
     (repair,) = json.loads(target.read_text())["repairs"]
@@ -212,3 +213,18 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
     after = load_scene(folder)
     assert after.info == before.info
     assert np.abs(after.rig.extrinsics - before.rig.extrinsics).max() > np.radians(0.1)
+
+
+@pytest.mark.parametrize(
+    ("join", "words", "said"),
+    [
+        ("{0}+{0}", (), "name each once"),
+        ("{0}+", (), "name each once"),
+        ("{0}+{1}", ("--in-place",), "--in-place takes the pairs of one folder"),
+        ("{0}+{1}", ("--motion", "on"), "--motion on takes the pairs of one folder"),
+        ("{0}+{1}", ("--fix", "late"), "--fix takes the pairs of one folder"),
+        ("{0}+{1}", (), "has another calibration"),
+    ],
+)
+def test_what_is_no_recording_of_several_folders(command, drifted_scene: Path, clean_scene: Path, join, words, said):
+    command("recalibrate", join.format(drifted_scene, clean_scene), *words).refuses(said)
