@@ -29,12 +29,10 @@ from ._output_files import deliver as deliver, write_json as write_json
 from ._output_places import (
     Place as Place,
     check_places as check_places,
-    check_writable as check_writable,
     places_of as places_of,
     refuse_replacing_inputs as refuse_replacing_inputs,
 )
 from ._shared_options import (
-    DEPTH as DEPTH,
     READS as READS,
     RIG as RIG,
     SEARCH as SEARCH,

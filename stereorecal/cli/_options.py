@@ -20,14 +20,14 @@ _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 QUOTED = "a pattern such as 'left/*.png' must be quoted"
-# Commands and options that come with distributions of their own.
+# Commands, and options of a command, that come with distributions of their own.
 _ELSEWHERE = {
-    "reproduce": "paper",
-    "--judge": "field",
-    "--preset": "field",
-    "--full": "field",
-    "--boards": "boards",
-    "--board-corners": "boards",
+    "reproduce": ("reproduce", "paper"),
+    "--judge": ("compare", "field"),
+    "--preset": ("compare", "field"),
+    "--full": ("compare", "field"),
+    "--boards": ("recalibrate", "boards"),
+    "--board-corners": ("recalibrate", "boards"),
 }
 
 
@@ -161,8 +161,7 @@ class Parser(argparse.ArgumentParser):
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
         if flag in _ELSEWHERE:
-            command = "recalibrate" if _ELSEWHERE[flag] == "boards" else "compare"
-            return f" ({flag} belongs to {command}, and comes with: {_install_line(flag)})"
+            return f" ({flag} belongs to {_ELSEWHERE[flag][0]}, and comes with: {_install_line(flag)})"
         close = get_close_matches(flag, known, 1)
         return f" (did you mean {close[0]}?)" if close else ""
 
@@ -170,7 +169,7 @@ class Parser(argparse.ArgumentParser):
         if action.choices is None or value in action.choices:
             return
         if value in _ELSEWHERE:
-            raise argparse.ArgumentError(None, _install(value))
+            raise argparse.ArgumentError(None, f"{value} is not installed; run: {_install_line(value)}")
         close = get_close_matches(str(value), action.choices, 1)
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest
@@ -200,11 +199,7 @@ def _value(found: Field[Any]) -> dict[str, Any]:
     return told if several or "choices" in told else {**told, "type": kind}
 
 
-def _install(name: str) -> str:
-    """What to do where a command is missing that another distribution has."""
-    return f"{name} is not installed; run: {_install_line(name)}"
-
-
 def _install_line(name: str) -> str:
-    folder = _ELSEWHERE[name]
+    """What installs a command or an option that another distribution has."""
+    folder = _ELSEWHERE[name][1]
     return f"pip install stereorecal-{folder} (in a clone: pip install -e plugins/{folder})"

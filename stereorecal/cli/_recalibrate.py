@@ -167,8 +167,7 @@ def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, A
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     names = "everything" if free.everything else ", ".join(free.names)
-    settings = {"free": names}
-    return {**settings, "ranges": options.ranges or "none"}
+    return {"free": names, "ranges": options.ranges or "none"}
 
 
 def _saving(

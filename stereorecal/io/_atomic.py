@@ -49,8 +49,6 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
                     final = Path(os.path.realpath(path))  # a link stays one
                     complete[path] = final.with_name(f".{uuid.uuid4().hex[:16]}.tmp")  # names may be long already
                     _write_through(complete[path], data, model=final)
-        for path in complete:
-            _check_free(path, replace)
         _give_names(complete, replace)
     finally:
         for temporary in complete.values():
@@ -81,7 +79,9 @@ def _rename_exclusively(temporary: Path, final: Path) -> None:
         os.link(temporary, final)
     except FileExistsError:
         raise
-    except OSError:
+    except OSError as error:
+        if final.is_file():
+            raise FileExistsError from error
         os.replace(temporary, final)
 
 
@@ -111,13 +111,19 @@ def _as_input_error(path: Path) -> Iterator[None]:
     """Around the writing of a file: an OSError becomes a sentence."""
     try:
         yield
+    except FileExistsError:
+        raise _taken(path) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
 
 
 def _check_free(path: Path, replace: bool) -> None:
     if not replace and os.path.isfile(path):
-        raise InputError(f"{path}: the file exists already; choose another name, or say overwrite=True (--force).")
+        raise _taken(path)
+
+
+def _taken(path: Path) -> InputError:
+    return InputError(f"{path}: the file exists already; choose another name, or say overwrite=True (--force).")
 
 
 def _write_through(path: Path, data: bytes, model: Path) -> None:

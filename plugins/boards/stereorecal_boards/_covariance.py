@@ -11,7 +11,16 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal import CalibrationCovariance, InputError, StereoRig
-from stereorecal.estimation import CalibrationPrior, Normal, as_prior, physical_prior, rig_parameters, root, updated
+from stereorecal.estimation import (
+    CalibrationPrior,
+    Normal,
+    as_mixture,
+    as_prior,
+    physical_prior,
+    rig_parameters,
+    root,
+    updated,
+)
 from stereorecal.geometry import turned_pixels
 from stereorecal.objectives import BASELINE, RigChart
 from stereorecal_boards._board import Board
@@ -20,7 +29,6 @@ from stereorecal_boards._noise import corner_errors, deviation, inliers, noise
 from stereorecal_boards._poses import BoardRows, Posed, posed, rows_without_poses
 
 _ROUNDS, _OF_POSES = 20, 5
-_SQUARES = 0.15  # percent, in the physical prior
 _SETTLED = 0.05  # standard deviations of θ
 # How much worse than its noise a set of boards may be as a whole, told apart by the evidence of the images: no print is
 # quite flat.
@@ -28,7 +36,7 @@ _WORSE = (1.0, 2.0)
 
 
 def covariance_of_boards(
-    rig: StereoRig, boards: Sequence[Board], prior: CalibrationCovariance | None = None, *, squares: float = _SQUARES
+    rig: StereoRig, boards: Sequence[Board], prior: CalibrationCovariance | None = None, *, squares: float = 0.15
 ) -> CalibrationCovariance:
     """By how much the true rig probably differs from its calibration, and how sure that is: `prior=` of a repair.
 
@@ -47,20 +55,17 @@ def covariance_of_boards(
     rig, boards = rig.side_by_side(), tuple(_turned(rig.side_by_side(), board) for board in boards)
     chart = rig_parameters(rig)
     check_inside(chart, boards)
-    known, n = physical_prior(chart) if prior is None else as_prior(prior, chart), chart.dim
-    if prior is None:
-        known.roots[0, chart.names.index(BASELINE)] *= squares / _SQUARES
+    known = physical_prior(chart, squares) if prior is None else as_prior(prior, chart)
     joint = _with_squares(known, chart, squares)
     normal = _likelihood(chart, _at_best_poses(chart, posed(rig, boards)), joint)
     several = [updated(joint, Normal(normal.a / k**2, normal.b / k**2, normal.c / k**2)) for k in _WORSE]
-    weights = np.concatenate([one.weights for one in several]) / len(several)
-    roots, means = (np.concatenate([getattr(one, name) for one in several])[:, :n] for name in ("roots", "means"))
-    mean = weights @ means / weights.sum()
-    apart = means - mean
-    spread = np.einsum("j,jab,jcb->ac", weights, roots, roots) + (weights * apart.T) @ apart
-    told = np.flatnonzero(np.diag(spread) > 0.0)
-    covariance = spread[np.ix_(told, told)] / weights.sum()
-    return CalibrationCovariance([chart.names[index] for index in told], covariance, mean[told])
+    weights, roots, means = (
+        np.concatenate([getattr(one, name) for one in several]) for name in ("weights", "roots", "means")
+    )
+    all_of_x = as_mixture(CalibrationPrior(roots, weights / weights.sum(), means=means))
+    told = np.flatnonzero(np.diag(all_of_x.covariance)[: chart.dim] > 0.0)
+    names = [chart.names[index] for index in told]
+    return CalibrationCovariance(names, all_of_x.covariance[np.ix_(told, told)], all_of_x.mean[told])
 
 
 def _turned(rig: StereoRig, board: Board) -> Board:

@@ -1,6 +1,7 @@
 """The options that boards add to `python -m stereorecal recalibrate`."""
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -35,7 +36,7 @@ class BoardOptions(_Boards, CommonOptions):
             raise InputError("--boards needs --square, the side of a square in metres, such as 0.03.")
         if not (math.isfinite(self.square) and self.square > 0.0):
             raise InputError(f"--square is {self.square}; give metres, such as 0.03.")
-        self._corners()
+        board_corners(self.board_corners)
         if getattr(self, "prior", None) is not None:
             raise InputError("--boards say what the calibration left, and --prior says it too; give one.")
         if (fix := getattr(self, "fix", None)) in ("exchanged", "turned"):
@@ -56,14 +57,19 @@ class BoardOptions(_Boards, CommonOptions):
         first = rigs[0]
         if first is None or any(rig is None or (rig.extrinsics != first.extrinsics).any() for rig in rigs):
             raise InputError("--boards are those of one calibration; give recordings that have it.")
-        boards = find_boards(load_pairs(*self.boards), self._corners(), self.square)
+        boards = find_boards(load_pairs(*self.boards), board_corners(self.board_corners), self.square)
         measured = getattr(self, "ranges", None) is not None or getattr(self, "odometer", None) is not None
         # Squares of another size than stated are common, and what measures lengths tells.
         return covariance_of_boards(first, boards, squares=1.0 if measured else 0.15)
 
-    def _corners(self) -> tuple[int, int]:
-        text = self.board_corners or "9x6"
-        columns, _, rows = text.partition("x")
-        if not (columns.isdecimal() and rows.isdecimal() and len(text) < 9):
-            raise InputError(f"--board-corners is {text!r}; give the corners inside of the board, such as 9x6.")
-        return int(columns), int(rows)
+
+def board_corners(text: str | None) -> tuple[int, int]:
+    """The corners inside of a chessboard, columns and rows, of --board-corners; by default 9x6.
+
+    Raises:
+        InputError: if it is no such text.
+    """
+    found = re.fullmatch(r"([1-9]\d{0,2})x([1-9]\d{0,2})", "9x6" if text is None else text)
+    if found is None:
+        raise InputError(f"--board-corners is {text!r}; give the corners inside of the board, such as 9x6.")
+    return int(found[1]), int(found[2])

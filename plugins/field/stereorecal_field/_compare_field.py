@@ -1,11 +1,12 @@
 """`python -m stereorecal compare --judge …` and `--preset field`."""
 
 import math
-import re
 import sys
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+
+from stereorecal_boards import board_corners
 
 from stereorecal import InputError, Reach
 from stereorecal.cli import (
@@ -138,16 +139,9 @@ def _draws(options: JudgeOptions) -> Draws:
         degrees=degrees,
         baseline_fraction=fraction,
         frames=frames,
-        corners=_corners(options.board_corners),
+        corners=board_corners(options.board_corners),
         square=options.square,
     )
-
-
-def _corners(text: str | None) -> tuple[int, int]:
-    found = re.fullmatch(r"([1-9]\d{0,2})x([1-9]\d{0,2})", "9x6" if text is None else text)
-    if found is None:
-        raise InputError(f"--board-corners is {text!r}; give the corners inside of the board, such as 9x6.")
-    return int(found[1]), int(found[2])
 
 
 def _progress(options: JudgeOptions):
