@@ -37,7 +37,7 @@ from stereorecal.recalibration import (
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import name_of, origin_of, strategy
+from stereorecal.strategies import origin_of, strategy
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -139,9 +139,12 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         {
             "score": stage.score.name.lower(),
             "scale": stage.scale,
-            "strategy": name_of(stage.strategy),
-            "origin": origin_of(stage.strategy),
-            "options": asdict(stage.strategy),
+            "strategy": stage.solver,
+            **(
+                {}
+                if stage.strategy is None
+                else {"origin": origin_of(stage.strategy), "options": asdict(stage.strategy)}
+            ),
         }
         for stage in settings.schedule.stages
     ]

@@ -78,7 +78,8 @@ def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, ow
     if kind == "count":
         return Entrant(name, Schedule.count(plugin, scale), {name: plugin})
     schedule = Schedule.default() if own_strategies else Schedule.default().using(plugin)
-    running = {name if s.strategy is plugin else name_of(s.strategy): s.strategy for s in schedule.stages}
+    used = [stage.strategy for stage in schedule.stages if stage.strategy is not None]
+    running = {name if one is plugin else name_of(one): one for one in used}
     return Entrant(name, schedule, running)
 
 

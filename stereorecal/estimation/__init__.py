@@ -30,7 +30,7 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
-from stereorecal.estimation._groups import PLACES as PLACES
+from stereorecal.estimation._groups import PLACES as PLACES, rows_of_groups as rows_of_groups
 from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
 from stereorecal.estimation._jacobian import (
     pixels_of as pixels_of,

@@ -10,7 +10,10 @@ from stereorecal.objectives._count_objective import (
     objective as objective,
     rig_count_objective as rig_count_objective,
 )
-from stereorecal.objectives._epipolar_objective import epipolar_objective as epipolar_objective
+from stereorecal.objectives._epipolar_objective import (
+    epipolar_objective as epipolar_objective,
+    linear_residuals as linear_residuals,
+)
 from stereorecal.objectives._linear_rows import (
     LinearRows as LinearRows,
     differences_at as differences_at,

@@ -31,29 +31,42 @@ class LinearResiduals:
     def __call__(self, z: Float[AnyArray, "n"]) -> Float[AnyArray, "m"]:
         return (self.jacobian * z).sum(-1) + self.at_centre  # a GPU would multiply matrices with ten bits
 
+    @property
+    def least(self) -> Float[np.ndarray, "n"]:
+        """The point of the box at which their squares sum to least, walls left aside."""
+        return np.clip(np.linalg.lstsq(self.jacobian, -np.asarray(self.at_centre), rcond=None)[0], -1.0, 1.0)
 
-def epipolar_objective(
-    rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float, budget: Budget | None = None
-) -> Objective:
-    """The value is -½ |residuals|². However many correspondences there are, an evaluation looks at 2 n + 1 numbers.
+
+def linear_residuals(
+    rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float | Float[np.ndarray, "n"]
+) -> LinearResiduals:
+    """The residuals of row differences. However many there are, 2 n + 1 numbers say all of them.
 
     Args:
         rows: the row differences, linear around the start of the run.
         precision: weight of each squared row difference, 1 / pixels².
         prior: standard deviation of each parameter, in half widths of the box, which the initial calibration is the
             centre of.
-        budget: default unlimited.
     """
     dim = rows.z.size
     few = _reduced(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
     jacobian = np.vstack([few[:, :-1], np.eye(dim) / prior])
-    at_centre = np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)])
-    residuals = LinearResiduals(jacobian, at_centre)
+    return LinearResiduals(jacobian, np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)]))
+
+
+def epipolar_objective(residuals: LinearResiduals, budget: Budget | None = None) -> Objective:
+    """The value is -½ |residuals|².
+
+    Args:
+        budget: default unlimited.
+    """
+    jacobian, at_centre = np.asarray(residuals.jacobian), np.asarray(residuals.at_centre)
 
     def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:
         return -0.5 * np.sum((points @ jacobian.T + at_centre) ** 2, axis=-1)
 
-    return Objective(Problem(dim, values, len(at_centre) * _COST_OF_A_ROW, Traced(residuals=residuals)), budget)
+    cost = len(at_centre) * _COST_OF_A_ROW
+    return Objective(Problem(jacobian.shape[1], values, cost, Traced(residuals=residuals)), budget)
 
 
 def _reduced(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:

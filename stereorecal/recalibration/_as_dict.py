@@ -14,7 +14,6 @@ from stereorecal.recalibration._motion_report import motion_as_dict
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring.host import Score
-from stereorecal.strategies import name_of
 
 
 def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict[str, Any]:
@@ -113,7 +112,7 @@ def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict
 def _stage(done: StageRun) -> dict[str, Any]:
     return {
         "score": done.stage.score.name.lower(),
-        "strategy": name_of(done.stage.strategy),
+        "strategy": done.stage.solver,
         "scale": done.scale,
         "evaluations": done.evaluations,
         "cost": done.cost,

@@ -19,7 +19,7 @@ from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
-from stereorecal.strategies import name_of, origin_of
+from stereorecal.strategies import origin_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
@@ -154,8 +154,8 @@ def _not_matched(solution: AbstractResult, given: int) -> Iterator[tuple[str, st
 def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
     """Of a solution that was asked for, and what the run made of it."""
     settings = solution.settings
-    origins = sorted({origin_of(stage.strategy) for stage in settings.schedule.stages})
-    stages = [f"{name_of(run.stage.strategy)} at scale {run.scale:.3g}" for run in solution.stages]
+    origins = sorted({origin_of(one.strategy) for one in settings.schedule.stages if one.strategy is not None})
+    stages = [f"{run.stage.solver} at scale {run.scale:.3g}" for run in solution.stages]
     return json_data(
         {
             **settings_as_text(settings),

@@ -25,7 +25,7 @@ class Stage:
     """One stage: a strategy maximises one score at one image scale.
 
     Attributes:
-        strategy: the optimiser.
+        strategy: the optimiser; None, of an epipolar stage: the fit's own Gauss-Newton.
         scale: image scale, (0, 1].
         score: what is maximised.
         rounds: of an epipolar stage: how often the images are matched again, at most.
@@ -35,7 +35,7 @@ class Stage:
         rows: share of the rows that a stage on the count counts, (0, 1], see `objective`.
     """
 
-    strategy: AbstractStrategy
+    strategy: AbstractStrategy | None
     scale: float = 1.0
     score: ScoreKind = ScoreKind.COUNT
     rounds: int = 1
@@ -44,7 +44,8 @@ class Stage:
     rows: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "strategy", as_strategy(self.strategy))
+        if self.strategy is not None or self.score is ScoreKind.COUNT:
+            object.__setattr__(self, "strategy", as_strategy(self.strategy))
         if not 0.0 < self.scale <= 1.0:
             raise InputError(f"the scale {self.scale} makes no sense; give one within (0, 1].")
         if self.rounds < 1:
@@ -53,6 +54,11 @@ class Stage:
             raise InputError(f"pixels within {self.pixels} make no sense; give the least and the most, or None.")
         if self.frames is not None and self.frames < 1:
             raise InputError(f"{self.frames} frames make no sense; give at least 1, or None for all.")
+
+    @property
+    def solver(self) -> str:
+        """The name of the strategy; "fit" where there is none."""
+        return "fit" if self.strategy is None else name_of(self.strategy)
 
     def scale_for(self, size: tuple[int, int]) -> float:
         """The scale at which images of `size` (width, height) are looked at."""
@@ -89,28 +95,28 @@ class Schedule:
 
     @staticmethod
     def default() -> "Schedule":
-        """Coarse to fine: a survey, compass on the count at quarter scale, Levenberg-Marquardt on epipolar residuals at
-        half and full scale. The pixels of a stage are bounded, so that large images cost no more than 800x600 ones.
+        """Coarse to fine: a survey, compass on the count at quarter scale, then matches and fits of their rows at half
+        and full scale, until the rig settles. The pixels of a stage are bounded, so that large images cost no more than
+        800x600 ones.
 
         Raises:
-            InputError: if one of the two strategies is not installed; it says the install line.
+            InputError: if compass is not installed; it says the install line.
         """
         # From afar to a pixel of the next stage (at the default reach), on half of the rows: nearer, correspondences
         # know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
-        solve = named_strategy("levenberg-marquardt")
         # Half scale is a stepping stone: it need not settle, and rounds at full scale tell more.
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            Stage(solve, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=_STEPPING_STONE, frames=2),
-            Stage(solve, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=_FINEST),
+            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=_STEPPING_STONE, frames=2),
+            Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)
 
     @property
     def strategies(self) -> tuple[str, ...]:
         """The names of the strategies that it runs, each once."""
-        return tuple(dict.fromkeys(name_of(stage.strategy) for stage in self.stages))
+        return tuple(dict.fromkeys(name_of(one.strategy) for one in self.stages if one.strategy is not None))
 
     def using(self, strategy: AbstractStrategy) -> "Schedule":
         """The same schedule with `strategy` in every stage of its kind: one that needs residuals in the epipolar

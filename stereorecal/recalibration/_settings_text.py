@@ -6,7 +6,6 @@ from typing import Any
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._schedule import Stage
 from stereorecal.recalibration._settings import Settings
-from stereorecal.strategies import name_of
 
 _UNLIMITED = "no limit"
 
@@ -37,7 +36,8 @@ def _stage(stage: Stage) -> str:
     kind = f"{stage.score.name.lower()} at scale {stage.scale:g}"
     others = {"rounds": stage.rounds, "frames": stage.frames, "rows": stage.rows, "pixels": stage.pixels}
     more = ", ".join(f"{name} {value}" for name, value in others.items() if value is not None)
-    return f"{kind}, {more}, by {name_of(stage.strategy)}({_options(stage.strategy)})"
+    how = stage.solver if stage.strategy is None else f"{stage.solver}({_options(stage.strategy)})"
+    return f"{kind}, {more}, by {how}"
 
 
 def _options(some: Any) -> str:

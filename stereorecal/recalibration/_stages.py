@@ -9,25 +9,25 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
+from stereorecal.estimation import rows_of_groups
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
     RigChart,
     count_objective,
+    differences_at,
     epipolar_objective,
-    linearised,
+    linear_residuals,
     reach_chart,
     rig_count_objective,
 )
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.scoring import Correspondences, Loss, ScoringData, host, precisions, with_rays_of
+from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
-_FIRST = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH)
-_AGAIN = (Loss.WELSCH, Loss.WELSCH)
-_FAR = 0.05  # pixels, median change of the row differences by a round: one that moves more still approaches
-_SETTLED = 0.015  # pixels, the same by what the mean of the others moves: they scatter by about so much
+_REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
+_SETTLED = 0.05  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
 
@@ -39,10 +39,9 @@ class StageRun:
     Attributes:
         stage: as asked for.
         scale: at which it worked.
-        began, ended: the rigs where it began and ended: the best of its run on the count, the mean of the last rounds
-            on the rows.
+        began, ended: the rigs where it began and ended.
         path: (m, 7) for a stage on the count: the cost [units] and the extrinsics of each new best.
-        runs: of the strategy; several in an epipolar stage, where each round weighs the correspondences anew.
+        runs: of the strategy; several in an epipolar stage, where each fit weighs the rows anew.
         matching_cost: units that went into finding correspondences.
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
@@ -146,45 +145,49 @@ def _climb(
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
-    """Match, weigh, solve; the weights follow the solution a few times, then the images are matched again.
-
-    Matched anew, a window meets other pixels, so each round ends about a hundredth of a pixel elsewhere. Once rounds no
-    longer approach, the mean of their ends counts, and the next begins there (Robbins & Monro 1951, gains of 1 / n).
-    """
+    """Match, and fit; match again where the fit ended, until it settles."""
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
-    began, found, cut = time.perf_counter(), None, False
-    best, runs, rounds, settled_rounds = chart.coordinates_of(start), [], 0, 0
+    began, at, runs, rounds, found, cut = time.perf_counter(), chart.coordinates_of(start), [], 0, None, False
 
     def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
 
-    for losses in (_FIRST, *[_AGAIN] * (stage.rounds - 1)):
+    for _ in range(stage.rounds):
         allowed = budget_left()
         if allowed is None or (allowed.evaluations is not None and allowed.evaluations < data.cost):
             cut = found is None
             break
-        found = matched(data, chart, best, case.matcher)
+        found = matched(data, chart, at, case.matcher)
         rounds += 1
         if found.found < ENOUGH.matches:
             break
-        at_start = rows = linearised(found, chart, best)
-        for loss in losses:
-            allowed = budget_left()
-            if allowed is None:
+        before = end = at
+        for _ in range(_REWEIGHTED):
+            if (allowed := budget_left()) is None:
                 break
-            objective = epipolar_objective(rows, precisions(found, rows.differences, loss), chart.prior, allowed)
-            runs.append(run_strategy(stage.strategy, objective, rows.z, seed))
-            rows = rows.moved(found, chart, runs[-1].best)
-        row_displacement = np.abs(rows.differences - at_start.differences)[np.asarray(found.weight) > 0]
-        moved = float(np.median(row_displacement))
-        settled_rounds = settled_rounds + 1 if moved < _FAR else 0
-        best = best + (rows.z - best) / max(settled_rounds, 1)
-        cut = allowed is None or runs[-1].status is Status.BUDGET
-        if cut or (settled_rounds and moved / settled_rounds < _SETTLED):
+            rows, precision = rows_of_groups(found, chart, end)
+            if not rows.differences.size:
+                break
+            residuals = linear_residuals(rows, precision, chart.prior)
+            if stage.strategy is None:
+                end = residuals.least
+            else:
+                runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), end, seed))
+                end = runs[-1].best
+        at, cut = end, allowed is None or (stage.strategy is not None and runs[-1].status is Status.BUDGET)
+        if cut or _moved(found, chart, before, at) < _SETTLED:
             break
     nothing = np.zeros((0, 7))
-    return StageRun(stage, scale, start, chart.rig_at(best), tuple(runs), nothing, rounds * data.cost, found, cut)
+    return StageRun(stage, scale, start, chart.rig_at(at), tuple(runs), nothing, rounds * data.cost, found, cut)
+
+
+def _moved(
+    found: Correspondences, chart: RigChart, before: Float[np.ndarray, "n"], after: Float[np.ndarray, "n"]
+) -> float:
+    """By how many pixels at full size the row differences change, in the median."""
+    change = differences_at(found, chart, after) - differences_at(found, chart, before)
+    return float(np.median(np.abs(change[np.asarray(found.weight) > 0]))) / float(found.scale)
 
 
 def last_matched(stages: Sequence[StageRun]) -> StageRun | None:

@@ -127,6 +127,7 @@ def reproduce(
         f"strategy {type(stage.strategy).__name__}": origin_of(stage.strategy)
         for method in chosen
         for stage in method.schedule.stages
+        if stage.strategy is not None
     }
     made_with[f"matcher {name_of(matcher)}"] = origin_of_matcher(matcher)
     settings = {
