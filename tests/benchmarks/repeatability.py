@@ -26,7 +26,7 @@ from stereorecal_features._fit import fitted
 from stereorecal_features._matches import matched_pixels, seen_by_both
 
 import stereorecal as sr
-from stereorecal.objectives import Reach, epipolar_objective, linearised
+from stereorecal.objectives import Reach, epipolar_objective, linear_residuals, linearised
 from stereorecal.recalibration import Case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import TILES, Loss, precisions, pyramid
@@ -91,7 +91,7 @@ def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
         for _ in range(_ROUNDS):
             rows = linearised(sample, chart, best)
             weights = precisions(sample, rows.differences, Loss.WELSCH)
-            asked = epipolar_objective(rows, weights, chart.prior, Budget(1000))
+            asked = epipolar_objective(linear_residuals(rows, weights, chart.prior), Budget(1000))
             best = run_strategy(last.stage.strategy, asked, rows.z, 0).best
         return chart.rig_at(best)
 

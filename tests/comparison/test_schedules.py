@@ -67,10 +67,10 @@ def test_counts_and_errors_have_one_reference(table, scene):
 
 
 def test_without_the_default_strategies_errors_are_against_the_stored_calibration(scene, nothing_installed, install):
-    install("stereorecal.strategies", {"compass": "stereorecal_compass:Compass"})
+    install("stereorecal.strategies", {"other": "stereorecal_compass:Compass"})
     given_scene = scene()
     options = {"matcher": SAD(num_disparities=24), "schedule": "count", "draws": 1, "budget": Budget(evaluations=2)}
-    comparison = compare(given_scene.rig, given_scene.pairs, **options)
+    comparison = compare(given_scene.rig, given_scene.pairs, strategies=["other"], **options)
     assert comparison.trials[0].reference == "stored"
 
 
@@ -86,12 +86,11 @@ def test_a_known_truth_is_the_reference(scene):
 
 
 BUDGETED = {"matcher": SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=3)}
-LEVENBERG = "levenberg-marquardt"
 
 
 def test_without_schedule_and_strategies_both_schedules_run_the_default_one_first(scene):
     comparison = compare_scenes([scene()], **(BUDGETED | {"draws": 2}))
-    ran = {"default": ("compass", LEVENBERG), "count": ("compass",)}
+    ran = {"default": ("compass",), "count": ("compass",)}
     rows = [(draw, schedule) for draw in (0, 1) for schedule in ("default", "count")]
     assert [(t.draw, t.schedule) for t in comparison.trials] == rows
     assert all(t.strategies == ran[t.schedule] for t in comparison.trials)
@@ -105,13 +104,13 @@ def test_without_schedule_and_strategies_both_schedules_run_the_default_one_firs
     assert settings["entrants"] == [
         {"strategy": "compass", "schedule": name, "strategies": list(ran[name])} for name in ("default", "count")
     ]
-    assert {"strategy compass", f"strategy {LEVENBERG}"} <= comparison.versions.keys()
+    assert "strategy compass" in comparison.versions
 
 
 def test_a_strategy_takes_its_place_in_the_default_schedule(scene):
     given = scene()
     [trial] = compare(given.rig, given.pairs, schedule="default", strategies=["secant"], **BUDGETED).trials
-    assert (trial.schedule, trial.strategy, trial.strategies) == ("default", "secant", ("secant", LEVENBERG))
+    assert (trial.schedule, trial.strategy, trial.strategies) == ("default", "secant", ("secant",))
 
 
 def test_strategies_alone_run_in_the_count_schedule(scene):

@@ -70,11 +70,8 @@ def test_scales_of_the_default_schedule(size, expected):
 def test_default():
     schedule = Schedule.default()
     assert schedule.name == "default"
-    assert [type(s.strategy).__name__ for s in schedule.stages] == [
-        "Compass",
-        "LevenbergMarquardt",
-        "LevenbergMarquardt",
-    ]
+    assert [s.solver for s in schedule.stages] == ["compass", "fit", "fit"]
+    assert schedule.strategies == ("compass",)
     assert [s.score for s in schedule.stages] == [ScoreKind.COUNT, ScoreKind.EPIPOLAR, ScoreKind.EPIPOLAR]
     assert [s.scale for s in schedule.stages] == [0.25, 0.5, 1.0]
     assert schedule == Schedule.default()
