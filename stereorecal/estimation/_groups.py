@@ -99,8 +99,13 @@ def rows_of_groups(
     """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
     square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances."""
     groups = grouped(found, chart, z)
-    rows, variance = groups.rows(chart, z), groups.deviation**2 + _APART**2
-    return rows, 1.0 / (variance + (rows.differences / _BOUND) ** 2)
+    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, _APART)
+    if not len(groups):
+        return rows, deviation[None]
+    away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)
+    deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
+    share = groups.count / groups.count.mean()
+    return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
 
 
 def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:
