@@ -6,9 +6,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from test_refusals import refused
+from refusals import refused
 
-from stereorecal import UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_rig
 
@@ -171,19 +171,19 @@ def test_realsense_fisheyes(tmp_path: Path):
 @pytest.mark.parametrize(
     ("old", "new", "size", "said", "kind"),
     [
-        ("", "", None, "the file has calibrations for images of 640x480, 848x480; give size=", None),
-        ("", "", (1280, 720), "the images are 1280x720, and the file has calibrations for 640x480, 848x480", None),
-        ('"Infrared 2"', '"Depth"', (640, 480), "it has not the intrinsics of Infrared 1 and Infrared 2", None),
-        ('To\t  "Infrared', 'To\t  "Other', (640, 480), "it has no extrinsics from Infrared 1 to Infrared 2", None),
-        ("{Y8}", "{Z}", (848, 480), "it has two intrinsics for images of 848x480", None),
+        ("", "", None, "the file has calibrations for images of 640x480, 848x480; give size=", InputError),
+        ("", "", (1280, 720), "the images are 1280x720, and the file has calibrations for 640x480, 848x480", InputError),
+        ('"Infrared 2"', '"Depth"', (640, 480), "it has not the intrinsics of Infrared 1 and Infrared 2", InputError),
+        ('To\t  "Infrared', 'To\t  "Other', (640, 480), "it has no extrinsics from Infrared 1 to Infrared 2", InputError),
+        ("{Y8}", "{Z}", (848, 480), "it has two intrinsics for images of 848x480", InputError),
         ("0 0 0 0 0", "0.1 0 0 0 0", (640, 480), "'Modified' is not supported", UnsupportedModelError),
-        ("-0.0501", "word", (640, 480), "Extrinsic from Infrared 1 To Infrared 2: numbers is not an array", None),
+        ("-0.0501", "word", (640, 480), "Extrinsic from Infrared 1 To Infrared 2: numbers is not an array", InputError),
     ],
 )
 def test_realsense_refused(tmp_path: Path, old: str, new: str, size, said: str, kind):
     text = printed().replace(old, new)
-    if kind is not None:
+    if kind is UnsupportedModelError:
         text = text.replace("Brown Conrady", "Modified")
     if new == "{Z}":
         text = text.replace("{Y16}", "{Z}").replace("Modified ", "").replace("0.1 0.2 0.3 0.4 0.5", "0 0 0 0 0")
-    refused(lambda: load_rig(written(tmp_path, text), size=size), said, **({} if kind is None else {"kind": kind}))
+    refused(lambda: load_rig(written(tmp_path, text), size=size), said, kind=kind)

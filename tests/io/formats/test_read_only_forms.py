@@ -9,9 +9,9 @@ import pytest
 import yaml
 from scipy.io import savemat
 from test_matrices_under_any_names import D1, D2, K1, K2, RIG, SIZE, R, T, assert_same
-from test_refusals import refused
+from refusals import refused
 
-from stereorecal import UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.io import load_rig, save_rig, save_template
 
 POSE = np.vstack([np.c_[R, T], [0, 0, 0, 1]])
@@ -132,10 +132,10 @@ def test_forms(tmp_path: Path, name: str):
     [
         ("mrcal", "OPENCV5", "SPLINED_STEREOGRAPHIC", "mrcal-convert-lensmodel", UnsupportedModelError),
         ("orbslam", "PinHole", "Sphere", "the camera type 'Sphere' is not supported", UnsupportedModelError),
-        ("vins", "cam1_pinhole", "cam7_pinhole", "there is no such file; put it beside the settings", None),
-        ("vins", "cam1_pinhole", "../../cam7_pinhole", "there is no such file; put it beside the settings", None),
-        ("matlab", "millimeters", "furlongs", "WorldUnits is 'furlongs'", None),
-        ("matlab", '"ImageSize": [480, 640]', '"ImageSize": []', "ImageSize is empty", None),
+        ("vins", "cam1_pinhole", "cam7_pinhole", "there is no such file; put it beside the settings", InputError),
+        ("vins", "cam1_pinhole", "../../cam7_pinhole", "there is no such file; put it beside the settings", InputError),
+        ("matlab", "millimeters", "furlongs", "WorldUnits is 'furlongs'", InputError),
+        ("matlab", '"ImageSize": [480, 640]', '"ImageSize": []', "ImageSize is empty", InputError),
     ],
 )
 def test_refusals(tmp_path: Path, name: str, old: str, new: str, words: str, kind):
@@ -143,7 +143,7 @@ def test_refusals(tmp_path: Path, name: str, old: str, new: str, words: str, kin
     assert old in paths[0].read_text()
     for path in paths:
         path.write_text(path.read_text().replace(old, new))
-    refused(lambda: load_rig(*paths), words, *([kind] if kind else []))
+    refused(lambda: load_rig(*paths), words, kind=kind)
 
 
 def test_rotations_of_matlab_that_disagree(tmp_path: Path):
