@@ -161,7 +161,8 @@ def test_lenses_of_two_models(tmp_path: Path):
         ({"camera_model": "pinhole-omni"}, "'pinhole-omni'"),
         ({"camera_model": "ds", "intrinsics": [0.1, 0.5, 60, 60, 32, 24]}, "'equidistant' is not supported"),
         ({"camera_model": "ds", "distortion_model": "none"}, "intrinsics must hold 6 numbers"),
-        ({"distortion_coeffs": [-1e4, 0.0, 0.0, 0.0]}, "within 5 degrees"),
+        ({"distortion_coeffs": [-1e4, 0.0, 0.0, 0.0]}, "fold the image back within 5 degrees"),
+        ({"distortion_coeffs": [-5.0, 0.0, 0.0, 0.0]}, "degrees off its axis"),
     ],
 )
 def test_chains_that_are_wrong(tmp_path: Path, change: dict, words: str):
