@@ -129,3 +129,15 @@ def test_help_begins_with_what_is_typed(command, monkeypatch: pytest.MonkeyPatch
         ("running", "-h,"),
     ]
     assert sections[-1].startswith("Exit code: 0 ")
+
+
+def test_help_tells_defaults_once_and_shared_options_under_their_title(command, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "300")
+    text, _, titled = command("recalibrate", "--help").out.partition("which pairs:")
+    assert "same seed, same result (default: 0)" in titled
+    assert "every fifth (default: all)" in titled  # which its text says
+    assert "installed stereo matcher: sad, bm, sgbm, or a plug-in's (default: sad)" in titled
+    assert not re.search(r"default: [^\n]*\(default: (?!recognised)", text + titled)
+    assert "--calibration FILE …  " in text
+    assert text.index("--in-place") < text.index("SCENE  ") < text.index("--left FILES")
+    assert titled.index("--matcher NAME") < titled.index("--traceback  ") < titled.index("Exit code: 0 ")
