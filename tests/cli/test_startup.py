@@ -93,7 +93,10 @@ def test_an_option_that_is_written_wrongly(command, words: str, said: str):
     [
         ("compare --judge walk", "pip install stereorecal-field (in"),
         ("compare --preset=field", "pip install stereorecal-field (in"),
-        ("reproduce", "reproduce is not installed; run: pip install stereorecal-paper (in a clone: pip install -e plug"),
+        (
+            "reproduce",
+            "reproduce is not installed; run: pip install stereorecal-paper (in a clone: pip install -e plug",
+        ),
     ],
 )
 def test_what_comes_with_another_distribution(command, nothing_installed, words: str, said: str):
@@ -116,7 +119,7 @@ def test_options_have_the_types_and_defaults_of_their_fields():
     found = options_of(words.split())
     assert (found.scenes, found.seed, found.motion) == (("here", "there"), 2, "off")
     assert (found.calibration, found.in_place, found.tolerance) == (("a", "b"), True, 2.5)
-    assert options_of("compare --scene x --scene y".split()).scene == ("x", "y")
+    assert options_of(["compare", "--scene", "x", "--scene", "y"]).scene == ("x", "y")
     found = options_of(["recalibrate", "here"])
     assert (found.pairs, found.matcher, found.motion, found.in_place) == (None, "sad", "auto", False)
     assert (found.calibration, options_of(["compare"]).scene) == (None, ())

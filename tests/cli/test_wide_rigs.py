@@ -41,7 +41,10 @@ def images(folder: Path) -> tuple[object, ...]:
 
 @pytest.mark.slow
 def test_a_camchain_of_fisheyes_comes_back_with_other_numbers(command, drifted: Path, tmp_path: Path):
-    given, (repaired, told, maps) = drifted / "camchain.yaml", (tmp_path / name for name in ("o.yaml", "o.json", "o.npz"))
+    given, (repaired, told, maps) = (
+        drifted / "camchain.yaml",
+        (tmp_path / name for name in ("o.yaml", "o.json", "o.npz")),
+    )
     words = (*images(drifted), "--calibration", given, "--output", repaired, "--json", told, "--maps", maps)
     answer = command("recalibrate", *words, "--prior", "exact")
     assert (answer.code, answer.err) == (0, "")

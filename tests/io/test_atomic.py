@@ -31,10 +31,14 @@ def test_an_interrupted_write_leaves_the_old_file(tmp_path: Path, function: str,
     assert os.listdir(tmp_path) == ["a.json"]
 
 
-def test_permissions_are_those_of_any_new_file(tmp_path: Path):
-    write_text(tmp_path / "a", "x")
-    (tmp_path / "b").write_text("x")
-    assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode
+def test_permissions_are_those_of_any_new_file_and_stay(tmp_path: Path):
+    path, other = tmp_path / "a", tmp_path / "b"
+    write_text(path, "x")
+    other.write_text("x")
+    assert path.stat().st_mode == other.stat().st_mode
+    path.chmod(0o640)
+    write_text(path, "y")
+    assert path.stat().st_mode & 0o777 == 0o640
 
 
 def test_a_link_stays_a_link(tmp_path: Path):

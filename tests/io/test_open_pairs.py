@@ -15,8 +15,6 @@ from refusals import refused
 
 from stereorecal import InputError, PairingWarning
 from stereorecal.io import load_pairs, open_pairs
-from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import LazyPairs, Pair
 
 FRAMES = 6
 HEIGHT, WIDTH = 48, 64
@@ -64,21 +62,6 @@ def test_videos(videos, places):
         again = pickle.loads(pickle.dumps(pair))
         np.testing.assert_array_equal(again.left, pair.left)
         assert again.name == pair.name
-
-
-def test_frames_are_read_when_asked_for():
-    read = []
-
-    def make(number: int) -> Pair:
-        read.append(number)
-        return Pair(image(number, 0).astype(np.float32), image(number, 1).astype(np.float32), str(number))
-
-    lazy = LazyPairs([lambda n=n: make(n) for n in range(FRAMES)], [str(n) for n in range(FRAMES)])
-    assert len(lazy[1:6:2]) == 3
-    assert read == []
-    assert len(chosen_frames(lazy, 2)) == 2
-    assert set(read) == set(range(FRAMES))
-    assert len(read) <= FRAMES + 4  # the type checker of the tests looks at some itself
 
 
 @pytest.mark.skipif(os.name == "nt", reason="files that are open stay there")

@@ -43,4 +43,3 @@ def test_tables_that_make_no_sense(tmp_path, text, said):
     path.write_text(text)
     with pytest.raises(sr.InputError, match=said):
         sr.io.load_ranges(path)
-

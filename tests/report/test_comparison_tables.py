@@ -114,7 +114,6 @@ def test_one_schedule_has_no_column_of_its_own():
     assert "medians over 2 draws (harbour-0, matcher sad, schedule count at scale 0.5)" in lines
     assert not any(line.startswith("schedule ") for line in lines)
 
-
     lines = printed(comparison([BOTH[0]], draws=1), 120)
     assert "medians over 1 draw (harbour-0, matcher sad, schedule default)" in lines
     assert any("compass + optimistix-" in line for line in lines)

@@ -273,7 +273,7 @@ def test_kalibr_without_poses(tmp_path: Path, changes, said: str):
 def test_rounding_is_no_rotation(tmp_path: Path, name: str):
     paths = SAMPLES[name].write(tmp_path)
     rig, (place,) = load_rig(paths, size=samples.SIZE), beside(paths)
-    little, much = (rig.with_extrinsics(rig.extrinsics + [t, -t, t, -0.01, 0.0, 0.0]) for t in (5e-10, 1e-8))
+    little, much = (rig.with_extrinsics(rig.extrinsics + np.array([t, -t, t, -0.01, 0, 0])) for t in (5e-10, 1e-8))
     save_rig(little, place)
     assert load_rig(place, size=samples.SIZE).baseline == pytest.approx(little.baseline, rel=1e-12)
     refused(lambda: save_rig(much, place, overwrite=True), "no place for a rotation")

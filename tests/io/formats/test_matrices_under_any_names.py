@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 from hypothesis import HealthCheck, given, settings, strategies as st
-from scipy.io import savemat
 from refusals import refused
+from scipy.io import savemat
 
 from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig

@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from refusals import refused
 from scipy.io import savemat
 from test_matrices_under_any_names import D1, D2, K1, K2, RIG, SIZE, R, T, assert_same
-from refusals import refused
 
 from stereorecal import InputError, UnsupportedModelError
 from stereorecal.io import load_rig, save_rig, save_template
@@ -45,12 +45,11 @@ def mrcal(folder: Path) -> list[Path]:
     return paths
 
 
-def orb_slam(folder: Path, **more) -> list[Path]:
+def orb_slam(folder: Path) -> list[Path]:
     lines = ["%YAML:1.0", "", "Camera.type: 'PinHole'", "Camera.width: 640", "Camera.height: 480"]
     for name, K, D in (("Camera1", K1, D1), ("Camera2", K2, D2)):
-        named = zip(
-            ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"), [*K[[0, 1, 0, 1], [0, 1, 2, 2]], *D], strict=True
-        )
+        values = [*K[[0, 1, 0, 1], [0, 1, 2, 2]], *D]
+        named = zip(("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"), values, strict=True)
         lines += [f"{name}.{key}: {float(value)!r}" for key, value in named]
     path = folder / "settings.yaml"
     path.write_text("\n".join([*lines, f"Stereo.T_c1_c2: {opencv(np.linalg.inv(POSE))}", ""]))
@@ -203,7 +202,7 @@ def test_what_is_unknown_is_listed_and_can_be_filled_in(tmp_path: Path):
     refused(lambda: save_template([path], template), "exists already")
 
 
-@pytest.mark.parametrize("format", ["orbslam", "matlab"])
-def test_a_file_of_another_form_is_refused(tmp_path: Path, format: str):
-    (path,) = (mat if format == "orbslam" else orb_slam)(tmp_path)
+@pytest.mark.parametrize(("form", "format"), [(mat, "orbslam"), (orb_slam, "matlab")])
+def test_a_file_of_another_form_is_refused(tmp_path: Path, form, format: str):
+    (path,) = form(tmp_path)
     refused(lambda: load_rig(path, format=format), path.name)

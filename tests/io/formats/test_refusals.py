@@ -12,7 +12,7 @@ from refusals import refused
 
 from stereorecal import CalibrationWarning, UnsupportedModelError
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig, save_rig, write_text
+from stereorecal.io import load_rig, save_rig
 
 # --- reading ------------------------------------------------------------------------------------------------
 
@@ -261,16 +261,6 @@ def test_two_files_or_none(tmp_path: Path):
             refused(lambda places=places: save_rig(moved, places, overwrite=True), f"{places[1]}: cannot be written")
     assert sorted(tmp_path.iterdir()) == paths
     assert contents(paths) == before
-
-
-def test_permissions_stay(tmp_path: Path):
-    (path,) = SAMPLES["kalibr"].write(tmp_path)
-    path.chmod(0o640)
-    rig = load_rig(path)
-    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), path, overwrite=True)
-    assert path.stat().st_mode & 0o777 == 0o640
-    write_text(path, "other")
-    assert path.stat().st_mode & 0o777 == 0o640
 
 
 def test_rigs_that_another_file_would_not_hold(tmp_path: Path):
