@@ -168,13 +168,8 @@ def test_a_drive_without_one_of_its_cameras_or_its_name(tmp_path: Path):
     refused(drive.rename(drive.with_name("harbour")), "harbour", "_sync (rectified) or _extract")
 
 
-def test_a_day_without_drives_or_calibration(tmp_path: Path):
+def test_a_day_without_drives(tmp_path: Path):
     day = kitti_raw(tmp_path)
-    path = day / "calib_cam_to_cam.txt"
-    path.unlink()
-    refused(day, f"{path}: there is no such file; download 2011_09_26_calib.zip")
-    refused(day / SYNC, "download 2011_09_26_calib.zip")
-    write_text(path, kitti_cam_to_cam())
     for drive in day.glob("*_sync"):
         shutil.rmtree(drive)
     refused(day, "the log has no sequence")
@@ -241,16 +236,6 @@ def test_odometry_in_colour_is_written_where_it_stands(tmp_path: Path):
     assert_sees_as_the_projections(load_scene(folder).rig, 2, 3)
 
 
-def test_odometry_without_its_calibration(tmp_path: Path):
-    root = kitti_odometry(tmp_path)
-    path = root / "sequences" / "01" / "calib.txt"
-    cut(path, "P1")
-    refused(root, str(path), "'P1' is missing")
-    path.unlink()
-    for folder in (root, path.parent):
-        refused(folder, f"{path}: there is no such file; download data_odometry_calib.zip")
-
-
 def test_frames_of_different_times_are_no_pair(tmp_path: Path):
     folder = kitti_odometry(tmp_path) / "sequences" / "00"
     (folder / "image_0" / "000001.png").unlink()
@@ -291,28 +276,28 @@ def test_cameras_of_the_stereo_benchmarks(tmp_path: Path):
     assert_sees_as_the_projections(load_scene(kitti_2015(tmp_path / "2015")).rig, 2, 3)
 
 
-@pytest.mark.parametrize(
-    ("tree", "calibrations", "archive"),
-    [
-        (kitti_2012, "calib", "data_stereo_flow_calib.zip"),
-        (kitti_2015, "calib_cam_to_cam", "data_scene_flow_calib.zip"),
-    ],
-)
-def test_stereo_without_the_calibrations(tmp_path: Path, tree, calibrations: str, archive: str):
-    folder = tree(tmp_path)
-    path = folder / calibrations / "000001.txt"
-    cut(path, ":")
-    refused(folder, str(path), "is missing")
-    path.unlink()
-    refused(folder, f"{path}: there is no such file; download {archive} from KITTI's page")
-    shutil.rmtree(folder / calibrations)
-    refused(folder, "000000.txt", archive)
-
-
 def test_the_size_of_2015(tmp_path: Path):
     folder = kitti_2015(tmp_path)
     edit(folder / "calib_cam_to_cam" / "000000.txt", f"S_rect_02: {row(SIZE)}", "S_rect_02: 48 32")
     refused(folder, str(folder / "000000"), "000000_10.png", "24x16, but the calibration is for 48x32")
+
+
+@pytest.mark.parametrize(
+    ("tree", "place", "archive"),
+    [
+        (kitti_raw, "calib_cam_to_cam.txt", "2011_09_26_calib.zip"),
+        (kitti_odometry, "sequences/01/calib.txt", "data_odometry_calib.zip"),
+        (kitti_2012, "calib/000001.txt", "data_stereo_flow_calib.zip"),
+        (kitti_2015, "calib_cam_to_cam/000001.txt", "data_scene_flow_calib.zip"),
+    ],
+)
+def test_calibrations_that_are_cut_or_were_not_unpacked(tmp_path: Path, tree, place: str, archive: str):
+    folder = tree(tmp_path)
+    path = folder / place
+    cut(path, ":")
+    refused(folder, str(path.parent), "is missing")
+    path.unlink()
+    refused(folder, f"{path}: there is no such file; download {archive} from KITTI's page")
 
 
 # --- real images --------------------------------------------------------------------------------------------

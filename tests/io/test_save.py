@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
+from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import gather_scene, load_rig, load_scene, save_rig, save_scene
 
@@ -91,8 +92,14 @@ def test_files_that_lie_anywhere_are_the_scene_that_a_folder_is(scene, tmp_path:
     assert len(gather_scene(pattern, tmp_path / "s" / "right", tmp_path / "elsewhere.json", limit=1).pairs) == 1
 
 
-def test_files_of_another_size_than_the_calibration(scene, tmp_path: Path):
+def test_files_that_do_not_fit_are_blamed_by_name(scene, tmp_path: Path):
+    """What is wrong with images alone is no fault of the calibration."""
     save_scene(scene(), tmp_path / "s")
     save_rig(RIG.resized((80, 60)), tmp_path / "c.json")
     places = (tmp_path / "s" / "left.png", tmp_path / "s" / "right.png", tmp_path / "c.json")
     refused(lambda: gather_scene(*places), "c.json: ", "the images are 160x120, but the calibration is for 80x60")
+    copy = tmp_path / "copy.png"
+    copy.write_bytes(places[0].read_bytes())
+    words = f"^{places[0]} and {copy}: left and right are the same image"
+    with pytest.raises(InputError, match=words):
+        gather_scene(places[0], copy, tmp_path / "s" / "calib.json")
