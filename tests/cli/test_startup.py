@@ -89,18 +89,15 @@ def test_an_option_that_is_written_wrongly(command, words: str, said: str):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "what", "distribution"),
     [
-        ("compare --judge walk", "pip install stereorecal-field (in"),
-        ("compare --preset=field", "pip install stereorecal-field (in"),
-        (
-            "reproduce",
-            "reproduce is not installed; run: pip install stereorecal-paper (in a clone: pip install -e plug",
-        ),
+        ("compare --judge walk", "--judge", "field (in"),
+        ("compare --preset=field", "--preset", "field (in"),
+        ("reproduce", "reproduce is not installed; run: ", "paper (in a clone: pip install -e plugins/paper)"),
     ],
 )
-def test_what_comes_with_another_distribution(command, nothing_installed, words: str, said: str):
-    command(*words.split()).refuses(words.split()[-1].partition("=")[0].replace("walk", "--judge"), said)
+def test_what_comes_with_another_distribution(command, nothing_installed, words: str, what: str, distribution: str):
+    command(*words.split()).refuses(what, f"pip install stereorecal-{distribution}")
 
 
 def test_help_says_what_there_is(command):
