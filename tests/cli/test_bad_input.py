@@ -110,7 +110,6 @@ LEFT, RIGHT, CALIBRATION = "--left={0}/left.png", "--right={0}/right.png", "--ca
         ([LEFT, RIGHT, "--calibration={0}/c.json"], "c.json: there is no such file"),
         ([LEFT, "--right={0}/left.png", CALIBRATION], "both the left and the right image"),
     ],
-    ids=lambda value: " ".join(value).replace("{0}/", "") or "nothing" if isinstance(value, list) else "",
 )
 @pytest.mark.parametrize("verb", ["recalibrate", "score"])
 def test_files_that_lie_anywhere(command, clean_scene: Path, verb: str, words: list[str], said: str):

@@ -33,9 +33,9 @@ each = pytest.mark.parametrize(("model", "name"), [(model, name) for model in HO
 
 
 def rig_of(model: str, extrinsics=samples.RIG.extrinsics, scale: float = 1.0) -> StereoRig:
-    cameras = (Camera(samples.SIZE, camera.matrix, scale * np.array(TERMS[model]), model=model)
-               for camera in (samples.RIG.left, samples.RIG.right))  # fmt: skip
-    return StereoRig(*cameras, np.array(extrinsics, float))
+    lens, matrices = scale * np.array(TERMS[model]), (samples.RIG.left.matrix, samples.RIG.right.matrix)
+    left, right = (Camera(samples.SIZE, matrix, lens, model=model) for matrix in matrices)
+    return StereoRig(left, right, np.array(extrinsics, float))
 
 
 @each
