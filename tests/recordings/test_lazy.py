@@ -14,7 +14,7 @@ from stereorecal.cli import main
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
 from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
-from stereorecal.recordings import Pair, names_of
+from stereorecal.recordings import Pair, names_of, times_of
 from stereorecal.synthetic import default_rig, render
 
 FRAMES = 120
@@ -60,6 +60,8 @@ def test_a_log_is_opened_without_reading_it(folder: Path, meter: Meter):
     log = load_log(folder)
     (mission,) = log.missions
     assert names_of(mission.pairs) == tuple(f"{number:04d}.png" for number in range(FRAMES))
+    assert times_of(mission.pairs) == (None,) * FRAMES
+    assert len(mission.pairs[1:6:2]) == 3
     assert meter.read == 1
     for _ in mission.pairs:
         pass
