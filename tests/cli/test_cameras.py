@@ -76,6 +76,7 @@ def test_some_of_the_pairs(command, cameras: Path, tmp_path: Path, monkeypatch):
         (("--camera", "0", "--tolerance", "nan", "--calibration", "rig.json"), "--tolerance is nan"),
         (("--camera", "left.avi,both.avi", "--calibration", "rig.json"), "none can be used"),
         (("--camera", "left.avi", "--calibration", "rig.json"), "160x240"),
+        (("--camera", "left.avi,right.avi", "--calibration", "no.json"), "there is no such file"),
         (("--camera", "left.avi,right.avi", "--calibration", "rig.json", "--output", "left.avi"), "left.avi"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",

@@ -72,6 +72,7 @@ def test_nothing_to_match_is_null(command, clean_scene: Path, drifted_scene: Pat
     (said,) = json.loads(answer.out)["scenes"]
     assert (said["count"], said["row_error_px"], said["condition"]) == (0, None, "cannot_tell")
     assert "NaN" not in answer.out
+    assert command("score", tmp_path / "fog", tmp_path / "fog").code == 4
     assert command("score", tmp_path / "fog", clean_scene).code == 4
     assert command("score", tmp_path / "fog", drifted_scene).code == 1  # which is more urgent
 

@@ -79,6 +79,7 @@ def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_o
             "repair scene",
             "unknown command 'repair' (choose one of: recalibrate, score, monitor, diff, convert, compare,",
         ),
+        ("strategies list compass", "unrecognized arguments: compass; see"),
         ("matchers check", "matchers check needs a name; matchers list shows those that are installed; see"),
         ("compare harbour", "unrecognized arguments: harbour; see"),
         ("diff a.yaml b.yaml c.yaml", "unrecognized arguments: c.yaml (the two files of a calibration are named"),

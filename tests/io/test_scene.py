@@ -238,6 +238,9 @@ def test_images_without_partner(make: Make):
     refused_scene(folder, "no partner on the left", about=str(folder / "right" / "1.png"))
     (folder / "right" / "2.png").unlink()  # equal counts, different names
     refused_scene(folder, "no partner on the right", about=str(folder / "left" / "2.png"))
+    (folder / "right" / "1.png").rename(folder / "right" / "x.png")
+    (folder / "right" / "0.png").rename(folder / "right" / "y.png")
+    refused_scene(folder, "no partner on the right", about="0.png")
 
 
 def test_two_readings_of_one_side(make: Make):
