@@ -6,14 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from fixtures import at_once as at_once, clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
+from rides import BEFORE, Ride
+from spoiled import turned
 
 from stereorecal.io import save_scene
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.synthetic import default_rig, render
+from stereorecal.synthetic import Knock, default_rig, photographs, plan_drive, render
 
 
 @dataclass(frozen=True)
@@ -49,9 +50,7 @@ def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same pair with a rig that drifted by almost a degree, and a key of the user's own; not to be changed."""
     folder = tmp_path_factory.mktemp("scenes") / "drifted"
     scene = render("harbour", 0, rig=default_rig().resized((160, 120)))
-    assert scene.rig is not None
-    drift = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
-    rig = scene.rig.with_extrinsics(scene.rig.extrinsics + drift)
+    rig = turned(scene.rig, 0.8, 0.3, -0.9, 0.003, -0.003)
     save_scene(replace(scene, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
     return folder
 
@@ -60,3 +59,17 @@ def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def folder(clean_scene: Path, tmp_path: Path) -> Path:
     """A copy of it, free to be spoiled."""
     return Path(shutil.copytree(clean_scene, tmp_path / "scene"))
+
+
+@pytest.fixture
+def unworked(moody) -> tuple[str, ...]:
+    """The options of a repair by a strategy that fails if it has work: whatever is refused is refused before."""
+    moody(lambda run: pytest.fail("worked before it looked"))
+    return "--schedule", "count", "--strategy", "moody"
+
+
+@pytest.fixture(scope="session")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Ride:
+    """A recording with a knock of 0.3 degrees of pitch, and eight pairs after it."""
+    made = plan_drive("harbour", 2, BEFORE + 8, knocks=(Knock(BEFORE, (0.3, 0.0, 0.0)),), weather=False)
+    return Ride(made.rig, made.truth(BEFORE), list(photographs(made, folder=tmp_path_factory.mktemp("drive"))))

@@ -46,7 +46,7 @@ def test_the_same_answers(command, scheduler: str, clean_scene: Path, drifted_sc
     assert [{**row, "seconds": None} for row in there] == [{**row, "seconds": None} for row in here]
 
 
-@pytest.mark.parametrize("address", ["", "host", "tcp://host", "carrier-pigeon://host:1", "host:door"])
+@pytest.mark.parametrize("address", ["", "tcp://host", "carrier-pigeon://host:1", "host:door"])
 def test_what_is_no_address(command, clean_scene: Path, address: str):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--executor", f"dask:{address}")
     answer.refuses(f"no Dask scheduler answers at {address!r}")

@@ -53,5 +53,4 @@ def test_3_when_every_row_failed_and_0_when_only_some(
 
 
 def test_a_scale_for_the_default_schedule_is_refused(command):
-    answer = command("compare", "--schedule", "default", "--scale", "0.5")
-    assert (answer.code, answer.err) == (2, "stereorecal: --scale belongs to --schedule count; leave it out.\n")
+    command("compare", "--schedule=default", "--scale=0.5").refuses("--scale belongs to --schedule count; leave it out")

@@ -12,24 +12,6 @@ import pytest
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
-@pytest.fixture
-def no_work(moody) -> tuple[str, ...]:
-    """The option of a strategy that fails if it has work."""
-    moody(lambda run: pytest.fail("work was done"))
-    return "--strategies", "moody"
-
-
-def test_page_beside_table_and_json(command, clean_scene: Path, tmp_path: Path):
-    places = ("--html", tmp_path / "out.html", "--json", tmp_path / "out.json")
-    answer = command("compare", "--scene", clean_scene, *SMALL, *places)
-    assert (answer.code, answer.err) == (0, "")
-    assert "compass" in answer.out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.html", "out.json"]
-    page = (tmp_path / "out.html").read_text(encoding="utf-8")
-    assert "1 strategy on 1 scene" in page
-    assert page.rstrip().endswith("</html>")
-
-
 def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_path: Path, moody):
     def interrupted(run):
         if run == 2:
@@ -37,9 +19,13 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
 
     moody(interrupted)
     words = ("--scene", clean_scene, *SMALL, "--strategies", "moody")
-    answer = command("compare", *words, "--html", tmp_path / "out.html")
+    answer = command("compare", *words, "--html", tmp_path / "out.html", "--json", tmp_path / "out.json")
     assert answer.code == 130
-    assert "1 trial was finished of 2." in (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "moody" in answer.out
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.html", "out.json"]
+    page = (tmp_path / "out.html").read_text(encoding="utf-8")
+    assert "1 trial was finished of 2." in page
+    assert page.rstrip().endswith("</html>")
 
 
 @pytest.mark.parametrize(
@@ -51,21 +37,20 @@ def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_pa
         (["--html", "{}/out", "--json", "{}/../{}/out"], "--json and --html name the same file"),
     ],
 )
-def test_places_that_are_refused(command, no_work, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
+def test_places_that_are_refused(command, unworked, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
     (tmp_path / "in").mkdir()
     places = [word.replace("{}/../{}", f"{tmp_path}/in/..").replace("{}", str(tmp_path)) for word in words]
-    answer = command("compare", "--scene", clean_scene, *SMALL, *no_work, *places)
-    answer.refuses(said)
+    command("recalibrate", clean_scene, *unworked, *places).refuses(said)
     assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
 @pytest.mark.parametrize("missing", [("jinja2", "markupsafe"), ("matplotlib",)])
-def test_without_the_extra(command, no_work, clean_scene: Path, tmp_path: Path, monkeypatch, missing: tuple[str, ...]):
+def test_without_the_extra(command, unworked, clean_scene: Path, tmp_path: Path, monkeypatch, missing: tuple[str, ...]):
     for name in missing:
         monkeypatch.setitem(sys.modules, name, None)
     for name in [name for name in sys.modules if name.startswith("stereorecal.report.")]:
         monkeypatch.delitem(sys.modules, name)
-    answer = command("compare", "--scene", clean_scene, *SMALL, *no_work, "--html", tmp_path / "out.html")
+    answer = command("recalibrate", clean_scene, *unworked, "--html", tmp_path / "out.html")
     answer.refuses(f"--html needs {missing[0]}, which is not installed; run: pip install 'stereorecal[figures]'\n")
 
 

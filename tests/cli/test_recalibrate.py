@@ -16,11 +16,6 @@ COUNT = ("--schedule", "count")  # improves the drifted scene
 NOTHING = ("--schedule", "count", "--strategy", "moody")  # improves none
 
 
-def finite(content) -> bool:
-    """Whether a JSON text holds numbers that JSON has."""
-    return not any(word in content for word in ("NaN", "Infinity"))
-
-
 # --- the default schedule -----------------------------------------------------------------------------------
 
 
@@ -31,7 +26,7 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
     assert (alone.code, alone.err) == (0, "")
     assert alone.out.endswith(f"{output}: written\n")
     text = target.read_text()
-    assert finite(text)
+    assert not any(word in text for word in ("NaN", "Infinity"))
     content = json.loads(text)
     assert content["schema"] == "stereorecal.solution/2"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
@@ -64,12 +59,6 @@ def test_default_schedule(command, clean_scene: Path, drifted_scene: Path, tmp_p
 
 
 # --- verdicts and exit codes --------------------------------------------------------------------------------
-
-
-def test_0_repaired(command, drifted_scene: Path):
-    answer = command("recalibrate", drifted_scene, *COUNT)
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith("Repaired: ")
 
 
 @pytest.mark.parametrize("there", [False, True])
@@ -110,10 +99,9 @@ def test_3_when_a_strategy_crashes(command, drifted_scene: Path, tmp_path: Path,
 
 def test_2_when_one_of_several_turns_out_bad(command, folder: Path, drifted_scene: Path, tmp_path: Path):
     """Swapped images are seen only while matching; what is finished by then is kept."""
-    left, right = (folder / f"{side}.png" for side in ("left", "right"))
-    swapped = left.read_bytes()
-    left.write_bytes(right.read_bytes())
-    right.write_bytes(swapped)
+    left, right = ((folder / f"{side}.png").read_bytes() for side in ("left", "right"))
+    (folder / "left.png").write_bytes(right)
+    (folder / "right.png").write_bytes(left)
     answer = command("recalibrate", folder, drifted_scene, *COUNT, "--json", tmp_path / "out.json")
     assert answer.code == 2
     assert answer.err.count("\n") == 1
@@ -140,17 +128,12 @@ def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int
 
 @pytest.mark.slow
 def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path):
-    def settings(*words):
-        return json.loads(command("recalibrate", drifted_scene, *words, "--json", "-").out)["settings"]
-
-    asked = settings("--strategy", "nlopt-bobyqa", "--seed", 7, "--reach", "2,0.01")
+    words = ("--strategy", "nlopt-bobyqa", "--seed", 7, "--reach", "2,0.01")
+    asked = json.loads(command("recalibrate", drifted_scene, *words, "--json", "-").out)["settings"]
     kinds = [(stage["score"], stage["strategy"]) for stage in asked["stages"]]
     assert kinds[0] == ("count", "nlopt-bobyqa")
     assert {name for kind, name in kinds if kind == "epipolar"} == {"levenberg-marquardt"}
     assert (asked["seed"], asked["reach"]) == (7, {"degrees": 2.0, "baseline_fraction": 0.01})
-    asked = settings("--schedule", "count")
-    (stage,) = asked["stages"]
-    assert (stage["strategy"], stage["scale"]) == ("compass", 1.0)
 
 
 # --- what is free -------------------------------------------------------------------------------------------
@@ -180,9 +163,9 @@ def test_folders_of_one_rig_as_one_recording(command, drifted_scene: Path, tmp_p
     assert "new.json: " in answer.out
     (repair,) = json.loads(target.read_text())["repairs"]
     assert repair["frames"] == 2
-    for found in [repair["intrinsics"]]:
-        assert answer.out.count(found["verdict"]) == 1
-        assert found["freed_px"] < found["fixed_px"] + 0.05
+    found = repair["intrinsics"]
+    assert answer.out.count(found["verdict"]) == 1
+    assert found["freed_px"] < found["fixed_px"] + 0.05
 
 
 def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spoiled import fog
+from spoiled import fog, turned
 
 import stereorecal as sr
 from stereorecal.io import load_scene, save_scene
@@ -27,9 +27,7 @@ def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("scenes") / "drifted"
     scene = render("harbour", 0, rig=default_rig().resized(SIZE))
-    assert scene.rig is not None
-    drift = np.array([*np.radians([0.8, 0.3, -0.9]), 0.0, 0.003, -0.003])
-    save_scene(replace(scene, rig=scene.rig.with_extrinsics(scene.rig.extrinsics + drift)), folder)
+    save_scene(replace(scene, rig=turned(scene.rig, 0.8, 0.3, -0.9, 0.003, -0.003)), folder)
     return folder
 
 
@@ -49,11 +47,8 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
-    assert (said["count"], said["pixels"], said["fraction"]) == (
-        found.score.count,
-        SIZE[0] * SIZE[1],
-        found.score.fraction,
-    )
+    score = found.score
+    assert (said["count"], said["pixels"], said["fraction"]) == (score.count, SIZE[0] * SIZE[1], score.fraction)
     assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
     assert said["correction"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
@@ -61,24 +56,16 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))
 
 
-def test_unhealthy(command, drifted_scene: Path):
-    answer = command("score", drifted_scene)
-    assert (answer.code, answer.err) == (1, "")
-    assert "Repair it: " in answer.out
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: Path, order: int):
     answer = command("score", *(clean_scene, drifted_scene)[::order])
-    assert answer.code == 1
-    lines = answer.out.splitlines()
-    (good,) = [line for line in lines if "/clean" in line]
-    (bad,) = [line for line in lines if "/drifted" in line]
+    assert (answer.code, answer.err) == (1, "")
+    (good,), (bad,) = ([line for line in answer.out.splitlines() if name in line] for name in ("/clean", "/drifted"))
     assert " Good" in good
     assert "Repair it: " in bad
 
 
-def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
+def test_nothing_to_match_is_null(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
     save_scene(replace(load_scene(clean_scene), pairs=(fog(SIZE),)), tmp_path / "fog")
     answer = command("score", tmp_path / "fog", "--json", "-")
     assert (answer.code, answer.err) == (4, "")
@@ -87,11 +74,7 @@ def test_nothing_to_match_is_null(command, clean_scene: Path, tmp_path: Path):
     assert "NaN" not in answer.out
     assert command("score", tmp_path / "fog", tmp_path / "fog").code == 4
     assert command("score", tmp_path / "fog", clean_scene).code == 4
-
-
-def test_repair_is_more_urgent_than_what_cannot_be_told(command, drifted_scene: Path, tmp_path: Path):
-    save_scene(replace(load_scene(drifted_scene), pairs=(fog(SIZE),)), tmp_path / "grey")
-    assert command("score", tmp_path / "grey", drifted_scene).code == 1
+    assert command("score", tmp_path / "fog", drifted_scene).code == 1  # which is more urgent
 
 
 def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_scene: Path, tmp_path: Path):
@@ -106,13 +89,6 @@ def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_sc
     assert good["error"] is None
     assert good["healthy"]
     assert "upside down" in bad["error"]
-
-
-def test_files_that_lie_anywhere(command, clean_scene: Path):
-    words = [f"--{side}={clean_scene}/{side}.png" for side in ("left", "right")]
-    loose = command("score", *words, "--calibration", clean_scene / "calib.json")
-    assert loose == command("score", clean_scene)
-    assert loose.code == 0
 
 
 def test_nothing_is_changed(command, folder: Path):

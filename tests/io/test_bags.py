@@ -1,7 +1,6 @@
 """Images in bags of ROS 1 and ROS 2."""
 
 import pickle
-import re
 import struct
 import sys
 
@@ -9,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 from bags import write_bag
+from refusals import refused
 
 from stereorecal import CalibrationWarning, InputError
 from stereorecal.io import bag_scene, open_pairs
@@ -80,16 +80,16 @@ def test_the_calibration_in_a_bag(tmp_path, ros1: bool):
 )
 def test_no_calibration_in_a_bag(tmp_path, infos, words: str):
     path = write_bag(tmp_path / "a.bag", stamped(), ros1=True, infos=infos)
-    with pytest.raises(InputError, match=re.escape(words)):
-        scene_of_bag(path)
+    refused(lambda: scene_of_bag(path), words)
 
 
 def test_rectified_images_of_a_bag(tmp_path):
     """What camera_info says of the lens is not of them, unless there is none."""
     images = [(f"{topic}_rect", stamp, grey) for topic, stamp, grey in stamped()]
     topics = ("/left/image_rect", "/right/image_rect")
-    with pytest.raises(InputError, match="/left/image_rect has rectified images, and /left/camera_info the lens of"):
-        scene_of_bag(write_bag(tmp_path / "a.bag", images, ros1=True, infos=SIDES), topics)
+    raw = write_bag(tmp_path / "a.bag", images, ros1=True, infos=SIDES)
+    words = "/left/image_rect has rectified images, and /left/camera_info the lens of"
+    refused(lambda: scene_of_bag(raw, topics), words)
     straight = [(topic, {**info, "d": [0.0] * 5}) for topic, info in SIDES]
     assert scene_of_bag(write_bag(tmp_path / "b.bag", images, ros1=True, infos=straight), topics).rig is not None
 
@@ -98,38 +98,20 @@ def test_a_bag_by_one_of_its_files(tmp_path):
     path = write_bag(tmp_path / "run", stamped(), ros1=False)
     for part in (path / "metadata.yaml", next(path.glob("*.db3"))):
         assert len(open_pairs(part, **TOPICS).pairs) == 4
-        with pytest.raises(InputError, match="this is a bag; say which topics"):
-            open_pairs(part)
+        refused(lambda part=part: open_pairs(part), "this is a bag; say which topics")
 
 
-def test_frames_without_partner_are_named(tmp_path):
+def test_frames_are_paired_by_time(tmp_path):
+    """Those without partner are named."""
     path = write_bag(tmp_path / "a.bag", stamped(right=(0, 3)), ros1=True)
     recorded = open_pairs(path, **TOPICS)
     assert len(recorded.pairs) == 2
     assert recorded.unpaired == ("/left/image 1700000000.050", "/left/image 1700000000.100")
     np.testing.assert_array_equal(recorded.pairs[1].right, image(3, 1))
-
-
-def test_tolerance(tmp_path):
-    path = write_bag(tmp_path / "a.bag", stamped(jitter=20_000_000), ros1=True)
-    with pytest.raises(InputError, match=r"no two frames lie within 0\.0125 s of each other, the nearest 0\.02 s"):
-        open_pairs(path, **TOPICS)
-    assert len(open_pairs(path, **TOPICS, tolerance=0.021).pairs) == 4
-
-
-ENCODED = {
-    "bgr8": lambda grey: np.repeat(grey[..., None], 3, axis=-1),
-    "rgb8": lambda grey: np.repeat(grey[..., None], 3, axis=-1),
-    "rgba8": lambda grey: np.repeat(grey[..., None], 4, axis=-1),
-    "8UC1": lambda grey: grey,
-}
-
-
-@pytest.mark.parametrize("encoding", ENCODED)
-def test_encodings(tmp_path, encoding: str):
-    images = [(topic, stamp, ENCODED[encoding](grey)) for topic, stamp, grey in stamped((0,))]
-    pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding=encoding), **TOPICS).pairs[0]
-    np.testing.assert_allclose(pair.left, image(0, 0), atol=0.51)
+    late = write_bag(tmp_path / "late.bag", stamped(jitter=20_000_000), ros1=True)
+    words = "no two frames lie within 0.0125 s of each other, the nearest 0.02 s"
+    refused(lambda: open_pairs(late, **TOPICS), words)
+    assert len(open_pairs(late, **TOPICS, tolerance=0.021).pairs) == 4
 
 
 @pytest.mark.parametrize("encoding", ["bgr8", "bgra8", "rgb8", "rgba8", "bgr16", "bgra16", "rgb16", "rgba16"])
@@ -149,11 +131,13 @@ def test_order_of_channels(tmp_path, encoding: str):
     np.testing.assert_allclose(left, expected, atol=0.6)
 
 
-def test_sixteen_bit(tmp_path):
-    images = [(topic, stamp, grey.astype(np.uint16) * 257) for topic, stamp, grey in stamped((0,))]
-    pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding="mono16"), **TOPICS).pairs[0]
-    top = max(image(0, 0).max(), image(0, 1).max())
-    np.testing.assert_allclose(pair.left, image(0, 0) * (255.0 / top), atol=0.01)
+@pytest.mark.parametrize("encoding", ["8UC1", "mono16"])
+def test_grey_images(tmp_path, encoding: str):
+    deep = encoding == "mono16"
+    images = [(topic, stamp, grey.astype(np.uint16) * 257 if deep else grey) for topic, stamp, grey in stamped((0,))]
+    pair = open_pairs(write_bag(tmp_path / "a.bag", images, ros1=True, encoding=encoding), **TOPICS).pairs[0]
+    brightest = max(image(0, 0).max(), image(0, 1).max()) if deep else 255
+    np.testing.assert_allclose(pair.left, image(0, 0) * (255.0 / brightest), atol=0.01)
 
 
 @pytest.mark.parametrize("pattern", ["rggb", "bggr", "gbrg", "grbg"])
@@ -173,20 +157,15 @@ def test_bayer(tmp_path, pattern: str):
 
 def test_what_is_refused(tmp_path):
     path = write_bag(tmp_path / "a.bag", stamped((0,)), ros1=True)
-    with pytest.raises(InputError, match=r"no images on the topic /none; choose from /left/image, /right/image\."):
-        open_pairs(path, left_topic="/none", right_topic="/right/image")
-    with pytest.raises(InputError, match="this is a bag; say which topics"):
-        open_pairs(path)
-    with pytest.raises(InputError, match=r"neither a \.bag file nor a folder with a metadata\.yaml"):
-        open_pairs(tmp_path, **TOPICS)
-    with pytest.raises(InputError, match="there is no such bag"):
-        open_pairs(tmp_path / "none.bag", **TOPICS)
+    wrong = {"left_topic": "/none", "right_topic": "/right/image"}
+    refused(lambda: open_pairs(path, **wrong), "no images on the topic /none; choose from /left/image, /right/image.")
+    refused(lambda: open_pairs(path), "this is a bag; say which topics")
+    refused(lambda: open_pairs(tmp_path, **TOPICS), "neither a .bag file nor a folder with a metadata.yaml")
+    refused(lambda: open_pairs(tmp_path / "none.bag", **TOPICS), "there is no such bag")
     (tmp_path / "bad.bag").write_bytes(b"#ROSBAG V2.0\nnothing")
-    with pytest.raises(InputError, match="not a bag that can be read"):
-        open_pairs(tmp_path / "bad.bag", **TOPICS)
+    refused(lambda: open_pairs(tmp_path / "bad.bag", **TOPICS), "not a bag that can be read")
     odd = write_bag(tmp_path / "odd.bag", stamped((0,)), ros1=True, encoding="yuv422")
-    with pytest.raises(InputError, match="the encoding yuv422 is not known"):
-        open_pairs(odd, **TOPICS).pairs[0]
+    refused(lambda: open_pairs(odd, **TOPICS).pairs[0], "the encoding yuv422 is not known")
 
 
 def test_without_the_extra(tmp_path, monkeypatch):
@@ -196,13 +175,7 @@ def test_without_the_extra(tmp_path, monkeypatch):
         open_pairs(path, **TOPICS)
 
 
-def test_opencv_names_bayer_patterns_as_we_think():
-    assert cv2.COLOR_BayerBG2BGR == cv2.COLOR_BayerRGGB2BGR
-
-
-@pytest.mark.parametrize(
-    "error", [AssertionError(), struct.error("unpack"), KeyError("a"), MemoryError(), ValueError("a\n\n b")]
-)
+@pytest.mark.parametrize("error", [AssertionError(), KeyError("a"), MemoryError(), ValueError("a\n\n b")])
 @pytest.mark.parametrize("when", ["opened", "read"])
 def test_whatever_a_damaged_bag_raises(tmp_path, monkeypatch, error: Exception, when: str):
     from rosbags.highlevel import AnyReader
@@ -214,9 +187,8 @@ def test_whatever_a_damaged_bag_raises(tmp_path, monkeypatch, error: Exception, 
     if when == "read":
         recorded = open_pairs(path, **TOPICS)
     monkeypatch.setattr(AnyReader, "deserialize", damaged)
-    with pytest.raises(InputError, match=r"a\.bag: not a bag that can be read, or a damaged one") as said:
-        recorded.pairs[0] if when == "read" else open_pairs(path, **TOPICS)
-    assert "\n" not in str(said.value)
+    words = "a.bag: not a bag that can be read, or a damaged one"
+    refused(lambda: recorded.pairs[0] if when == "read" else open_pairs(path, **TOPICS), words)
 
 
 def test_a_compressed_image_that_claims_to_be_large(tmp_path):
@@ -225,8 +197,7 @@ def test_a_compressed_image_that_claims_to_be_large(tmp_path):
     png[16:24] = struct.pack(">II", 20_000, 20_000)
     large = ((topic, time, bytes(png)) for topic, time, _ in stamped((0,)))
     path = write_bag(tmp_path / "a.bag", large, ros1=True, compressed=True)
-    with pytest.raises(InputError, match=r"a\.bag, /left/image.*claims to be 20000x20000"):
-        open_pairs(path, **TOPICS).pairs[0]
+    refused(lambda: open_pairs(path, **TOPICS).pairs[0], "a.bag, /left/image", "claims to be 20000x20000")
 
 
 @pytest.mark.parametrize("ros1", [True, False], ids=["ROS 1", "ROS 2"])

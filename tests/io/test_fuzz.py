@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from damage import damaged
 from hypothesis import given, settings, strategies as st
+from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_pair, load_ranges, load_rig, save_rig
@@ -24,11 +25,12 @@ FORMATS = {
     "kitti-raw": "a.txt",
 }
 NESTED = {
-    "a.json": ["[" * DEEP, '{"a":' * DEEP, '{"K_left":' + "[" * DEEP + "]" * DEEP + "}", '{"cameraData":' * DEEP],
+    "a.json": ["[" * DEEP, '{"K_left":' + "[" * DEEP + "]" * DEEP + "}", '{"cameraData":' * DEEP],
     "a.yaml": [
         "[" * DEEP,
         "{a: " * DEEP,
-        "%YAML:1.0\n---\nM1: " + "[" * DEEP,
+        "%YAML:1.0\n---\nM1: " + "[" * DEEP + "1" + "]" * DEEP,
+        "%YAML:1.0\n---\nM1: " + "[" * 1500 + "1" + "]" * 1500,  # few enough brackets, too deep for Python
         "- " * DEEP,
         "? " * DEEP,
         "\n".join(" " * i + "a:" for i in range(2000)),
@@ -41,9 +43,10 @@ NESTED = {
 def test_nested_200_000_deep(tmp_path: Path, name: str, text: str):
     path = tmp_path / name
     path.write_text(text)
-    with pytest.raises(InputError) as error:
+    words = "too deeply nested|nests more than 100 levels|not a YAML file|not valid JSON|the format is unknown"
+    with pytest.raises(InputError, match=words) as error:
         load_rig(path)
-    assert str(path) in str(error.value)
+    assert str(error.value).startswith(f"{path}: ")
     assert "\n" not in str(error.value)
 
 
@@ -57,8 +60,7 @@ def test_nested_files_beside_images(tmp_path: Path, name: str):
     (sequence / "mission.json").write_text('{"a":' * DEEP)
     if name == "calib.json":
         (tmp_path / "calibrations" / "2026-01-01.json").write_text("[" * DEEP)
-    with pytest.raises(InputError, match="nests more than 100 levels"):
-        load_log(tmp_path)
+    refused(lambda: load_log(tmp_path), "nests more than 100 levels")
 
 
 @pytest.fixture(scope="module")
@@ -124,15 +126,11 @@ def test_damaged_tables(tmp_path_factory, seed: int):
 def test_a_cell_without_end(tmp_path: Path):
     path = tmp_path / "ranges.csv"
     path.write_text("pair,column,row,metres\n" + "1" * 200_000)
-    with pytest.raises(InputError, match="not a table"):
-        load_ranges(path)
+    refused(lambda: load_ranges(path), "not a table")
 
 
 def test_rows_of_different_lengths(tmp_path: Path, good):
     """Found by the fuzzer: a list in the place of one number of BoofCV's rotation."""
     path = tmp_path / "a.yaml"
-    text = good["boofcv"].decode()
-    before, _, after = text.partition("rotation:\n")
-    path.write_text(before + "rotation:\n  - [1.0, 2.0]\n" + after)
-    with pytest.raises(InputError, match="rotation must hold 9 numbers"):
-        load_rig(path)
+    path.write_text(good["boofcv"].decode().replace("rotation:\n", "rotation:\n  - [1.0, 2.0]\n"))
+    refused(lambda: load_rig(path), "rotation must hold 9 numbers")

@@ -8,8 +8,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from refusals import refused
 
-from stereorecal import InputError
 from stereorecal.io import load_pair, load_rig
 from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
 
@@ -23,8 +23,15 @@ def encoded(ending: str, *options: int) -> bytes:
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_announced_size(ending: str):
-    assert announced_size(encoded(ending)) == (81, 70)
+def test_announced_size_and_damaged_headers(ending: str):
+    data = encoded(ending)
+    assert announced_size(data) == (81, 70)
+    for length in range(64):
+        announced_size(data[:length])
+        bytes_per_pixel(data[:length])
+        assert not (length > 8 and ending in (".png", ".jpg") and ends_properly(data[:length]))
+    for place in range(64):
+        announced_size(data[:place] + b"\xff" + data[place + 1 :])
 
 
 @pytest.mark.parametrize("ending", [".png", ".tif"])
@@ -65,31 +72,29 @@ def test_markers_of_a_jpeg_that_are_no_frame(marker: int):
     assert announced_size(data[:2] + other + data[2:]) == (81, 70)
 
 
-def test_an_image_that_would_take_too_much(tmp_path: Path):
-    """16 bit and four channels: half a gigabyte each. It is refused before it is decoded."""
-    path, size = tmp_path / "image.png", 8191
-    about = b"IHDR" + struct.pack(">IIBBBBB", size, size, 16, 6, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + about + struct.pack(">I", zlib.crc32(about)))
-    with pytest.raises(InputError, match="takes more than 256 MB"):
-        load_pair(path, tmp_path / "right.png")
+@pytest.mark.parametrize(
+    ("size", "depth", "kind", "words"),
+    [
+        (8191, 16, 6, "takes more than 256 MB"),  # four channels: half a gigabyte
+        (20_000, 8, 2, "claims to be 20000x20000"),
+    ],
+)
+def test_an_enormous_image_is_not_decoded(tmp_path: Path, size: int, depth: int, kind: int, words: str):
+    """It has no pixels, which a decoder would say first."""
+
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    path = tmp_path / "image.png"
+    header = struct.pack(">IIBBBBB", size, size, depth, kind, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b""))
+    refused(lambda: load_pair(path, tmp_path / "right.png"), words)
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no endless file")
 @pytest.mark.parametrize("read", [load_rig, lambda path: load_pair(path, os.devnull)])
 def test_files_without_end(read):
-    with pytest.raises(InputError, match="more than"):
-        read("/dev/zero")
-
-
-@pytest.mark.parametrize("ending", ENDINGS)
-def test_a_damaged_header_is_no_crash(ending: str):
-    data = encoded(ending)
-    for length in range(64):
-        announced_size(data[:length])
-        bytes_per_pixel(data[:length])
-        assert not (length > 8 and ending in (".png", ".jpg") and ends_properly(data[:length]))
-    for place in range(64):
-        announced_size(data[:place] + b"\xff" + data[place + 1 :])
+    refused(lambda: read("/dev/zero"), "more than")
 
 
 @pytest.mark.parametrize("progressive", [0, 1])
@@ -103,18 +108,4 @@ def test_a_jpeg_with_a_trailer_is_read(tmp_path: Path, progressive: int):
         assert load_pair(path, right).left.shape == IMAGE.shape[:2]
     for length in (len(data) - 1, len(data) // 2, 20):
         path.write_bytes(data[:length])
-        with pytest.raises(InputError, match="truncated"):
-            load_pair(path, right)
-
-
-def test_an_enormous_image_is_not_decoded(tmp_path: Path):
-    """It has no pixels, which a decoder would say first."""
-
-    def chunk(name: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-
-    path = tmp_path / "image.png"
-    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 2, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b""))
-    with pytest.raises(InputError, match="claims to be 20000x20000"):
-        load_pair(path, tmp_path / "right.png")
+        refused(lambda: load_pair(path, right), "truncated")

@@ -67,11 +67,9 @@ def test_a_turned_image_is_as_opencv_reads_it_where_only_that_fits(tmp_path: Pat
     expected = cv2.imread(str(paths[1]), cv2.IMREAD_GRAYSCALE) if tag > 4 else stored(picture(1), tag)
     np.testing.assert_array_equal(pair.right, expected)
     np.testing.assert_array_equal(pair.left, picture(0))
+    done = "applied, since" if tag > 4 else "not applied; the cal"
     assert len(words) == 1
-    assert (
-        f"right.png: EXIF orientations 1 and {tag} {'applied, since' if tag > 4 else 'not applied; the cal'}"
-        in words[0]
-    )
+    assert f"right.png: EXIF orientations 1 and {tag} {done}" in words[0]
     again, words = said(lambda: pickle.loads(pickle.dumps(pair)))
     np.testing.assert_array_equal(again.right, pair.right)
     assert words == []  # once is enough
@@ -113,8 +111,7 @@ def two_sizes(folder: Path) -> tuple[Path, Path]:
 
 
 @pytest.mark.parametrize(
-    ("format", "names"),
-    [("kalibr", ["chain.yaml"]), ("boofcv", ["stereo.yaml"]), ("basalt", ["c.json"]), ("ros", ["l.yaml", "r.yaml"])],
+    ("format", "names"), [("kalibr", ["chain.yaml"]), ("basalt", ["c.json"]), ("ros", ["l.yaml", "r.yaml"])]
 )
 def test_the_larger_images_are_read_at_the_smaller_size(tmp_path: Path, format: str, names: list[str]):
     files, out = [tmp_path / name for name in names], [tmp_path / f"out_{name}" for name in names]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import json_data, json_line, json_text, parse_json, read_json, save_rig, write_json
@@ -42,8 +43,7 @@ def test_files(tmp_path: Path):
     assert read_json(path) == {"boat": "Čoln", "x": None}
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())  # a byte order mark
     assert read_json(str(path)) == {"boat": "Čoln", "x": None}
-    with pytest.raises(InputError, match="cannot be written"):
-        write_json(tmp_path / "missing" / "a.json", {})
+    refused(lambda: write_json(tmp_path / "missing" / "a.json", {}), "cannot be written")
 
 
 @pytest.mark.parametrize(
@@ -51,11 +51,9 @@ def test_files(tmp_path: Path):
     [
         (b"", "the file is empty"),
         (b"\xff\xfe{", "UTF-8"),
-        (b'{"a": 1', "not valid JSON, or truncated"),
         (b'{"a": 1} x', "not valid JSON, or truncated"),
         (b'{"b": [{"a": 1, "a": 2}]}', "the key 'a' occurs twice"),
         (b"\x1f\x8b\x08\x00", "is compressed; unpack it"),
-        (b"{'a': 1}", "not valid JSON"),
         (b"[01]", "not valid JSON"),
         (b'{"a": NaN}', "a contains NaN; put a finite number"),
         (b'{"a": {"b": [1, {"c": [-Infinity]}]}}', "c contains -Infinity; put a finite number"),
@@ -72,16 +70,13 @@ def test_files_that_are_refused(tmp_path: Path, content: bytes, words: str):
     path.write_bytes(content)
     with pytest.raises(InputError, match=words) as error:
         read_json(path)
-    message = str(error.value)
-    assert message.startswith(f"{path}: ")
-    assert message.endswith(".")
-    assert "\n" not in message
-    assert len(message) < 300
+    assert str(error.value).startswith(f"{path}: ")
+    assert len(str(error.value)) < 300
+    refused(lambda: read_json(path))
 
 
 def test_a_missing_file(tmp_path: Path):
-    with pytest.raises(InputError, match="no such file"):
-        read_json(tmp_path / "a.json")
+    refused(lambda: read_json(tmp_path / "a.json"), "no such file")
 
 
 @given(st.text() | st.text(st.sampled_from('[]{}",:-+.0123456789eENaInfity \n\\u')))
@@ -94,25 +89,27 @@ def test_any_text_is_read_or_refused(text: str):
     json.dumps(content, allow_nan=False)
 
 
-@pytest.mark.parametrize("number", ["1e308", "-0.0", "5e-324", "1e-999", "9" * 308, "0", "1E5"])
+@given(st.integers(1, 40))
+def test_a_truncated_text_is_said_to_be_one(cut: int):
+    text = '{"K": [1.5, 2], "größe": {"a": null, "b": "c"}}'[:cut]
+    refused(lambda: parse_json(text), "not valid JSON, or truncated")
+
+
+@pytest.mark.parametrize("number", ["1e308", "-0.0", "5e-324", "1e-999", "9" * 308, "1E5"])
 def test_extreme_numbers_that_are_fine(number: str):
     assert parse_json(number) == json.loads(number)
 
 
+ITSELF: dict = {}
+ITSELF["self"] = ITSELF
+DEEP: list = []
+for _ in range(100_000):
+    DEEP = [DEEP]
+
+
 @pytest.mark.parametrize(
-    "value", [math.nan, -math.inf, np.zeros(2), {1, 2}, 10**5000, b"x"], ids=lambda value: type(value).__name__
+    "value", [math.nan, -math.inf, np.zeros(2), {1, 2}, 10**5000, b"x", ITSELF, DEEP], ids=lambda _: ""
 )
 def test_a_calibration_is_refused_rather_than_changed(value, tmp_path: Path):
     with pytest.raises(InputError, match="cannot be written as JSON"):
         save_rig(default_rig(), tmp_path / "a.json", {"value": [value]})
-
-
-def test_a_calibration_that_contains_itself_or_nests_without_end(tmp_path: Path):
-    content: dict = {}
-    content["self"] = content
-    deep: list = []
-    for _ in range(100_000):
-        deep = [deep]
-    for bad in (content, {"deep": deep}):
-        with pytest.raises(InputError, match="cannot be written as JSON"):
-            save_rig(default_rig(), tmp_path / "a.json", bad)

@@ -48,9 +48,8 @@ def test_the_folder_may_be_the_working_directory(tmp_path: Path, name: str, monk
     folder = TREES[name](tmp_path)
     expected = load_log(folder)
     monkeypatch.chdir(folder)
-    found = load_log(".")
-    assert found.name == expected.name
-    assert [mission.name for mission in found.missions] == [mission.name for mission in expected.missions]
+    assert load_log(".").name == expected.name
+    assert [mission.name for mission in load_log(".").missions] == [mission.name for mission in expected.missions]
 
 
 @TREE

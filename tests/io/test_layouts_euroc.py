@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from trees import EUROC_TIMES, SIZE, cut, edit, euroc, euroc_sensor, refused, without_line, write_image, write_text
+from trees import EUROC_TIMES, SIZE, cut, edit, euroc, euroc_sensor, refused, write_image, write_text
 
-from stereorecal import StereoRig, UnsupportedModelError
+from stereorecal import InputError, StereoRig, UnsupportedModelError
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene
 
@@ -66,17 +66,10 @@ def test_the_direction(tree: Path, body_turn, body_place, turn, shift: float):
 def test_with_any_first_line(tmp_path: Path, head: str):
     folder = euroc(tmp_path)
     expected = load_scene(folder).rig.extrinsics
-    for index in (0, 1):
-        path = folder / f"mav0/cam{index}/sensor.yaml"
+    edit(folder / SENSOR, "radial-tangential", "plumb_bob")  # which is another name of it
+    for path in folder.glob("mav0/cam?/sensor.yaml"):
         path.write_text(head + path.read_text())
     np.testing.assert_array_equal(load_scene(folder).rig.extrinsics, expected)
-
-
-@pytest.mark.parametrize("name", ["radtan", "plumb_bob"])
-def test_other_names_of_the_distortion_model(tmp_path: Path, name: str):
-    folder = euroc(tmp_path)
-    edit(folder / SENSOR, "radial-tangential", name)
-    assert load_scene(folder).rig.right.distortion.size == 4
 
 
 def test_frames_of_one_camera_only_are_left_out(tmp_path: Path):
@@ -101,51 +94,33 @@ def test_no_common_time(tmp_path: Path):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
-        ("radial-tangential", "fov", "distortion model 'fov'"),
-        ("-3.55590700e-05]", "-3.5e-05, 0, 0]", "distortion has 6 coefficients"),
-    ],
-)
-def test_unsupported_models(tmp_path: Path, old: str, new: str, words: str):
-    folder = euroc(tmp_path)
-    edit(folder / SENSOR, old, new)
-    refused(folder, SENSOR, words, kind=UnsupportedModelError)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
         ("T_BS:", "T_SB:", "'T_BS' is missing"),
         ("distortion_model: radial-tangential\n", "", "'distortion_model' is missing"),
         ("intrinsics:", "intrinsic:", "'intrinsics' is missing"),
         ("resolution: [24, 16]", "resolution: [24]", "resolution must hold 2 numbers, not 1"),
-        ("intrinsics: [457.587", "intrinsics: [.nan", "intrinsics contains NaN"),
         ("intrinsics: [457.587, ", "intrinsics: [", "intrinsics must hold 4 numbers, not 3"),
-        ("intrinsics: [457.587", "intrinsics: [-457.587", "singular or negative"),
         (",\n         0.0, 0.0, 0.0, 1.0]", "]", "T_BS must hold 4x4 numbers, not 12"),
         ("rows: 4", "rows: 3", "T_BS must hold 4x4 numbers, not 16"),
-        ("0.0125552670891", "x", "T_BS is not an array of numbers"),
+        ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
+        ("radial-tangential", "fov", "distortion model 'fov'"),
     ],
 )
 def test_bad_sensors(tmp_path: Path, old: str, new: str, words: str, capfd: pytest.CaptureFixture[str]):
     folder = euroc(tmp_path)
     edit(folder / SENSOR, old, new)
-    refused(folder, SENSOR, words)
+    refused(folder, SENSOR, words, kind=UnsupportedModelError if " model '" in words else InputError)
     assert capfd.readouterr() == ("", "")
 
 
 def test_poses_that_are_none(tree: Path):
     good = pose_of([0, 0, 0], [0.1, 0, 0])
-    for bad in (np.zeros((4, 4)), np.diag([1.0, 1.0, -1.0, 1.0]), good * 1.1):
-        for poses in ([good, bad], [bad, good]):
-            with pytest.raises(ValueError, match="R is not a rotation"):
-                rig_with_poses(tree, poses)
+    for poses in ([good, np.zeros((4, 4))], [good * 1.1, good]):
+        with pytest.raises(ValueError, match="R is not a rotation"):
+            rig_with_poses(tree, poses)
 
 
 def test_missing_and_broken_files(tmp_path: Path):
     folder = euroc(tmp_path)
-    without_line(folder / SENSOR, "resolution")
-    refused(folder, SENSOR, "'resolution' is missing")
     cut(folder / SENSOR, "data")
     refused(folder, SENSOR)
     (folder / SENSOR).unlink()

@@ -79,14 +79,6 @@ def test_a_day_of_rectified_drives(tmp_path: Path):
     assert rig.left.distortion.size == rig.right.distortion.size == 0
 
 
-def test_one_drive(tmp_path: Path):
-    day = kitti_raw(tmp_path)
-    scene = load_scene(day / SYNC)
-    assert scene.name == f"2011_09_26/{SYNC}"
-    assert_sees_as_the_projections(scene.rig, 0, 1)
-    assert names(scene.pairs)[2] == ("image_00/data/0000000002.png", "image_01/data/0000000002.png")
-
-
 @pytest.mark.parametrize(
     ("cameras", "chosen"), [((0, 1, 2, 3), (0, 1)), ((2, 3), (2, 3)), ((0, 2, 3), (2, 3)), ((0, 1, 3), (0, 1))]
 )
@@ -94,16 +86,10 @@ def test_grey_before_colour(tmp_path: Path, cameras: tuple[int, ...], chosen: tu
     day = kitti_raw(tmp_path)
     shutil.rmtree(day / SYNC)
     scene = load_scene(kitti_drive(day / SYNC, cameras, frames=1))
+    assert scene.name == f"2011_09_26/{SYNC}"
     left, right = chosen
     assert names(scene.pairs) == [(f"image_{left:02d}/data/0000000000.png", f"image_{right:02d}/data/0000000000.png")]
     assert_sees_as_the_projections(scene.rig, left, right)
-
-
-def poses_of(left: int, rig_pose: np.ndarray, left_pose: np.ndarray) -> list[np.ndarray]:
-    """Poses of four cameras, of which `left` and the next one make the rig."""
-    poses = [np.eye(4)] * 4
-    poses[left], poses[left + 1] = left_pose, rig_pose @ left_pose
-    return poses
 
 
 def pose_of(turn, place) -> np.ndarray:
@@ -123,8 +109,10 @@ def test_the_direction_of_raw_drives(
     """Points in camera 00's frame, taken to each camera by its own 4x4 matrix."""
     day = tmp_path_factory.mktemp("raw") / "2011_09_26"
     left = 2 if colour else 0
-    left_pose = pose_of(left_turn, left_place) if colour else np.eye(4)  # camera 00 is where it is
-    poses = poses_of(left, pose_of(turn, [shift, 0.1 * shift, -0.05 * shift]), left_pose)
+    poses = [np.eye(4)] * 4  # camera 00 is where it is
+    if colour:
+        poses[left] = pose_of(left_turn, left_place)
+    poses[left + 1] = pose_of(turn, [shift, 0.1 * shift, -0.05 * shift]) @ poses[left]
     write_text(day / "calib_cam_to_cam.txt", kitti_cam_to_cam(poses))
     rig = load_scene(kitti_drive(day / EXTRACT, (left, left + 1), frames=1)).rig
     points = homogeneous(np.random.default_rng(1).normal(size=(10, 3)))
@@ -171,26 +159,17 @@ def test_no_common_time(tmp_path: Path):
     refused(drive, "image_01/timestamps.txt", "no such file")
 
 
-def test_a_drive_that_lost_its_name(tmp_path: Path):
-    day = kitti_raw(tmp_path)
-    refused((day / SYNC).rename(day / "harbour"), "harbour", "_sync (rectified) or _extract")
-
-
-def test_one_camera_only(tmp_path: Path):
+def test_a_drive_without_one_of_its_cameras_or_its_name(tmp_path: Path):
     drive = kitti_raw(tmp_path) / SYNC
     shutil.rmtree(drive / "image_01")
     refused(drive, str(drive), "image_00 and image_01, or image_02 and image_03")
     (drive / "image_01" / "data").mkdir(parents=True)
     refused(drive, str(drive / "image_01" / "data"), "no image in it")
+    refused(drive.rename(drive.with_name("harbour")), "harbour", "_sync (rectified) or _extract")
 
 
-def test_a_day_without_drives_or_calibration(tmp_path: Path):
+def test_a_day_without_drives(tmp_path: Path):
     day = kitti_raw(tmp_path)
-    path = day / "calib_cam_to_cam.txt"
-    path.unlink()
-    refused(day, f"{path}: there is no such file; download 2011_09_26_calib.zip")
-    refused(day / SYNC, "download 2011_09_26_calib.zip")
-    write_text(path, kitti_cam_to_cam())
     for drive in day.glob("*_sync"):
         shutil.rmtree(drive)
     refused(day, "the log has no sequence")
@@ -201,16 +180,13 @@ def test_a_day_without_drives_or_calibration(tmp_path: Path):
     [
         ("P_rect_01", None, SYNC, "'P_rect_01' is missing"),
         ("S_rect_00", None, SYNC, "'S_rect_00' is missing"),
-        ("P_rect_01", "nan " * 12, SYNC, "P_rect_01 contains NaN"),
         ("P_rect_01", "1 " * 11, SYNC, "P_rect_01 must hold 12 numbers, not 11"),
         ("P_rect_00", "0 " * 12, SYNC, "P_rect_00: the camera matrix is singular"),
         ("P_rect_01", row(projection(0)), SYNC, "baseline is zero"),
         ("S_rect_00", "48 32", SYNC, "24x16, but the calibration is for 48x32"),
         ("K_01", None, EXTRACT, "'K_01' is missing"),
-        ("D_01", "0.1 x", EXTRACT, "D_01 is not an array of numbers"),
         ("D_01", "0.1 0.2", EXTRACT, "distortion has 2 coefficients"),
         ("R_01", "1 0 0 0 1 0 0 0", EXTRACT, "R_01 must hold 9 numbers, not 8"),
-        ("R_01", "1 0 0 0 1 0 0 0 -1", EXTRACT, "R is not a rotation"),
         ("T_01", "", EXTRACT, "T_01 must hold 3 numbers, not 0"),
         ("T_01", "0.5 0 0", EXTRACT, "left and right are swapped"),
         ("S_00", "24", EXTRACT, "S_00 must hold 2 numbers, not 1"),
@@ -242,30 +218,22 @@ def test_odometry(tmp_path: Path):
     assert list(load_log(root).calibrations) == ["stored"]
 
 
-def test_odometry_in_colour(tmp_path: Path):
+def test_odometry_in_colour_is_written_where_it_stands(tmp_path: Path):
+    """Neither P2 nor P3 is camera 00, from which all of them count: the left one stays, the right one is beside it."""
     folder = kitti_odometry(tmp_path) / "sequences" / "00"
+    write_text(folder / "calib.txt", "\ufeff" + kitti_projections())  # a byte order mark
     shutil.rmtree(folder / "image_1")
     for side in (2, 3):
         write_image(folder / f"image_{side}" / "000000.png", side, colour=True)
     scene = load_scene(folder)
+    rig = scene.rig
     assert names(scene.pairs) == [("00/image_2/000000.png", "00/image_3/000000.png")]
-    assert_sees_as_the_projections(scene.rig, 2, 3)
-
-
-def test_a_byte_order_mark(tmp_path: Path):
-    folder = kitti_odometry(tmp_path) / "sequences" / "00"
-    write_text(folder / "calib.txt", "\ufeff" + kitti_projections())
-    assert_sees_as_the_projections(load_scene(folder).rig, 0, 1)
-
-
-def test_odometry_without_its_calibration(tmp_path: Path):
-    root = kitti_odometry(tmp_path)
-    path = root / "sequences" / "01" / "calib.txt"
-    cut(path, "P1")
-    refused(root, str(path), "'P1' is missing")
-    path.unlink()
-    for folder in (root, path.parent):
-        refused(folder, f"{path}: there is no such file; download data_odometry_calib.zip")
+    assert_sees_as_the_projections(rig, 2, 3)
+    longer = rig.with_extrinsics(np.array(rig.extrinsics) * 1.01)
+    save_rig(longer, folder / "calib.txt", overwrite=True)
+    np.testing.assert_allclose(load_scene(folder).rig.translation, longer.translation, atol=1e-12)
+    save_rig(rig, folder / "calib.txt", overwrite=True)
+    assert_sees_as_the_projections(load_scene(folder).rig, 2, 3)
 
 
 def test_frames_of_different_times_are_no_pair(tmp_path: Path):
@@ -281,6 +249,8 @@ def test_frames_of_different_times_are_no_pair(tmp_path: Path):
 @pytest.mark.parametrize(("tree", "key"), [(kitti_2012, "P1"), (kitti_2015, "P_rect_03")])
 def test_frames_that_share_a_calibration_are_one_mission(tmp_path: Path, tree, key: str):
     folder = tree(tmp_path)
+    if tree is kitti_2015:  # which does not matter to it
+        edit(folder / "calib_cam_to_cam" / "000002.txt", "09-Jan-2012", "10-Jan-2012")
     log = load_log(folder)
     assert [mission.name for mission in log.missions] == ["000000"]
     assert [pair.name for pair in log.missions[0].pairs] == [f"{index:06d}_10.png" for index in range(3)]
@@ -296,12 +266,6 @@ def test_frames_that_share_a_calibration_are_one_mission(tmp_path: Path, tree, k
     assert [len(mission.pairs) for mission in load_log(folder, limit=1).missions] == [1, 1]
 
 
-def test_what_does_not_matter_to_a_calibration(tmp_path: Path):
-    folder = kitti_2015(tmp_path)
-    edit(folder / "calib_cam_to_cam" / "000002.txt", "09-Jan-2012", "10-Jan-2012")
-    assert len(load_log(folder).missions) == 1
-
-
 def test_cameras_of_the_stereo_benchmarks(tmp_path: Path):
     grey = kitti_2012(tmp_path / "2012")
     assert_sees_as_the_projections(load_scene(grey).rig, 0, 1)
@@ -312,28 +276,28 @@ def test_cameras_of_the_stereo_benchmarks(tmp_path: Path):
     assert_sees_as_the_projections(load_scene(kitti_2015(tmp_path / "2015")).rig, 2, 3)
 
 
-@pytest.mark.parametrize(
-    ("tree", "calibrations", "archive"),
-    [
-        (kitti_2012, "calib", "data_stereo_flow_calib.zip"),
-        (kitti_2015, "calib_cam_to_cam", "data_scene_flow_calib.zip"),
-    ],
-)
-def test_stereo_without_the_calibrations(tmp_path: Path, tree, calibrations: str, archive: str):
-    folder = tree(tmp_path)
-    path = folder / calibrations / "000001.txt"
-    cut(path, ":")
-    refused(folder, str(path), "is missing")
-    path.unlink()
-    refused(folder, f"{path}: there is no such file; download {archive} from KITTI's page")
-    shutil.rmtree(folder / calibrations)
-    refused(folder, "000000.txt", archive)
-
-
 def test_the_size_of_2015(tmp_path: Path):
     folder = kitti_2015(tmp_path)
     edit(folder / "calib_cam_to_cam" / "000000.txt", f"S_rect_02: {row(SIZE)}", "S_rect_02: 48 32")
     refused(folder, str(folder / "000000"), "000000_10.png", "24x16, but the calibration is for 48x32")
+
+
+@pytest.mark.parametrize(
+    ("tree", "place", "archive"),
+    [
+        (kitti_raw, "calib_cam_to_cam.txt", "2011_09_26_calib.zip"),
+        (kitti_odometry, "sequences/01/calib.txt", "data_odometry_calib.zip"),
+        (kitti_2012, "calib/000001.txt", "data_stereo_flow_calib.zip"),
+        (kitti_2015, "calib_cam_to_cam/000001.txt", "data_scene_flow_calib.zip"),
+    ],
+)
+def test_calibrations_that_are_cut_or_were_not_unpacked(tmp_path: Path, tree, place: str, archive: str):
+    folder = tree(tmp_path)
+    path = folder / place
+    cut(path, ":")
+    refused(folder, str(path.parent), "is missing")
+    path.unlink()
+    refused(folder, f"{path}: there is no such file; download {archive} from KITTI's page")
 
 
 # --- real images --------------------------------------------------------------------------------------------
@@ -411,17 +375,3 @@ def test_raw_times(tmp_path: Path):
         write_text(camera / "timestamps.txt", "\n".join(f"2011-09-26 13:02:25.{n}64389445" for n in range(3)))
     times = [pair.time for pair in load_log(day).missions[0].pairs]
     assert times == pytest.approx([0.0, 0.1, 0.2])
-
-
-def test_odometry_in_colour_is_written_where_it_stands(tmp_path: Path):
-    """Neither P2 nor P3 is camera 00, from which all of them count: the left one stays, the right one is beside it."""
-    folder = kitti_odometry(tmp_path) / "sequences" / "00"
-    shutil.rmtree(folder / "image_1")
-    for side in (2, 3):
-        write_image(folder / f"image_{side}" / "000000.png", side, colour=True)
-    rig = load_scene(folder).rig
-    longer = rig.with_extrinsics(np.array(rig.extrinsics) * 1.01)
-    save_rig(longer, folder / "calib.txt", overwrite=True)
-    np.testing.assert_allclose(load_scene(folder).rig.translation, longer.translation, atol=1e-12)
-    save_rig(rig, folder / "calib.txt", overwrite=True)
-    assert_sees_as_the_projections(load_scene(folder).rig, 2, 3)

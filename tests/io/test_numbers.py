@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_rig
@@ -47,13 +48,9 @@ def test_any_value_is_read_or_refused(content, shape: tuple[int, ...]):
         assert found.dtype == np.float64
         assert np.isfinite(found).all()
         assert found.shape == shape or (shape == (-1,) and found.ndim == 1)
-
-
-@given(nested)
-def test_any_size_is_read_or_refused(content):
     for read in (image_size, pixels):
-        found = read_or_refused(lambda read=read: read({"size": content}, "size"), "size")
-        assert found is None or np.min(found) >= 1
+        size = read_or_refused(lambda read=read: read({"size": content}, "size"), "size")
+        assert size is None or np.min(size) >= 1
 
 
 @given(st.lists(st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3), min_size=3, max_size=3))
@@ -67,22 +64,17 @@ def test_a_matrix_is_itself_however_it_is_wrapped(rows):
     [
         (True, (), "K is not an array of numbers"),
         ([1.0, False], (2,), "K is not an array of numbers"),
-        ("1.5", (), "K is not an array of numbers"),
         (["1.5", 2], (2,), "K is not an array of numbers"),
         ([[1, 2], [3]], (2, 2), "K is not an array of numbers"),
         ([1, [2]], (2,), "K is not an array of numbers"),
         ({"rows": 1}, (1,), "K is not an array of numbers"),
         (nest(1.0, 5), (), "K is not an array of numbers"),
         (nest(1.0, 100_000), (), "K is not an array of numbers"),
-        (None, (), "K contains null"),
         ([1, None], (2,), "K contains null"),
-        (math.nan, (), "K contains NaN or infinite"),
         ([1, -math.inf], (2,), "K contains NaN or infinite"),
-        (10**400, (), "K contains NaN or infinite"),
         ([1, -(10**5000)], (2,), "K contains NaN or infinite"),
         ([1, 2, 3], (2,), "K must hold 2 numbers, not 3"),
         ([], (2,), "K must hold 2 numbers, not 0"),
-        ([1], (2,), "K must hold 2 numbers, not 1"),
         ([[1, 2], [3, 4]], (-1,), "K must hold a list of numbers, not 2x2"),
         ([1, 2], (), "K must hold one number, not 2"),
         (1, (3, 3), "K must hold 3x3 numbers, not one"),
@@ -90,22 +82,19 @@ def test_a_matrix_is_itself_however_it_is_wrapped(rows):
     ids=itertools.count(),  # such integers have no text
 )
 def test_what_is_refused(content, shape: tuple[int, ...], words: str):
-    with pytest.raises(InputError, match=words):
-        numbers({"K": content}, "K", shape)
+    refused(lambda: numbers({"K": content}, "K", shape), words)
 
 
 def test_a_missing_key():
     for read in (value, image_size, pixels, lambda content, key: numbers(content, key, (3,))):
-        with pytest.raises(InputError, match="the key 'K' is missing"):
-            read({"k": 1}, "K")
+        refused(lambda read=read: read({"k": 1}, "K"), "the key 'K' is missing")
 
 
-@pytest.mark.parametrize("size", [0, -1, 0.5, 24.5, 1e6 + 1e5, 1e300])
+@pytest.mark.parametrize("size", [0, -1, 24.5, 1e6 + 1e5, 1e300])
 def test_sizes_that_no_image_has(size: float):
-    with pytest.raises(InputError, match=r"width is .*, but an image size is a whole number of pixels"):
-        pixels({"width": size}, "width")
-    with pytest.raises(InputError, match="size is"):
-        image_size({"size": [24, size]}, "size")
+    words = "but an image size is a whole number of pixels"
+    refused(lambda: pixels({"width": size}, "width"), "width is ", words)
+    refused(lambda: image_size({"size": [24, size]}, "size"), "size is ", words)
 
 
 def test_sizes():
@@ -123,14 +112,10 @@ def test_words(word: str, expected: float | str):
 
 @pytest.mark.parametrize("word", ["1e999", "-inf", "nan", "9" * 5000])
 def test_words_of_no_finite_number(word: str):
-    with pytest.raises(InputError, match="K contains NaN or infinite"):
-        numbers({"K": [number_or_word(word)]}, "K", (-1,))
+    refused(lambda: numbers({"K": [number_or_word(word)]}, "K", (-1,)), "K contains NaN or infinite")
 
 
-# --- through files ------------------------------------------------------------------------------------------
-
-
-ROS = """image_width: 64
+YAML = """image_width: 64
 image_height: 48
 distortion_model: plumb_bob
 distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
@@ -148,33 +133,8 @@ projection_matrix: {rows: 3, cols: 4, data: [61, 0, 32, -7, 0, 61, 24, 0, 0, 0, 
         ('"1"', "is not an array"),
     ],
 )
-def test_yaml_values_that_are_no_numbers_or_out_of_range(tmp_path: Path, number: str, words: str):
-    for name in ("left.yaml", "right.yaml"):
-        (tmp_path / name).write_text(ROS % number)
-    with pytest.raises(InputError, match=f"left.yaml: camera_matrix.* {words}"):
-        load_rig(tmp_path / "left.yaml", tmp_path / "right.yaml")
-
-
-DEEP = 100_000
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "K: " + "[" * DEEP,
-        "K: " + "[" * DEEP + "1" + "]" * DEEP,
-        "K: " + "{a: " * DEEP,
-        "K:\n  " + "- " * DEEP + "1",
-        '{"K": ' + "[" * DEEP + "]" * DEEP + "}",
-        "<?xml version='1.0'?><opencv_storage>" + "<a>" * DEEP,
-        "".join(" " * level + "a:\n" for level in range(2000)),
-        "K: " + "[" * 1500 + "1" + "]" * 1500,  # few enough brackets, too deep for Python
-    ],
-    ids=["open", "list", "map", "items", "json", "xml", "indented", "python"],
-)
-def test_deep_nesting_does_not_crash_the_process(tmp_path: Path, text: str):
-    path = tmp_path / "a.yaml"
-    path.write_text(text if text.startswith(("<", "{")) else "%YAML:1.0\n---\n" + text)
-    with pytest.raises(InputError, match=r"too deeply nested|not a YAML file|nests more than 100 levels") as error:
-        load_rig(path)
-    assert str(error.value).startswith(f"{path}: ")
+def test_numbers_of_yaml(tmp_path: Path, number: str, words: str):
+    paths = [tmp_path / "left.yaml", tmp_path / "right.yaml"]
+    for path in paths:
+        path.write_text(YAML % number)
+    refused(lambda: load_rig(paths), "left.yaml: camera_matrix", words)

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refused
 
 import stereorecal as sr
-from stereorecal import InputError
 from stereorecal.io import load_log, load_scene, make_folder, save_rig, save_scene
 from stereorecal.recordings import Log, Mission
 
@@ -59,8 +59,7 @@ def test_what_is_in_it(folder: Path, mission: Mission, calibrations):
 def test_one_sequence_of_several(folder: Path, mission: Mission, calibrations, monkeypatch):
     """By its path, also one that is relative; all of them at once are no scene."""
     add(replace(mission, name="2021-02-03-bay", calibration=None), folder)
-    with pytest.raises(InputError, match="2 sequences are in there"):
-        load_scene(folder)
+    refused(lambda: load_scene(folder), "2 sequences are in there")
     monkeypatch.chdir(folder / "sequences" / "2021-02-03-bay")
     for place, date in ((folder / "sequences" / mission.name, "2020-05-01"), (Path("."), "2021-01-01")):
         found = load_scene(place)
@@ -75,28 +74,17 @@ def test_the_first_pairs_only(folder: Path):
 
 
 @pytest.mark.parametrize(
-    ("name", "calibration"), [("2020-05-01", "2020-05-01"), ("2020-12-31-x", "2020-05-01"), ("2022-x", "2021-01-01")]
+    ("name", "calibration"),
+    [("2020-05-01", "2020-05-01"), ("2020-12-31-x", "2020-05-01"), ("2022-x", "2021-01-01"), ("2019-01-01-x", None)],
 )
-def test_the_last_calibration_before_a_sequence_holds(folder: Path, name: str, calibration: str):
+def test_the_last_calibration_before_a_sequence_holds(folder: Path, name: str, calibration: str | None):
     sequence = folder / "sequences" / "2020-05-02-pier"
     (sequence / "mission.json").unlink()
     sequence.rename(folder / "sequences" / name)
-    assert load_log(folder).missions[0].calibration == calibration
-
-
-def test_a_sequence_before_any_calibration(folder: Path):
-    sequence = folder / "sequences" / "2020-05-02-pier"
-    (sequence / "mission.json").unlink()
-    sequence.rename(folder / "sequences" / "2019-01-01-x")
-    with pytest.raises(InputError, match="no calibration is of that date or before it"):
-        load_log(folder)
-
-
-def test_a_calibration_that_is_not_there(folder: Path):
-    path = folder / "sequences" / "2020-05-02-pier" / "mission.json"
-    path.write_text(json.dumps({"calibration": "2020-05-07"}))
-    with pytest.raises(InputError, match=r"no calibration '2020-05-07' in the log"):
-        load_log(folder)
+    if calibration is None:
+        refused(lambda: load_log(folder), "no calibration is of that date or before it")
+    else:
+        assert load_log(folder).missions[0].calibration == calibration
 
 
 @pytest.mark.parametrize(
@@ -104,15 +92,14 @@ def test_a_calibration_that_is_not_there(folder: Path):
     [
         ({"starred": "001.png"}, "list of image names"),
         ({"starred": [["001.png"]]}, "list of image names"),
-        ({"starred": 5}, "list of image names"),
         ({"starred": ["nothing.png"]}, "no left image"),
         ({"calibration": ["2020-05-01"]}, "name of a calibration"),
+        ({"calibration": "2020-05-07"}, "no calibration '2020-05-07' in the log"),
     ],
 )
 def test_facts_that_make_no_sense(folder: Path, facts, said):
     (folder / "sequences" / "2020-05-02-pier" / "mission.json").write_text(json.dumps(facts))
-    with pytest.raises(InputError, match=f"mission.json: .*{said}"):
-        load_log(folder)
+    refused(lambda: load_log(folder), "2020-05-02-pier", said)
 
 
 def test_one_sequence_is_a_scene_and_a_scene_is_a_log(folder: Path, tmp_path: Path, mission: Mission, scene):
@@ -124,27 +111,10 @@ def test_one_sequence_is_a_scene_and_a_scene_is_a_log(folder: Path, tmp_path: Pa
     np.testing.assert_allclose(log.calibration_of(log.missions[0]).extrinsics, scene().rig.extrinsics, atol=1e-12)
 
 
-def test_several_sequences_are_no_scene(folder: Path, mission: Mission):
-    add(replace(mission, name="2020-05-03-quay"), folder)
-    with pytest.raises(InputError, match="2 sequences are in there"):
-        load_scene(folder)
-
-
-def test_what_is_no_log(tmp_path: Path):
-    with pytest.raises(InputError, match="the layout is unknown"):
-        load_log(tmp_path)
-    with pytest.raises(InputError, match="no such folder"):
-        load_log(tmp_path / "nowhere")
-
-
 def test_logs_that_contradict_themselves(mission: Mission, calibrations):
-    with pytest.raises(InputError, match="no sequence"):
-        Log("x", calibrations, ())
-    with pytest.raises(InputError, match="same name"):
-        Log("x", calibrations, (mission, mission))
     same = replace(mission, pairs=(mission.pairs[0], mission.pairs[0]))
-    with pytest.raises(InputError, match="two pairs have the same name"):
-        Log("x", calibrations, (same,))
     small = {name: rig.resized((80, 60)) for name, rig in calibrations.items()}
-    with pytest.raises(InputError, match="same size"):
-        Log("x", small, (mission,))
+    refused(lambda: Log("x", calibrations, ()), "no sequence")
+    refused(lambda: Log("x", calibrations, (mission, mission)), "same name")
+    refused(lambda: Log("x", calibrations, (same,)), "two pairs have the same name")
+    refused(lambda: Log("x", small, (mission,)), "same size")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from machine import full_disk
+from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig, rig_as_data, rig_from_data, same_rig
@@ -79,20 +80,23 @@ def test_a_rig_as_data_is_the_rig(angles, shift, k1):
 @pytest.mark.parametrize("name", FORMS)
 @pytest.mark.parametrize("numbers", [(0.1, -2e-17), (5e-324, 1e300)])
 def test_it_comes_back_from_every_format(tmp_path: Path, name: str, numbers):
-    known = Known(RIG, numbers)
-    save_rig(RIG, places(tmp_path, name), format=name, unit="m" if name in ("opencv", "boofcv") else None, prior=known)
+    """Of the calibration that it was written with, and of no other."""
+    known, (path, *_) = Known(RIG, numbers), places(tmp_path, name)
+    save_rig(RIG, places(tmp_path, name), format=name)
+    assert len(list(tmp_path.iterdir())) == len(FORMS[name])
+    assert content(load_rig(tmp_path, unit="m")) is None
+    save_rig(RIG, places(tmp_path, name), format=name, overwrite=True, prior=known)
     stored = stored_prior(load_rig(tmp_path, unit="m"))  # the folder: what lies beside is no calibration
     assert stored is not None
     assert stored.content == known.as_dict()
     assert stored.of(load_rig(places(tmp_path, name), unit="m"))
     assert beside(tmp_path, name).exists() == (name != "stereorecal")
-
-
-@pytest.mark.parametrize("name", FORMS)
-def test_without_one_nothing_is_said(tmp_path: Path, name: str):
-    save_rig(RIG, places(tmp_path, name), format=name)
-    assert len(list(tmp_path.iterdir())) == len(FORMS[name])
-    assert content(load_rig(tmp_path, unit="m")) is None
+    assert "150.1" in path.read_text()
+    path.write_text(path.read_text().replace("150.1", "150.2", 1))
+    changed = load_rig(tmp_path, unit="m")
+    stored = stored_prior(changed)
+    assert stored is not None
+    assert not stored.of(changed)
 
 
 @pytest.mark.parametrize("target", FORMS)
@@ -109,36 +113,22 @@ def test_it_goes_with_the_rig_into_other_formats(tmp_path: Path, source: str, ta
     assert content(load_rig(tmp_path / "c", unit="m")) is None
 
 
-@pytest.mark.parametrize("name", FORMS)
-def test_a_calibration_that_was_changed_since(tmp_path: Path, name: str):
-    save_rig(RIG, places(tmp_path, name), format=name, prior=Known(RIG))
-    path = places(tmp_path, name)[0]
-    text = path.read_text()
-    assert "150.1" in text
-    path.write_text(text.replace("150.1", "150.2", 1))
-    rig = load_rig(tmp_path, unit="m")
-    stored = stored_prior(rig)
-    assert stored is not None
-    assert not stored.of(rig)
-
-
 def test_a_prior_of_another_rig_is_not_written(tmp_path: Path):
+    moved = RIG.with_extrinsics(RIG.extrinsics + 0.001)
     with pytest.raises(InputError, match="another rig"):
-        save_rig(RIG.with_extrinsics(RIG.extrinsics + 0.001), tmp_path / "c.yaml", prior=Known(RIG))
+        save_rig(moved, tmp_path / "c.yaml", prior=Known(RIG))
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b"\xff\xfe", b'{"rig": NaN}', b'{"rig": {}}'])
+@pytest.mark.parametrize("damage", [b"", b"[]", b"\xff\xfe", b'{"rig": {}}'])
 def test_a_damaged_file_is_named_once_it_is_asked_for(tmp_path: Path, damage: bytes):
     save_rig(RIG, tmp_path / "c.yaml", prior=Known(RIG))
     (tmp_path / "c.yaml.prior.json").write_bytes(damage)
     rig = load_rig(tmp_path / "c.yaml", unit="m")
     stored = stored_prior(rig)
     assert stored is not None
-    with pytest.raises(InputError, match=r"c\.yaml\.prior\.json: "):
-        stored.of(rig)
-    with pytest.raises(InputError, match=r"c\.yaml\.prior\.json: "):
-        save_rig(rig, tmp_path / "new.yaml")  # it would be lost
+    refused(lambda: stored.of(rig), "c.yaml.prior.json: ")
+    refused(lambda: save_rig(rig, tmp_path / "new.yaml"), "c.yaml.prior.json: ")  # it would be lost
     save_rig(rig, tmp_path / "new.yaml", prior=Known(rig))
     assert (tmp_path / "c.yaml.prior.json").read_bytes() == damage
 
@@ -149,16 +139,15 @@ def test_a_full_disk_leaves_both_as_they_were(tmp_path: Path, failing: int):
     save_rig(RIG, path, prior=Known(RIG))
     before = {each: each.read_bytes() for each in tmp_path.iterdir()}
     moved = RIG.with_extrinsics(RIG.extrinsics + 0.001)
-    with full_disk(nth=failing), pytest.raises(InputError, match="No space left"):
-        save_rig(moved, path, overwrite=True, prior=Known(moved))
+    with full_disk(nth=failing):
+        refused(lambda: save_rig(moved, path, overwrite=True, prior=Known(moved)), "No space left")
     assert {each: each.read_bytes() for each in tmp_path.iterdir()} == before
 
 
 @pytest.mark.parametrize("taken", ["c.yaml", "c.yaml.prior.json"])
 def test_neither_is_replaced_unless_allowed(tmp_path: Path, taken: str):
     (tmp_path / taken).write_text("precious")
-    with pytest.raises(InputError, match="exists already"):
-        save_rig(RIG, tmp_path / "c.yaml", prior=Known(RIG))
+    refused(lambda: save_rig(RIG, tmp_path / "c.yaml", prior=Known(RIG)), "exists already")
     assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [(taken, "precious")]
 
 

@@ -5,40 +5,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import gather_scene, load_rig, load_scene, save_rig, save_scene
 
 SIZE = (160, 120)
-
-
-def rig_of(extrinsics) -> StereoRig:
-    matrix = np.array([[150.1, 0, 79.3], [0, 149.9, 60.7], [0, 0, 1]])
-    return StereoRig(
-        Camera(SIZE, matrix, np.array([0.1, -0.02, 1 / 3, 1e-7, 0.0])), Camera(SIZE, matrix + 0.0), extrinsics
-    )
-
-
-RIG = rig_of(np.array([0.01, -0.02, 0.03, -0.356, 0.004, -0.003]))
-
-
-@settings(max_examples=50)
-@given(
-    angles=st.tuples(*[st.floats(-0.5, 0.5)] * 3),
-    shift=st.tuples(st.floats(-2.0, -0.01), st.floats(-0.009, 0.009), st.floats(-0.009, 0.009)),
+MATRIX = np.array([[150.1, 0, 79.3], [0, 149.9, 60.7], [0, 0, 1]])
+RIG = StereoRig(
+    Camera(SIZE, MATRIX, np.array([0.1, -0.02, 1 / 3, 1e-7, 0.0])),
+    Camera(SIZE, MATRIX + 0.0),
+    np.array([0.01, -0.02, 0.03, -0.356, 0.004, -0.003]),
 )
-def test_round_trip(tmp_path_factory: pytest.TempPathFactory, angles, shift):
-    path = tmp_path_factory.mktemp("rig") / "calib.json"
-    rig = rig_of(np.array([*angles, *shift]))
-    save_rig(rig, path)
-    again = load_rig(path)
-    np.testing.assert_allclose(again.extrinsics, rig.extrinsics, rtol=0, atol=1e-12)
-    for one, two in ((again.left, rig.left), (again.right, rig.right)):
-        assert one.size == two.size
-        np.testing.assert_array_equal(one.matrix, two.matrix)
-        np.testing.assert_array_equal(one.distortion, two.distortion)
 
 
 def test_the_file_says_what_a_scene_folder_says(tmp_path: Path):
@@ -72,8 +51,7 @@ def test_other_keys_are_carried_along(scene, tmp_path: Path):
 def test_nothing_is_overwritten_unless_allowed(tmp_path: Path, content: str):
     path = tmp_path / "calib.json"
     path.write_text(content)
-    with pytest.raises(InputError, match=r"calib\.json: the file exists already"):
-        save_rig(RIG, path)
+    refused(lambda: save_rig(RIG, path), "calib.json: the file exists already")
     assert path.read_text() == content
     save_rig(RIG, path, overwrite=True)
     load_rig(path)
@@ -82,21 +60,16 @@ def test_nothing_is_overwritten_unless_allowed(tmp_path: Path, content: str):
 
 def test_what_cannot_be_written_leaves_nothing(tmp_path: Path):
     smaller = StereoRig(RIG.left, RIG.right.resized((80, 60)), RIG.extrinsics)
-    with pytest.raises(InputError, match="one size for both"):
-        save_rig(smaller, tmp_path / "c.json")
-    for info, words in (({"a": np.zeros(3)}, "JSON"), ({"a": float("nan")}, "finite")):
-        with pytest.raises(InputError, match=words):
-            save_rig(RIG, tmp_path / "c.json", info)
-    with pytest.raises(InputError, match="cannot be written"):
-        save_rig(RIG, tmp_path / "missing" / "c.json")
+    refused(lambda: save_rig(smaller, tmp_path / "c.json"), "one size for both")
+    refused(lambda: save_rig(RIG, tmp_path / "c.json", {"a": float("nan")}), "finite")
+    refused(lambda: save_rig(RIG, tmp_path / "missing" / "c.json"), "cannot be written")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_without_a_calibration_is_no_rig(tmp_path: Path):
     path = tmp_path / "c.json"
     path.write_text(json.dumps({"image_size": [4, 4], "K_left": None, "K_right": None}))
-    with pytest.raises(InputError, match=r"c\.json: the camera matrices are null"):
-        load_rig(path)
+    refused(lambda: load_rig(path), "c.json: the camera matrices are null")
 
 
 def test_files_that_lie_anywhere_are_the_scene_that_a_folder_is(scene, tmp_path: Path):
@@ -119,8 +92,14 @@ def test_files_that_lie_anywhere_are_the_scene_that_a_folder_is(scene, tmp_path:
     assert len(gather_scene(pattern, tmp_path / "s" / "right", tmp_path / "elsewhere.json", limit=1).pairs) == 1
 
 
-def test_files_of_another_size_than_the_calibration(scene, tmp_path: Path):
+def test_files_that_do_not_fit_are_blamed_by_name(scene, tmp_path: Path):
+    """What is wrong with images alone is no fault of the calibration."""
     save_scene(scene(), tmp_path / "s")
     save_rig(RIG.resized((80, 60)), tmp_path / "c.json")
-    with pytest.raises(InputError, match=r"c\.json: .*the images are 160x120, but the calibration is for 80x60"):
-        gather_scene(tmp_path / "s" / "left.png", tmp_path / "s" / "right.png", tmp_path / "c.json")
+    places = (tmp_path / "s" / "left.png", tmp_path / "s" / "right.png", tmp_path / "c.json")
+    refused(lambda: gather_scene(*places), "c.json: ", "the images are 160x120, but the calibration is for 80x60")
+    copy = tmp_path / "copy.png"
+    copy.write_bytes(places[0].read_bytes())
+    words = f"^{places[0]} and {copy}: left and right are the same image"
+    with pytest.raises(InputError, match=words):
+        gather_scene(places[0], copy, tmp_path / "s" / "calib.json")

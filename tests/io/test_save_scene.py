@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from machine import at_call, raising
+from refusals import refused
 from trees import SIZE, refused_scene, texture
 
-from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import load_scene, save_scene
 from stereorecal.recordings import Pair, Scene
@@ -116,8 +116,7 @@ def test_values_are_rounded_and_clipped(tmp_path: Path):
 
 def test_nothing_is_overwritten_unless_allowed(tmp_path: Path):
     (tmp_path / "right.png").write_bytes(b"precious")
-    with pytest.raises(InputError, match=r"right\.png: the file exists already"):
-        save_scene(scene_of(), tmp_path)
+    refused(lambda: save_scene(scene_of(), tmp_path), "right.png: the file exists already")
     assert files_in(tmp_path) == ["right.png"]
     assert (tmp_path / "right.png").read_bytes() == b"precious"
     save_scene(scene_of(), tmp_path, overwrite=True)
@@ -128,8 +127,7 @@ def test_nothing_is_overwritten_unless_allowed(tmp_path: Path):
 def test_scenes_are_never_mixed(tmp_path: Path, first: int):
     save_scene(scene_of(first), tmp_path)
     before = {name: (tmp_path / name).read_bytes() for name in files_in(tmp_path)}
-    with pytest.raises(InputError, match="would mix with the scene"):
-        save_scene(scene_of(2), tmp_path, overwrite=True)
+    refused(lambda: save_scene(scene_of(2), tmp_path, overwrite=True), "would mix with the scene")
     assert {name: (tmp_path / name).read_bytes() for name in files_in(tmp_path)} == before
 
 
@@ -138,16 +136,13 @@ def test_scenes_that_cannot_be_written_leave_nothing(tmp_path: Path):
     bad = {
         "no image pair": Scene("s", rig, ()),
         "calibration is for 48x32": scene_of(1, rig.resized((48, 32))),
-        "JSON": dataclasses.replace(scene_of(), info={"array": np.zeros(3)}),
         "finite": dataclasses.replace(scene_of(), info={"number": float("nan")}),
     }
     for words, scene in bad.items():
-        with pytest.raises(InputError, match=words):
-            save_scene(scene, tmp_path / "s")
+        refused(lambda scene=scene: save_scene(scene, tmp_path / "s"), words)
     assert not (tmp_path / "s").exists()
     (tmp_path / "file").write_text("x")
-    with pytest.raises(InputError, match="cannot become a folder"):
-        save_scene(scene_of(), tmp_path / "file")
+    refused(lambda: save_scene(scene_of(), tmp_path / "file"), "cannot become a folder")
 
 
 def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path):
@@ -158,28 +153,27 @@ def test_an_interrupted_save_leaves_whole_files_and_no_scene(tmp_path: Path):
     refused_scene(tmp_path, "no such file")
 
 
+def set_key(folder: Path, key: str, value: Any) -> None:
+    path = folder / "calib.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), key: value}))
+
+
 def test_times_are_kept(tmp_path: Path):
     """With the scene, where all pairs know theirs; what is no list of as many numbers is passed over."""
     scene = scene_of(2)
+    assert [pair.time for pair in scene.pairs] == [None, None]
     pairs = tuple(dataclasses.replace(pair, time=0.1 * n) for n, pair in enumerate(scene.pairs))
-    timed = dataclasses.replace(scene, pairs=pairs)
-    save_scene(timed, tmp_path / "timed")
-    assert [pair.time for pair in load_scene(tmp_path / "timed").pairs] == [0.0, 0.1]
-    save_scene(scene, tmp_path / "not")
-    assert [pair.time for pair in load_scene(tmp_path / "not").pairs] == [None, None]
-    path = tmp_path / "timed" / "calib.json"
+    save_scene(dataclasses.replace(scene, pairs=pairs), tmp_path)
+    assert [pair.time for pair in load_scene(tmp_path).pairs] == [0.0, 0.1]
     for wrong in ([0.0], ["a", "b"], 3, [0.0, None]):
-        path.write_text(json.dumps({**json.loads(path.read_text()), "times_s": wrong}))
-        assert [pair.time for pair in load_scene(tmp_path / "timed").pairs] == [None, None]
+        set_key(tmp_path, "times_s", wrong)
+        assert [pair.time for pair in load_scene(tmp_path).pairs] == [None, None]
 
 
 def test_the_readout_of_rolling_shutters_is_kept(tmp_path: Path):
     scene = scene_of(2)
-    rolling = dataclasses.replace(scene, pairs=tuple(pair.read_out(0.02) for pair in scene.pairs))
-    save_scene(rolling, tmp_path / "rolling")
-    assert [pair.readout for pair in load_scene(tmp_path / "rolling").pairs] == [0.02, 0.02]
-    path = tmp_path / "rolling" / "calib.json"
-    assert json.loads(path.read_text())["readout_s"] == 0.02
-    path.write_text(json.dumps({**json.loads(path.read_text()), "readout_s": -1}))
-    with pytest.raises(InputError, match="a rolling shutter"):
-        load_scene(tmp_path / "rolling")
+    save_scene(dataclasses.replace(scene, pairs=tuple(pair.read_out(0.02) for pair in scene.pairs)), tmp_path)
+    assert [pair.readout for pair in load_scene(tmp_path).pairs] == [0.02, 0.02]
+    assert json.loads((tmp_path / "calib.json").read_text())["readout_s"] == 0.02
+    set_key(tmp_path, "readout_s", -1)
+    refused_scene(tmp_path, "a rolling shutter", about="")

@@ -1,4 +1,4 @@
-"""Scene folders: what is read, what is refused."""
+"""Scene folders: what is read, what is refused. Numbers and JSON that are none are refused in their own tests."""
 
 import json
 import pickle
@@ -9,18 +9,11 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
-from trees import SIZE, refused_scene, texture
+from trees import SIZE, refused_scene, texture, write_image
 
 from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_scene
-
-
-def write(path: Path, image: np.ndarray) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    assert cv2.imwrite(str(path), image)
-    return path
 
 
 def calibration() -> dict[str, Any]:
@@ -55,8 +48,8 @@ def make(tmp_path: Path) -> Make:
         folder = tmp_path / "recordings" / "garden"
         for index in range(frames):
             name = "" if frames == 1 else f"/{index}"
-            write(folder / f"left{name}.png", texture(2 * index))
-            write(folder / f"right{name}.png", texture(2 * index + 1))
+            write_image(folder / f"left{name}.png", 2 * index)
+            write_image(folder / f"right{name}.png", 2 * index + 1)
         content = {key: value for key, value in (calibration() | changes).items() if value is not ...}
         (folder / "calib.json").write_text(json.dumps(content), encoding="utf-8")
         return folder
@@ -73,17 +66,15 @@ def test_one_pair(make: Make):
     assert scene.reference == "stored"
     assert len(scene.pairs) == 1
     np.testing.assert_array_equal(scene.pairs[0].right, texture(1))
-    rig, given_values = scene.rig, calibration()
+    rig, stated = scene.rig, calibration()
     assert rig is not None
     assert rig.left.size == rig.right.size == SIZE
     for side, camera in (("left", rig.left), ("right", rig.right)):
-        np.testing.assert_array_equal(camera.matrix, given_values[f"K_{side}"])
-        np.testing.assert_array_equal(camera.distortion, given_values[f"D_{side}"])
-    np.testing.assert_allclose(rig.rotation, given_values["R"], atol=1e-15)
-    np.testing.assert_array_equal(rig.translation, given_values["T"])
-    assert dict(scene.info) == {
-        key: given_values[key] for key in ("rectified", "max_disparity_px", "disparity_gt", "notes")
-    }
+        np.testing.assert_array_equal(camera.matrix, stated[f"K_{side}"])
+        np.testing.assert_array_equal(camera.distortion, stated[f"D_{side}"])
+    np.testing.assert_allclose(rig.rotation, stated["R"], atol=1e-15)
+    np.testing.assert_array_equal(rig.translation, stated["T"])
+    assert dict(scene.info) == {key: stated[key] for key in ("rectified", "max_disparity_px", "disparity_gt", "notes")}
 
 
 def test_frames_in_natural_order_and_limit(make: Make):
@@ -91,6 +82,8 @@ def test_frames_in_natural_order_and_limit(make: Make):
     scene = load_scene(str(folder))
     assert [pair.name for pair in scene.pairs] == [f"{i}.png" for i in range(12)]
     np.testing.assert_array_equal(scene.pairs[11].right, texture(23))
+    assert len(pickle.dumps(scene)) < 10_000  # pairs travel as paths
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).pairs[3].left, scene.pairs[3].left)
     assert [pair.name for pair in load_scene(folder, limit=2).pairs] == ["0.png", "1.png"]
     with pytest.raises(InputError, match="limit of 0"):
         load_scene(folder, limit=0)
@@ -101,12 +94,6 @@ def test_relative_folder_gets_its_full_name(make: Make, monkeypatch: pytest.Monk
     assert load_scene(".").name == "recordings/garden"
 
 
-def test_pairs_travel_as_paths(make: Make):
-    scene = load_scene(make(frames=4))
-    assert len(pickle.dumps(scene)) < 5000
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).pairs[3].left, scene.pairs[3].left)
-
-
 def test_without_calibration(make: Make):
     assert load_scene(make(**UNCALIBRATED)).rig is None
     refused_scene(make(**UNCALIBRATED, image_size=[20, 20]), "20x20", about="garden")
@@ -114,11 +101,11 @@ def test_without_calibration(make: Make):
 
 @pytest.mark.parametrize(
     "model",
-    ["opencv", "OpenCV (k1 k2 p1 p2 k3 [k4 k5 k6 ...]); zeros = rectified", "plumb_bob", "Plumb_Bob",
-     "rational_polynomial", "radtan", "none", "", None, ..., "opencv5"],
+    ["opencv", "OpenCV (k1 k2 p1 p2 k3 [k4 k5 k6 ...]); zeros = rectified", "Plumb_Bob", "rational_polynomial",
+     "radtan", "none", "", None, ..., "opencv5"],
 )  # fmt: skip
 def test_names_of_the_pinhole_model(make: Make, model: Any):
-    assert load_scene(make(distortion_model=model)).rig is not None
+    assert load_scene(make(distortion_model=model)).rig.left.model == "radtan"
 
 
 @pytest.mark.parametrize(
@@ -127,7 +114,6 @@ def test_names_of_the_pinhole_model(make: Make, model: Any):
 )
 def test_names_of_opencvs_fisheye(make: Make, model: Any):
     rig = load_scene(make(distortion_model=model, D_left=[0.1, 0, 0, 0], D_right=[0, 0, 0, 0])).rig
-    assert rig is not None
     assert rig.left.model == rig.right.model == "equidistant"
     refused_scene(make(distortion_model=model, D_left=[0.1, 0, 0, 0, 0]), "5 coefficients", UnsupportedModelError)
 
@@ -139,29 +125,21 @@ def test_other_models_are_unsupported(make: Make, model: Any):
 
 @pytest.mark.parametrize("distortion", [None, [], [[]]])
 def test_no_distortion(make: Make, distortion: Any):
-    rig = load_scene(make(D_left=distortion)).rig
-    assert rig is not None
-    assert rig.left.distortion.shape == (0,)
+    assert load_scene(make(D_left=distortion)).rig.left.distortion.shape == (0,)
 
 
-def test_rows_and_columns_are_vectors(make: Make):
+def test_rows_columns_and_a_byte_order_mark(make: Make):
     row, column = [calibration()["D_left"]], [[value] for value in calibration()["T"]]
-    rig = load_scene(make(D_left=row, T=column, image_size=[24.0, 16.0])).rig
-    assert rig is not None
+    path = make(D_left=row, T=column, image_size=[24.0, 16.0]) / "calib.json"
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    rig = load_scene(path.parent).rig
     np.testing.assert_array_equal(rig.left.distortion, row[0])
     np.testing.assert_array_equal(rig.translation, calibration()["T"])
-
-
-def test_byte_order_mark(make: Make):
-    path = make() / "calib.json"
-    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
-    assert load_scene(path.parent).rig is not None
 
 
 def test_a_rotation_with_few_digits(make: Make):
     rotation = rotation_from_vector(np.array([0.1, -0.2, 0.15]))
     rig = load_scene(make(R=np.round(rotation, 4).tolist())).rig
-    assert rig is not None
     np.testing.assert_allclose(rig.rotation @ rig.rotation.T, np.eye(3), atol=1e-15)
     np.testing.assert_allclose(rig.rotation, rotation, atol=1e-4)
 
@@ -175,39 +153,18 @@ def test_missing_folder_and_files(make: Make, tmp_path: Path):
     refused_scene(folder / "calib.json", "this is a file; give the folder")
     (folder / "left.png").unlink()
     refused_scene(folder, r"no image left\.\*", about="garden")
+    (folder / "calib.json").write_text("[1, 2]")
+    refused_scene(folder, "no JSON object")
     (folder / "calib.json").unlink()
     refused_scene(folder, "no such file")
-
-
-@given(st.data())
-@settings(max_examples=30)
-def test_truncated_json(tmp_path_factory: pytest.TempPathFactory, data: st.DataObject):
-    folder = tmp_path_factory.mktemp("scene")
-    text = json.dumps(calibration())
-    cut = data.draw(st.integers(0, len(text) - 1))
-    (folder / "calib.json").write_text(text[:cut])
-    refused_scene(folder, "not valid JSON, or truncated" if cut else "the file is empty")
-
-
-@pytest.mark.parametrize(
-    ("content", "words"),
-    [
-        (b"", "empty"),
-        (b" \n", "empty"),
-        (b"\xff\xfe\x00{", "UTF-8"),
-        (b"[1, 2]", "no JSON object"),
-        (b"[" * 100_000, "JSON"),
-    ],
-)
-def test_files_that_are_no_calibration(make: Make, content: bytes, words: str):
-    folder = make()
-    (folder / "calib.json").write_bytes(content)
-    refused_scene(folder, words)
+    (folder / "calib.json").mkdir()
+    refused_scene(folder, "calib.json: cannot be read")
 
 
 @pytest.mark.parametrize("key", ["image_size", "K_left", "K_right", "D_left", "D_right", "R", "T"])
-def test_missing_keys(make: Make, key: str):
+def test_keys_that_are_missing_or_no_numbers(make: Make, key: str):
     refused_scene(make(**{key: ...}), f"the key '{key}' is missing")
+    refused_scene(make(**{key: ["x"]}), f"{key} is not an array of numbers")
 
 
 @pytest.mark.parametrize(
@@ -217,70 +174,37 @@ def test_missing_keys(make: Make, key: str):
             {"distortion_model": ..., "distorsion_model": "equidistant"},
             "the key 'distorsion_model' is not known; rename it if 'distortion_model' is meant",
         ),
-        ({"readout": 0.01, "references": ["a paper"]}, None),
-        ({"distorsion_model": "kept, since the key itself is there"}, None),
         ({"D_left": ..., "D_lefft": [0.0] * 5}, "the key 'D_left' is missing; rename 'D_lefft' if that is meant"),
     ],
 )
-def test_keys_that_are_misspelt(make: Make, written: dict[str, object], words: str | None):
-    if words is None:
-        assert load_scene(make(**written)).info.items() >= written.items()
-    else:
-        refused_scene(make(**written), words)
-
-
-@pytest.mark.parametrize("key", ["K_left", "D_right", "R", "T", "max_disparity_px"])
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
-def test_nan_and_infinity(make: Make, key: str, value: float):
-    refused_scene(make(**{key: [value]}), "contains -?(NaN|Infinity)")
+def test_keys_that_are_misspelt(make: Make, written: dict[str, object], words: str):
+    refused_scene(make(**written), words)
 
 
 @pytest.mark.parametrize(
-    ("number", "words"),
+    "written",
     [
-        ("1e999", "T contains Infinity; put a finite number"),
-        ("-1e999", "T contains -Infinity; put a finite number"),
-        ("null", r"T contains null \(no value\)"),
-        ("1" + "0" * 400, "T contains Infinity; put a finite number"),
-        ("-" + "9" * 5000, "T contains -Infinity; put a finite number"),
-        ("true", "T is not an array of numbers"),
-        ('"1.5"', "T is not an array of numbers"),
-        ("[" * 70 + "1" + "]" * 70, "T is not an array of numbers"),
-        ("[" * 500 + "1" + "]" * 500, "nests more than 100 levels"),
+        {"readout": 0.01, "references": ["a paper"]},
+        {"distorsion_model": "kept, since the key itself is there"},
     ],
 )
-def test_numbers_that_are_none(make: Make, number: str, words: str):
-    path = make() / "calib.json"
-    path.write_text(json.dumps(calibration() | {"T": [-0.1, "HERE", 0]}).replace('"HERE"', number))
-    refused_scene(path.parent, words)
-
-
-@pytest.mark.parametrize("key", ["image_size", "K_left", "D_left", "R", "T"])
-@pytest.mark.parametrize("value", ["text", {"a": 1}, [[1, 2], [3]], [1, "x"], [[1.0] * 7] * 2, 3])
-def test_wrong_shapes(make: Make, key: str, value: Any):
-    kind = UnsupportedModelError if key == "D_left" and value == 3 else InputError
-    refused_scene(make(**{key: value}), f"{key}|coefficients", kind)
-
-
-@pytest.mark.parametrize("size", [[24], [24, 16, 3], [0, 16], [-24, 16], [24.5, 16], None])
-def test_bad_image_sizes(make: Make, size: Any):
-    refused_scene(make(image_size=size), "image_size")
+def test_keys_that_are_only_like_others(make: Make, written: dict[str, object]):
+    assert load_scene(make(**written)).info.items() >= written.items()
 
 
 @pytest.mark.parametrize(
     ("key", "value", "words"),
     [
+        ("image_size", [24, 16, 3], "image_size must hold 2 numbers"),
+        ("T", [float("nan")], "T contains NaN"),
         ("K_left", [[0, 0, 11], [0, 20, 7], [0, 0, 1]], "left camera: .*singular or negative"),
         ("K_right", [[20, 0, 11], [0, -20, 7], [0, 0, 1]], "right camera: .*singular or negative"),
         ("K_right", [[20, 0, 11], [0, 20, 7], [0, 0, 0]], "right camera: .*singular"),
         ("K_left", [[20, 1, 11], [0, 20, 7], [0, 0, 1]], "skew"),
         ("K_left", None, "K_left contains null"),
-        ("K_right", None, "K_right contains null"),
         ("R", None, "R contains null"),
         ("R", [[1, 0, 0], [0, 1, 0], [0, 0, -1]], "R is not a rotation"),
         ("R", [[1, 0, 0], [0, 1, 0], [0, 0.1, 1]], "R is not a rotation"),
-        ("R", [[0.0] * 3] * 3, "R is not a rotation"),
-        ("R", [[2, 0, 0], [0, 2, 0], [0, 0, 2]], "R is not a rotation"),
         ("T", [0, 0, 0], "baseline is zero"),
         ("T", [0.1, 0, 0], "swapped"),
         ("T", [-0.1, 0.1, 0.2], "neither side by side"),
@@ -290,7 +214,7 @@ def test_values_that_are_no_calibration(make: Make, key: str, value: Any, words:
     refused_scene(make(**{key: value}), words)
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 6, 7, 9, 13, 15])
+@pytest.mark.parametrize("count", [1, 3, 6, 9, 15])
 def test_wrong_number_of_coefficients(make: Make, count: int):
     refused_scene(make(D_right=[0.0] * count), f"right camera: .*{count} coefficients", UnsupportedModelError)
 
@@ -298,30 +222,24 @@ def test_wrong_number_of_coefficients(make: Make, count: int):
 def test_bad_images_are_named(make: Make):
     folder = make(frames=3)
     path = folder / "right" / "1.png"
-    whole = path.read_bytes()
-    path.write_bytes(whole[:-30])
+    path.write_bytes(path.read_bytes()[:-30])
     refused_scene(folder, "image is truncated", about=str(path))
     assert len(load_scene(folder, limit=1).pairs) == 1
-    write(path, np.zeros(SIZE[::-1], np.uint8))
-    refused_scene(folder, "right: the image is all black", about=str(path))
-    write(path, texture(0, (20, 16)))
+    write_image(path, 0, (20, 16))
     refused_scene(folder, "24x16 and the right one 20x16", about=str(path))
-    write(folder / "left" / "1.png", texture(1, (20, 16)))
+    write_image(folder / "left" / "1.png", 1, (20, 16))
     refused_scene(folder, "1.png: the images are 20x16, but the calibration is for 24x16", about=str(folder))
 
 
 def test_images_without_partner(make: Make):
+    """Neither are other names matched by their order."""
     folder = make(frames=3)
     (folder / "left" / "1.png").unlink()
     refused_scene(folder, "no partner on the left", about=str(folder / "right" / "1.png"))
     (folder / "right" / "2.png").unlink()  # equal counts, different names
     refused_scene(folder, "no partner on the right", about=str(folder / "left" / "2.png"))
-
-
-def test_folders_with_other_names_are_not_matched_by_order(make: Make):
-    folder = make(frames=2)
-    for index in range(2):
-        (folder / "right" / f"{index}.png").rename(folder / "right" / f"{'xy'[index]}.png")
+    (folder / "right" / "1.png").rename(folder / "right" / "x.png")
+    (folder / "right" / "0.png").rename(folder / "right" / "y.png")
     refused_scene(folder, "no partner on the right", about="0.png")
 
 
@@ -330,8 +248,8 @@ def test_two_readings_of_one_side(make: Make):
     (folder / "notes.txt").write_text("left.txt and the like do no harm")
     (folder / "left.txt").write_text("not an image")
     load_scene(folder)
-    write(folder / "left.jpg", texture(0))
+    write_image(folder / "left.jpg", 0)
     refused_scene(folder, r"both left\.jpg and left\.png are there", about="garden")
     (folder / "left.jpg").unlink()
-    write(folder / "left" / "0.png", texture(0))
+    write_image(folder / "left" / "0.png", 0)
     refused_scene(folder, r"both left\.png and left.0\.png are there", about="garden")

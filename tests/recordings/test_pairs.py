@@ -1,5 +1,6 @@
 """What is taken for image pairs, and what is refused in one sentence."""
 
+import re
 import subprocess
 import sys
 
@@ -58,10 +59,7 @@ def test_kinds_may_be_mixed():
     both = as_pairs([PAIR, (LEFT, RIGHT)])
     assert [pair.name for pair in both] == ["mine", "pair 1"]
     np.testing.assert_array_equal(both[0].left, both[1].left)
-
-
-def test_none_is_left_to_those_who_need_one():
-    assert as_pairs([]) == ()
+    assert as_pairs([]) == ()  # which is left to those who need one
 
 
 @pytest.mark.parametrize(
@@ -94,7 +92,6 @@ def test_what_is_none_is_refused_in_one_sentence(given, what):
     [
         ((LEFT, RIGHT[:-1]), "pair 0: the left image is 24x16 and the right one 24x15"),
         ((LEFT, RIGHT.astype(float)), "pair 0: the left image is uint8 and the right one float64"),
-        ((LEFT, np.zeros_like(RIGHT)), "pair 0, right: the image is all black"),
         ((np.zeros(5, np.uint8), RIGHT), "pair 0, left: an array of shape (5,) is no image"),
         ((LEFT.astype(float) * np.nan, RIGHT.astype(float)), "pair 0, left: the image contains NaN"),
         ((-1.0 * LEFT, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
@@ -103,7 +100,7 @@ def test_what_is_none_is_refused_in_one_sentence(given, what):
     ],
 )
 def test_arrays_that_are_no_images(images, words):
-    with pytest.raises(InputError, match=words.replace("(", r"\(").replace(")", r"\)")):
+    with pytest.raises(InputError, match=re.escape(words)):
         as_pairs(images)
 
 
@@ -136,9 +133,6 @@ def test_everything_that_takes_pairs_takes_arrays(small):
     assert sr.with_disparity_range("sgbm", rig, arrays).num_disparities >= 16
 
 
-FUNCTIONS = (sr.score, sr.prepare, sr.objective, sr.health, sr.recalibrate)
-
-
 AS_A_USER = """
 import numpy as np, stereorecal as sr
 rig = sr.synthetic.default_rig().resized((160, 120))
@@ -169,7 +163,7 @@ def test_every_front_door_says_so():
     assert [line.split(";")[0] for line in said[28:]] == 4 * ["matcher is the class SGBM", "matcher is a int"]
 
 
-@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize("function", [sr.score, sr.prepare, sr.objective, sr.health, sr.recalibrate])
 def test_no_pair_at_all(small, function):
     with pytest.raises(InputError, match="no image pair was given; give at least one"):
         function(small[0], [])

@@ -78,6 +78,7 @@ def test_80_columns_hold_scores_and_errors_one_below_the_other(scenes):
     lines = printed(comparison(BOTH, scenes), 80)
     found = heads(lines)
     assert len(found) == 4
+    assert not any(line.startswith("left out") for line in lines)
     assert ["N_i" in head for head in found] == [True, False, True, False]
     assert ["pitch°" in head for head in found] == [False, True, False, True]
     assert all("schedule" in head for head in found)
@@ -104,11 +105,6 @@ def test_narrow_terminals_lose_the_least_important_columns(width):
     assert not any("…" in line for line in lines)
 
 
-@pytest.mark.parametrize("width", [80, 120])
-def test_wide_ones_lose_none(width):
-    assert not any(line.startswith("left out") for line in printed(comparison(BOTH), width))
-
-
 def test_one_schedule_has_no_column_of_its_own():
     lines = printed(comparison([("count", "compass", ["compass"]), ("count", "secant", ["secant"])]), 120)
     trials, medians = heads(lines)
@@ -118,26 +114,21 @@ def test_one_schedule_has_no_column_of_its_own():
     assert "medians over 2 draws (harbour-0, matcher sad, schedule count at scale 0.5)" in lines
     assert not any(line.startswith("schedule ") for line in lines)
 
-
-def test_the_default_schedule_alone_names_all_that_ran():
     lines = printed(comparison([BOTH[0]], draws=1), 120)
     assert "medians over 1 draw (harbour-0, matcher sad, schedule default)" in lines
     assert any("compass + optimistix-" in line for line in lines)
     assert any("levenberg-marquardt" in line for line in lines)
 
 
-def test_draws_are_a_column_where_some_are_missing():
+def test_draws_that_are_missing_or_failed():
+    """Their number is a column then; the reason of a row without numbers names its schedule."""
     data = comparison(BOTH)
     data["summary"][1]["draws"] = 1
+    data["trials"][-1] |= {"status": "FAILED", "message": "it crashed"}
     lines = printed(data, 120)
     assert "draws" in heads(lines)[1]
     assert "medians over the finished draws (harbour-0, matcher sad)" in lines
-
-
-def test_the_reason_of_a_row_without_numbers_names_its_schedule():
-    data = comparison(BOTH)
-    data["trials"][-1] |= {"status": "FAILED", "message": "it crashed"}
-    assert "count FAILED: it crashed" in printed(data, 120)
+    assert "count FAILED: it crashed" in lines
 
 
 @pytest.mark.parametrize("width", [120, 80, 48])

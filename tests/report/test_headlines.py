@@ -44,10 +44,6 @@ def where(**changes) -> list[str]:
     return html.unescape(told).split("</p>\n<p>") if told else []
 
 
-def misfit_sentence(left) -> str:
-    return where(misfit=left)[0]
-
-
 @pytest.mark.parametrize(("said", "case"), HEADLINES.items(), ids=list(HEADLINES))
 def test_headlines(said: str, case):
     conclusion, left = case
@@ -56,24 +52,23 @@ def test_headlines(said: str, case):
 
 def test_every_part_is_named():
     """Of five parts, three would leave two that are cleared without a word."""
-    said = misfit_sentence(misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3}))
-    assert said == (
+    left = misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3})
+    assert where(misfit=left)[0] == (
         "In 6 of the 48 matched regions of the view the epipolar error exceeds 0.2 px (0.90 px at worst), at the "
         "upper left, upper right, centre, lower left and lower right: do not trust depth there."
     )
 
 
-def test_of_most_regions_none_is_cleared():
-    assert "nearly everywhere: do not" in misfit_sentence(misfit(after=dict.fromkeys(range(36), 0.9)))
-
-
-def test_no_doubt_is_named_that_noise_explains():
-    assert misfit_sentence(misfit(after={0: 0.35}, error=[0.1] * 48)).startswith("In none of the 48 matched regions")
-
-
-def test_regions_are_places_not_frames():
-    left = misfit(after={0: 0.9}, frames=3)
-    assert misfit_sentence(left).startswith("In 1 of the 48 matched regions")
+@pytest.mark.parametrize(
+    ("left", "said"),
+    [
+        (misfit(after=dict.fromkeys(range(36), 0.9)), "nearly everywhere: do not"),  # none is cleared
+        (misfit(after={0: 0.35}, error=[0.1] * 48), "In none of the 48 matched regions"),  # which noise explains
+        (misfit(after={0: 0.9}, frames=3), "In 1 of the 48 matched regions"),  # places are counted, not frames
+    ],
+)
+def test_how_many_regions(left, said: str):
+    assert said in where(misfit=left)[0]
 
 
 def test_what_is_kept_is_spoken_of():

@@ -1,6 +1,6 @@
-"""Each format by name: the sample texts, what their keys are that a repair may change, and the names of files."""
+"""Each format by name: the sample texts, what their keys are that a repair may change, and the names of new files."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,10 @@ import cv2
 import numpy as np
 import samples
 import yaml
+from hypothesis import strategies as st
 
+from stereorecal.geometry import StereoRig
+from stereorecal.io import load_rig
 from stereorecal.io.formats.text._document import document
 
 
@@ -36,6 +39,17 @@ class Sample:
         for path, text in zip(paths, self.texts, strict=True):
             path.write_text(text)
         return paths
+
+    def changed(self, *changes: tuple[str, str]) -> "Sample":
+        """With other words in place of some, in whichever texts they stand."""
+        texts = self.texts
+        for old, new in changes:
+            assert any(old in text for text in texts), old
+            texts = tuple(text.replace(old, new) for text in texts)
+        return replace(self, texts=texts)
+
+    def load(self, paths: list[Path]) -> StereoRig:
+        return load_rig(paths, unit=self.unit, size=self.size)
 
 
 def as_json(text: str) -> str:
@@ -121,3 +135,41 @@ def unchanged(text: str, sample: Sample) -> dict[str, Any]:
         for key, value in found.items()
         if not any(f"{key}.".startswith(f"{change}.") for change in sample.changes)
     }
+
+
+# --- new files ----------------------------------------------------------------------------------------------
+
+NEW = ("opencv", "ros", "kalibr", "euroc", "boofcv", "kitti-raw", "basalt", "depthai", "stereorecal")
+_ENDINGS = {"basalt": ".json", "depthai": ".json", "stereorecal": ".json", "kitti-raw": ".txt"}
+
+# Of more than this, the rectified cameras that ROS's files state may have no focal length that fits so small an image.
+angles = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
+shifts = st.tuples(st.floats(-2.0, -0.02), st.floats(-0.015, 0.015), st.floats(-0.015, 0.015))
+
+
+def new_files(folder: Path, name: str) -> list[Path]:
+    """Where a rig is written in a format."""
+    return [folder / f"{index}{_ENDINGS.get(name, '.yaml')}" for index in range(2 if name in ("ros", "euroc") else 1)]
+
+
+def unit_of(name: str) -> str | None:
+    """Of new files, for formats that say none."""
+    return "m" if name in ("opencv", "boofcv") else None
+
+
+def beside(paths: list[Path], word: str = "new") -> list[Path]:
+    return [path.with_name(f"{word}-{path.name}") for path in paths]
+
+
+def contents(paths: list[Path]) -> list[bytes]:
+    return [path.read_bytes() for path in paths]
+
+
+def assert_same(one: StereoRig, other: StereoRig) -> None:
+    np.testing.assert_allclose(one.extrinsics, other.extrinsics, rtol=0, atol=1e-12)
+    for a, b in ((one.left, other.left), (one.right, other.right)):
+        assert (a.size, a.model) == (b.size, b.model)
+        np.testing.assert_allclose(a.matrix, b.matrix, rtol=1e-12)
+        length = max(a.distortion.size, b.distortion.size)
+        lenses = [np.pad(camera.distortion, (0, length - camera.distortion.size)) for camera in (a, b)]
+        np.testing.assert_allclose(*lenses, rtol=0, atol=1e-12)

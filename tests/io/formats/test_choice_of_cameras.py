@@ -4,30 +4,26 @@ from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import samples
 import yaml
-from every import SAMPLES
-from test_refusals import refused
-from test_round_trip import ENDINGS, NEW, assert_same, place_of
+from every import NEW, SAMPLES, assert_same, beside, contents, new_files, unit_of
+from refusals import refused
 
 from stereorecal.geometry import METRES, StereoRig
 from stereorecal.io import gather_scene, load_rig, save_rig
-from stereorecal.io.formats._camera_choice import as_in_file, checked_cameras
+from stereorecal.io.formats._camera_choice import as_in_file
 from stereorecal.io.formats._format import Target
 from stereorecal.io.formats._format_list import named
 from stereorecal.io.formats._read_rig import scaled
 from stereorecal.io.formats.text._document import document
 
-RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003], np.array([-0.3, 0.1, 0.001, -0.002]))
+RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 SWAPPED = "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
 EXCHANGED = ("right", "left")
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
-
-
-def unit_of(name: str) -> str | None:
-    return None if named(name).unit else "m"
 
 
 def right_first(name: str, folder: Path) -> list[Path]:
@@ -36,35 +32,31 @@ def right_first(name: str, folder: Path) -> list[Path]:
     syntax = next(iter(format.syntax.values()))
     blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
     texts = format.texts(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
-    paths = [folder / f"{index}{ENDINGS.get(name, '.yaml')}" for index in range(len(texts))]
-    for path, text in zip(paths, texts, strict=True):
+    for path, text in zip(new_files(folder, name), texts, strict=True):
         path.write_text(text)
-    return paths
+    return new_files(folder, name)
 
 
 @pytest.mark.parametrize("name", NEW)
 def test_the_right_camera_first(tmp_path: Path, name: str):
     paths, unit = right_first(name, tmp_path), unit_of(name)
-    refused(lambda: load_rig(*paths, unit=unit), SWAPPED)
-    rig = load_rig(*paths, unit=unit, cameras=EXCHANGED)
+    refused(lambda: load_rig(paths, unit=unit), SWAPPED)
+    rig = load_rig(paths, unit=unit, cameras=EXCHANGED)
     assert_same(rig, RIG)
-    new = [tmp_path / f"new-{path.name}" for path in paths]
-    save_rig(rig, place_of(new))
-    assert [path.read_bytes() for path in new] == [path.read_bytes() for path in paths]
+    new = beside(paths)
+    save_rig(rig, new)
+    assert contents(new) == contents(paths)
     left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.125, 0.25, 0.0]))
     changed = replace(rig, left=left, extrinsics=rig.extrinsics + CHANGE)
-    save_rig(changed, place_of(new), overwrite=True)
-    assert_same(load_rig(*new, unit=unit, cameras=EXCHANGED), changed)
-    refused(lambda: load_rig(*new, unit=unit), SWAPPED)
-    other = tmp_path / "other.json"
-    save_rig(replace(rig, source=None), other)
-    assert_same(load_rig(other), RIG)
+    save_rig(changed, new, overwrite=True)
+    assert_same(load_rig(new, unit=unit, cameras=EXCHANGED), changed)
+    refused(lambda: load_rig(new, unit=unit), SWAPPED)
+    save_rig(replace(rig, source=None), tmp_path / "other.json")
+    assert_same(load_rig(tmp_path / "other.json"), RIG)
 
 
 def test_derived_matrices_of_a_right_camera_first(tmp_path: Path):
     """As OpenCV computes them of such a file."""
-    import cv2
-
     (path,) = right_first("opencv", tmp_path)
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     K1, D1, K2, D2, R, T = (storage.getNode(key).mat() for key in ("K1", "D1", "K2", "D2", "R", "T"))
@@ -84,25 +76,21 @@ def test_derived_matrices_of_a_right_camera_first(tmp_path: Path):
         ("middlebury", ("cam1", "cam0"), f"{SWAPPED}the cameras were given as cam1,cam0"),
         ("ros", ("1", "0"), f"{SWAPPED}the cameras were given as 1,0: give 0,1"),
         ("basalt", ("0", "2"), "the cameras are 0,2, and the file has 0,1"),
+        ("kalibr", ("cam1",), "cameras is ('cam1',); give the names of the left and the right camera"),
+        ("kalibr", (1, 0), "cameras is (1, 0); give the names of the left and the right camera"),
     ],
 )
+@pytest.mark.usefixtures("unchecked")
 def test_cameras_that_a_file_has_not(tmp_path: Path, name: str, cameras, said: str):
     paths = SAMPLES[name].write(tmp_path)
-    refused(lambda: load_rig(*paths, unit=SAMPLES[name].unit, cameras=cameras), said)
+    refused(lambda: load_rig(paths, unit=SAMPLES[name].unit, cameras=cameras), said)
 
 
-@pytest.mark.parametrize("given", ["cam1,cam0", ("cam1",), (1, 0)])
-def test_cameras_that_are_no_names(given):
-    refused(lambda: checked_cameras(given), f"cameras is {given!r}; give the names of the left and the right camera")
-
-
-@pytest.mark.parametrize("name", list(SAMPLES))
-def test_naming_the_usual_cameras_changes_nothing(tmp_path: Path, name: str):
-    sample = SAMPLES[name]
+@pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)
+def test_naming_the_usual_cameras_changes_nothing(tmp_path: Path, sample):
     paths = sample.write(tmp_path)
-    for cameras in (None, ("left", "right")):
-        rig = load_rig(*paths, unit=sample.unit, size=sample.size, cameras=cameras)
-        assert_same(rig, load_rig(*paths, unit=sample.unit, size=sample.size))
+    named = load_rig(paths, unit=sample.unit, size=sample.size, cameras=("left", "right"))
+    assert_same(named, sample.load(paths))
 
 
 def chain_of_four(key: str | None) -> str:
@@ -155,8 +143,6 @@ def test_other_sockets(tmp_path: Path):
 
 
 def test_a_scene(tmp_path: Path):
-    import cv2
-
     (path,) = right_first("opencv", tmp_path)
     for offset, side in enumerate(("left", "right")):
         cv2.imwrite(str(tmp_path / f"{side}.png"), np.eye(*samples.SIZE[::-1], offset) * 255)

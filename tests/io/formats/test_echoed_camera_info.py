@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 import samples
-from test_refusals import refused
+from refusals import refused
 
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_rig

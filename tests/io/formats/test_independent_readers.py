@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import samples
 import yaml
-from every import SAMPLES
+from every import SAMPLES, beside
+from refusals import refused
 from scipy.spatial.transform import Rotation
 
-from stereorecal import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_rig
 
@@ -25,12 +25,17 @@ SMALL = samples.rig_of(samples.RIG.extrinsics + CHANGE)
 
 def repaired(name: str, folder: Path) -> tuple[StereoRig, list[Path]]:
     """A rig that has moved, in a copy of the sample."""
-    sample = SAMPLES[name]
-    rig = load_rig(*sample.write(folder), unit=sample.unit)
+    paths = SAMPLES[name].write(folder)
+    rig = SAMPLES[name].load(paths)
     rig = rig.with_extrinsics(rig.extrinsics + CHANGE)
-    new = [folder / f"new-{path.name}" for path in sample.paths(folder)]
-    save_rig(rig, new[0] if len(new) == 1 else tuple(new))
-    return rig, new
+    save_rig(rig, beside(paths))
+    return rig, beside(paths)
+
+
+def opencv_rectified(rig: StereoRig, length: float = 1.0, **options: Any) -> dict[str, np.ndarray]:
+    cameras = (rig.left.matrix, rig.left.distortion, rig.right.matrix, rig.right.distortion)
+    made = cv2.stereoRectify(*cameras, rig.left.size, rig.rotation, length * rig.translation[:, None], **options)
+    return dict(zip(("R1", "R2", "P1", "P2", "Q"), made[:5], strict=True))
 
 
 @pytest.mark.parametrize("name", ["opencv yaml", "opencv xml", "opencv json"])
@@ -41,39 +46,28 @@ def test_file_storage(tmp_path: Path, name: str):
     np.testing.assert_allclose(storage.getNode("R").mat(), rig.rotation, atol=1e-15)
     np.testing.assert_allclose(storage.getNode("T").mat()[:, 0], 1000 * rig.translation, rtol=1e-14)
     assert storage.getNode("boat").string() == "Ladja"
-    cameras = (rig.left.matrix, rig.left.distortion, rig.right.matrix, rig.right.distortion)
-    flags = {"flags": cv2.CALIB_ZERO_DISPARITY, "alpha": 1.0}
-    expected = cv2.stereoRectify(*cameras, rig.left.size, rig.rotation, 1000 * rig.translation[:, None], **flags)
-    np.testing.assert_allclose(storage.getNode("R1").mat(), expected[0], atol=1e-7)
-    np.testing.assert_allclose(storage.getNode("Q").mat(), expected[4], atol=1e-6)
+    expected = opencv_rectified(rig, 1000.0, flags=cv2.CALIB_ZERO_DISPARITY, alpha=1.0)
+    np.testing.assert_allclose(storage.getNode("R1").mat(), expected["R1"], atol=1e-7)
+    np.testing.assert_allclose(storage.getNode("Q").mat(), expected["Q"], atol=1e-6)
 
 
 @pytest.mark.parametrize("flags", [0, cv2.CALIB_ZERO_DISPARITY])
 @pytest.mark.parametrize("alpha", [-1.0, 0.0, 0.3, 1.0])
 def test_the_view_stays(tmp_path: Path, alpha: float, flags: int):
     """R1 R2 P1 P2 Q are made anew with the alpha and the flags of those in the file."""
-
-    def rectified(rig: StereoRig) -> dict[str, np.ndarray]:
-        cameras = (rig.left.matrix, rig.left.distortion, rig.right.matrix, rig.right.distortion)
-        turned = (*cameras, rig.left.size, rig.rotation, rig.translation[:, None])
-        made = cv2.stereoRectify(*turned, flags=flags, alpha=alpha)[:5]
-        return dict(zip(("R1", "R2", "P1", "P2", "Q"), made, strict=True))
-
     path, moved = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    matrices = {"R": SMALL.rotation, "T": SMALL.translation, **opencv_rectified(SMALL, flags=flags, alpha=alpha)}
+    for side, camera in (("1", SMALL.left), ("2", SMALL.right)):
+        matrices |= {f"K{side}": camera.matrix, f"D{side}": camera.distortion}
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    cameras = (("1", SMALL.left), ("2", SMALL.right))
-    for name, matrix in (
-        *((f"K{side}", camera.matrix) for side, camera in cameras),
-        *((f"D{side}", camera.distortion) for side, camera in cameras),
-        *(("R", SMALL.rotation), ("T", SMALL.translation), *rectified(SMALL).items()),
-    ):
+    for name, matrix in matrices.items():
         storage.write(name, np.asarray(matrix))
     storage.release()
     rig = load_rig(path, size=samples.SIZE, unit="m")
     rig = rig.with_extrinsics(rig.extrinsics + CHANGE)
     save_rig(rig, moved)
     written = cv2.FileStorage(str(moved), cv2.FILE_STORAGE_READ)
-    for name, expected in rectified(rig).items():
+    for name, expected in opencv_rectified(rig, flags=flags, alpha=alpha).items():
         np.testing.assert_allclose(written.getNode(name).mat(), expected, rtol=1e-6, atol=1e-6, err_msg=name)
 
 
@@ -104,17 +98,19 @@ def test_kalibr(tmp_path: Path):
     rig, (path,) = repaired("kalibr", tmp_path)
     content = yaml.safe_load(path.read_text())
     motion = np.array(content["cam1"]["T_cn_cnm1"])
-    np.testing.assert_allclose(motion[:3, :3], rig.rotation, atol=1e-15)
-    np.testing.assert_allclose(motion[:3, 3], rig.translation, atol=1e-15)
+    np.testing.assert_allclose(motion[:3], rig_matrix(rig)[:3], atol=1e-15)
     np.testing.assert_allclose(content["cam1"]["T_cam_imu"], motion @ content["cam0"]["T_cam_imu"], atol=1e-12)
     assert content["cam1"]["timeshift_cam_imu"] == -2.0e-05
+
+
+def rig_matrix(rig: StereoRig, length: float = 1.0) -> np.ndarray:
+    return np.vstack([np.column_stack([rig.rotation, length * rig.translation]), [0, 0, 0, 1]])
 
 
 def test_euroc(tmp_path: Path):
     rig, paths = repaired("euroc", tmp_path)
     left, right = (np.reshape(yaml.safe_load(path.read_text())["T_BS"]["data"], (4, 4)) for path in paths)
-    motion = np.linalg.inv(right) @ left
-    np.testing.assert_allclose(motion[:3, 3], rig.translation, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.inv(right) @ left, rig_matrix(rig), atol=1e-12)
     assert paths[0].read_text() == SAMPLES["euroc"].texts[0]
 
 
@@ -134,68 +130,50 @@ def test_basalt(tmp_path: Path):
         pose[:3, :3] = Rotation.from_quat([stated[f"q{key}"] for key in "xyzw"]).as_matrix()
         pose[:3, 3] = [stated[f"p{key}"] for key in "xyz"]
         poses.append(pose)
-    motion = np.linalg.inv(poses[1]) @ poses[0]
-    np.testing.assert_allclose(motion[:3, :3], rig.rotation, atol=1e-12)
-    np.testing.assert_allclose(motion[:3, 3], rig.translation, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.inv(poses[1]) @ poses[0], rig_matrix(rig), atol=1e-12)
 
 
-def test_depthai(tmp_path: Path):
-    """Centimetres; and other ways in which the cameras may be linked."""
-    path = tmp_path / "oak.json"
-    save_rig(SMALL, path, format="depthai")
-    content = json.loads(path.read_text())
-    (one, left), (two, right) = content["cameraData"]
+# --- DepthAI: centimetres, sockets, and modes that cut or scale -----------------------------------------------
+
+
+@pytest.fixture
+def oak(tmp_path: Path) -> Path:
+    """SMALL in a new file."""
+    save_rig(SMALL, tmp_path / "oak.json", format="depthai")
+    return tmp_path / "oak.json"
+
+
+def test_depthai(oak: Path):
+    content = json.loads(oak.read_text())
+    (one, left), (two, _) = content["cameraData"]
     assert (one, two, left["extrinsics"]["toCameraSocket"]) == (1, 2, 2)
     shift = [left["extrinsics"]["translation"][key] for key in "xyz"]
     np.testing.assert_allclose(shift, 100 * SMALL.translation, rtol=1e-12)
     assert len(left["distortionCoeff"]) == 14
     turned = np.array(content["stereoRectificationData"]["rectifiedRotationRight"])
     np.testing.assert_allclose(turned @ SMALL.translation, [-SMALL.baseline, 0, 0], atol=1e-12)
-    inverse = np.linalg.inv(np.vstack([np.column_stack([SMALL.rotation, shift]), [0, 0, 0, 1]]))
-    link(right, 1, inverse)
-    left["extrinsics"]["toCameraSocket"] = -1
-    path.write_text(json.dumps(content))
-    assert_read_and_written(path)
-    assert load_rig(path, size=(128, 96)).left.size == (128, 96)
 
 
-@pytest.mark.parametrize(("scale", "rows"), [(1, 44), (2, 20), (4, 9), (1, 1), (1, 47)])
-def test_depthai_of_a_mode_that_cuts_rows(tmp_path: Path, scale: int, rows: int):
-    """f as in the whole image, over the scale; and back into the file."""
-    path, new = tmp_path / "oak.json", tmp_path / "new.json"
-    save_rig(SMALL, path, format="depthai")
-    rig = load_rig(path, size=(64 // scale, rows))
-    whole = SMALL.resized((64 // scale, 48 // scale))
-    expected = np.array(whole.left.matrix) - [[0, 0, 0], [0, 0, (48 // scale - rows) // 2], [0, 0, 0]]
-    np.testing.assert_allclose(rig.left.matrix, expected, rtol=0, atol=1e-12)
-    left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.5, 0.25, 0.0]))
-    save_rig(replace(rig, left=left), new)
-    np.testing.assert_allclose(load_rig(new, size=left.size).left.matrix, left.matrix, rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(load_rig(new).right.matrix, load_rig(path).right.matrix)
-
-
-@pytest.mark.parametrize("size", [(50, 48), (48, 48), (64, 49), (30, 20), (32, 30)])
-def test_depthai_of_no_mode(tmp_path: Path, size: tuple[int, int]):
-    path = tmp_path / "oak.json"
-    save_rig(SMALL, path, format="depthai")
-    with pytest.raises(
-        InputError, match=r"leave size out, and (crop the rig: rig\.cropped|calibrate for these images)"
-    ):
-        load_rig(path, size=size)
-
-
-def test_depthai_whose_cameras_are_linked_to_a_third(tmp_path: Path):
-    path = tmp_path / "oak.json"
-    save_rig(SMALL, path, format="depthai")
-    content = json.loads(path.read_text())
+@pytest.mark.parametrize("to", ["the left one", "a third one"])
+def test_depthai_whose_cameras_are_linked_otherwise(oak: Path, to: str):
+    content = json.loads(oak.read_text())
     (_, left), (_, right) = content["cameraData"]
-    to_third = np.eye(4)
-    to_third[:3, :3], to_third[:3, 3] = SMALL.rotation.T @ SMALL.rotation.T, [3.0, -1.0, 2.0]
-    from_left = np.vstack([np.column_stack([SMALL.rotation, 100 * SMALL.translation]), [0, 0, 0, 1]])
-    link(left, 0, to_third)
-    link(right, 0, to_third @ np.linalg.inv(from_left))
-    path.write_text(json.dumps(content))
-    assert_read_and_written(path)
+    from_right = np.linalg.inv(rig_matrix(SMALL, 100.0))
+    if to == "the left one":
+        left["extrinsics"]["toCameraSocket"] = -1
+        link(right, 1, from_right)
+    else:
+        left_to_third = np.eye(4)
+        left_to_third[:3, :3], left_to_third[:3, 3] = SMALL.rotation.T @ SMALL.rotation.T, [3.0, -1.0, 2.0]
+        link(left, 0, left_to_third)
+        link(right, 0, left_to_third @ from_right)
+    oak.write_text(json.dumps(content))
+    rig = load_rig(oak)
+    np.testing.assert_allclose(rig.extrinsics, SMALL.extrinsics, atol=1e-12)
+    moved = rig.with_extrinsics(rig.extrinsics + CHANGE)
+    save_rig(moved, oak, overwrite=True)
+    np.testing.assert_allclose(load_rig(oak).extrinsics, moved.extrinsics, atol=1e-12)
+    assert load_rig(oak, size=(128, 96)).left.size == (128, 96)
 
 
 def link(camera: dict[str, Any], socket: int, motion: np.ndarray) -> None:
@@ -204,20 +182,38 @@ def link(camera: dict[str, Any], socket: int, motion: np.ndarray) -> None:
     camera["extrinsics"]["translation"] = dict(zip("xyz", motion[:3, 3].tolist(), strict=True))
 
 
-def assert_read_and_written(path: Path) -> None:
-    """The file holds SMALL, and takes another rig in place."""
-    rig = load_rig(path)
-    np.testing.assert_allclose(rig.extrinsics, SMALL.extrinsics, atol=1e-12)
-    moved = rig.with_extrinsics(rig.extrinsics + CHANGE)
-    save_rig(moved, path, overwrite=True)
-    np.testing.assert_allclose(load_rig(path).extrinsics, moved.extrinsics, atol=1e-12)
+@pytest.mark.parametrize(("scale", "rows"), [(1, 44), (2, 20), (4, 9), (1, 1), (1, 47)])
+def test_depthai_of_a_mode_that_cuts_rows(tmp_path: Path, oak: Path, scale: int, rows: int):
+    """f as in the whole image, over the scale; and back into the file."""
+    new = tmp_path / "new.json"
+    rig = load_rig(oak, size=(64 // scale, rows))
+    whole = SMALL.resized((64 // scale, 48 // scale))
+    expected = np.array(whole.left.matrix) - [[0, 0, 0], [0, 0, (48 // scale - rows) // 2], [0, 0, 0]]
+    np.testing.assert_allclose(rig.left.matrix, expected, rtol=0, atol=1e-12)
+    left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.5, 0.25, 0.0]))
+    save_rig(replace(rig, left=left), new)
+    np.testing.assert_allclose(load_rig(new, size=left.size).left.matrix, left.matrix, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(load_rig(new).right.matrix, load_rig(oak).right.matrix)
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        ((50, 48), "crop the rig: rig.cropped"),
+        ((64, 49), "calibrate for these images"),
+        ((30, 20), "rig.cropped"),
+        ((32, 30), "rig.cropped"),
+    ],
+)
+def test_depthai_of_no_mode(oak: Path, size: tuple[int, int], words: str):
+    refused(lambda: load_rig(oak, size=size), "leave size out, and ", words)
 
 
 # --- what a rig remembers -----------------------------------------------------------------------------------
 
 
 def test_the_memory_survives_what_keeps_a_rig_and_drops_under_jax(tmp_path: Path):
-    rig = load_rig(*SAMPLES["kalibr"].write(tmp_path))
+    rig = load_rig(SAMPLES["kalibr"].write(tmp_path))
     assert rig.source is not None
     for same in (rig.with_extrinsics(rig.extrinsics + CHANGE), replace(rig), pickle.loads(pickle.dumps(rig))):
         assert same.source == rig.source

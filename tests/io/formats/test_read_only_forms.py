@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from refusals import refused
 from scipy.io import savemat
 from test_matrices_under_any_names import D1, D2, K1, K2, RIG, SIZE, R, T, assert_same
-from test_refusals import refused
 
-from stereorecal import UnsupportedModelError
+from stereorecal import InputError, UnsupportedModelError
 from stereorecal.io import load_rig, save_rig, save_template
 
 POSE = np.vstack([np.c_[R, T], [0, 0, 0, 1]])
@@ -45,12 +45,11 @@ def mrcal(folder: Path) -> list[Path]:
     return paths
 
 
-def orb_slam(folder: Path, **more) -> list[Path]:
+def orb_slam(folder: Path) -> list[Path]:
     lines = ["%YAML:1.0", "", "Camera.type: 'PinHole'", "Camera.width: 640", "Camera.height: 480"]
     for name, K, D in (("Camera1", K1, D1), ("Camera2", K2, D2)):
-        named = zip(
-            ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"), [*K[[0, 1, 0, 1], [0, 1, 2, 2]], *D], strict=True
-        )
+        values = [*K[[0, 1, 0, 1], [0, 1, 2, 2]], *D]
+        named = zip(("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"), values, strict=True)
         lines += [f"{name}.{key}: {float(value)!r}" for key, value in named]
     path = folder / "settings.yaml"
     path.write_text("\n".join([*lines, f"Stereo.T_c1_c2: {opencv(np.linalg.inv(POSE))}", ""]))
@@ -132,10 +131,10 @@ def test_forms(tmp_path: Path, name: str):
     [
         ("mrcal", "OPENCV5", "SPLINED_STEREOGRAPHIC", "mrcal-convert-lensmodel", UnsupportedModelError),
         ("orbslam", "PinHole", "Sphere", "the camera type 'Sphere' is not supported", UnsupportedModelError),
-        ("vins", "cam1_pinhole", "cam7_pinhole", "there is no such file; put it beside the settings", None),
-        ("vins", "cam1_pinhole", "../../cam7_pinhole", "there is no such file; put it beside the settings", None),
-        ("matlab", "millimeters", "furlongs", "WorldUnits is 'furlongs'", None),
-        ("matlab", '"ImageSize": [480, 640]', '"ImageSize": []', "ImageSize is empty", None),
+        ("vins", "cam1_pinhole", "cam7_pinhole", "there is no such file; put it beside the settings", InputError),
+        ("vins", "cam1_pinhole", "../../cam7_pinhole", "there is no such file; put it beside the settings", InputError),
+        ("matlab", "millimeters", "furlongs", "WorldUnits is 'furlongs'", InputError),
+        ("matlab", '"ImageSize": [480, 640]', '"ImageSize": []', "ImageSize is empty", InputError),
     ],
 )
 def test_refusals(tmp_path: Path, name: str, old: str, new: str, words: str, kind):
@@ -143,7 +142,7 @@ def test_refusals(tmp_path: Path, name: str, old: str, new: str, words: str, kin
     assert old in paths[0].read_text()
     for path in paths:
         path.write_text(path.read_text().replace(old, new))
-    refused(lambda: load_rig(*paths), words, *([kind] if kind else []))
+    refused(lambda: load_rig(*paths), words, kind=kind)
 
 
 def test_rotations_of_matlab_that_disagree(tmp_path: Path):
@@ -203,7 +202,7 @@ def test_what_is_unknown_is_listed_and_can_be_filled_in(tmp_path: Path):
     refused(lambda: save_template([path], template), "exists already")
 
 
-@pytest.mark.parametrize("format", ["orbslam", "matlab"])
-def test_a_file_of_another_form_is_refused(tmp_path: Path, format: str):
-    (path,) = (mat if format == "orbslam" else orb_slam)(tmp_path)
+@pytest.mark.parametrize(("form", "format"), [(mat, "orbslam"), (orb_slam, "matlab")])
+def test_a_file_of_another_form_is_refused(tmp_path: Path, form, format: str):
+    (path,) = form(tmp_path)
     refused(lambda: load_rig(path, format=format), path.name)

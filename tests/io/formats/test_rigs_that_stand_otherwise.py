@@ -8,51 +8,43 @@ import cv2
 import numpy as np
 import pytest
 import samples
+from every import NEW, angles, assert_same, beside, contents, new_files, shifts, unit_of
 from hypothesis import given, settings
-from test_refusals import refused
-from test_round_trip import ENDINGS, NEW, angles, assert_same, place_of, shifts
+from refusals import refused
 
-from stereorecal._errors import CalibrationWarning
+from stereorecal import CalibrationWarning
 from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_rig, save_scene
 
-RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003], np.array([-0.3, 0.1, 0.001, -0.002]))
+RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
 STANDS = {"right below": (1, 1), "right above": (3, 3), "right upside down": (0, 2), "left upside down": (2, 0)}
 each_stand = pytest.mark.parametrize("turns", STANDS.values(), ids=STANDS)
+each_above = pytest.mark.parametrize("turns", [(1, 1), (3, 3)])
 pytestmark = pytest.mark.filterwarnings("ignore:.*(translation is taken|turned by)")
-
-
-def paths_of(folder: Path, name: str) -> list[Path]:
-    count = 2 if name in ("ros", "euroc") else 1
-    return [folder / f"{index}{ENDINGS.get(name, '.yaml')}" for index in range(count)]
-
-
-def loaded(paths: list[Path], name: str) -> StereoRig:
-    return load_rig(*paths, unit="m" if name in ("opencv", "boofcv") else None)
 
 
 @each_stand
 @pytest.mark.parametrize("name", NEW)
 def test_every_format(tmp_path: Path, name: str, turns: tuple[int, int]):
-    rig, paths = replace(RIG, turns=turns), paths_of(tmp_path, name)
-    save_rig(rig, place_of(paths), format=name)
-    read = loaded(paths, name)
+    rig, paths, unit = replace(RIG, turns=turns), new_files(tmp_path, name), unit_of(name)
+    save_rig(rig, paths, format=name)
+    read = load_rig(paths, unit=unit)
     assert read.left.size == rig.sizes_taken[0]
     assert read.turns == (0, 0)
     stood = read.side_by_side()
     assert stood.turns == turns
     assert_same(stood, RIG)
     assert_same(stood.as_taken(), read)
-    before, new = [path.read_bytes() for path in paths], [tmp_path / f"new-{path.name}" for path in paths]
+    new = beside(paths)
     for same in (read, stood):
-        save_rig(same, place_of(new), overwrite=True)
-        assert [path.read_bytes() for path in new] == before
+        save_rig(same, new, overwrite=True)
+        assert contents(new) == contents(paths)
     left = replace(stood.left, matrix=np.array(stood.left.matrix) + np.diag([0.125, 0.25, 0.0]))
     changed = replace(stood, left=left, extrinsics=stood.extrinsics + CHANGE)
-    save_rig(changed, place_of(new), overwrite=True)
-    assert_same(loaded(new, name).side_by_side(), changed)
-    np.testing.assert_array_equal(loaded(new, name).right.matrix, read.right.matrix)
+    save_rig(changed, new, overwrite=True)
+    assert_same(load_rig(new, unit=unit).side_by_side(), changed)
+    np.testing.assert_array_equal(load_rig(new, unit=unit).right.matrix, read.right.matrix)
 
 
 @each_stand
@@ -62,12 +54,12 @@ def test_any_such_rig(tmp_path_factory: pytest.TempPathFactory, turns: tuple[int
     rig = replace(samples.rig_of([*angles, *shift], np.array([-0.2, 0.1, 0.01, 0.02, 0.03])), turns=turns)
     path = tmp_path_factory.mktemp("stands") / "0.yaml"
     save_rig(rig, path, format="opencv")
-    found = loaded([path], "opencv").side_by_side()
+    found = load_rig(path, unit="m").side_by_side()
     assert found.turns == turns
     assert_same(found, rig)
 
 
-@pytest.mark.parametrize("turns", [(1, 1), (3, 3)])
+@each_above
 def test_derived_matrices_of_cameras_one_above_the_other(tmp_path: Path, turns: tuple[int, int]):
     """As OpenCV computes them; and R and T are read from them alone."""
     path = tmp_path / "0.yaml"
@@ -83,14 +75,13 @@ def test_derived_matrices_of_cameras_one_above_the_other(tmp_path: Path, turns: 
     np.testing.assert_allclose(found.translation, T[:, 0], atol=1e-9)
 
 
-@pytest.mark.parametrize("turns", [(1, 1), (3, 3)])
+@each_above
 def test_fisheyes_one_above_the_other(tmp_path: Path, turns: tuple[int, int]):
     cameras = {side: replace(getattr(RIG, side), model="equidistant") for side in ("left", "right")}
-    paths, rig = paths_of(tmp_path, "ros"), replace(RIG, **cameras, turns=turns)
-    save_rig(rig, paths, format="ros")
-    assert_same(load_rig(*paths).side_by_side(), rig)
-    save_rig(replace(rig, extrinsics=rig.extrinsics + CHANGE), paths, format="ros", overwrite=True)
-    assert_same(load_rig(*paths).side_by_side(), replace(rig, extrinsics=rig.extrinsics + CHANGE))
+    paths, rig = new_files(tmp_path, "ros"), replace(RIG, **cameras, turns=turns)
+    for one in (rig, replace(rig, extrinsics=rig.extrinsics + CHANGE)):
+        save_rig(one, paths, format="ros", overwrite=True)
+        assert_same(load_rig(paths).side_by_side(), one)
 
 
 def test_both_upside_down_are_not_told_from_exchanged(tmp_path: Path):
@@ -99,30 +90,24 @@ def test_both_upside_down_are_not_told_from_exchanged(tmp_path: Path):
     refused(lambda: save_rig(replace(RIG, turns=(2, 2)), tmp_path / "calib.json"), words)
 
 
-@pytest.fixture(scope="module")
-def stood(scene):
-    """A rendered scene, and the same as cameras that stand otherwise took it."""
-    found = scene("street", 0, (320, 240))
-
-    def of(turns: tuple[int, int], folder: Path) -> tuple[Path, Path, Path]:
-        for side, image, turn in zip(("l", "r"), (found.pairs[0].left, found.pairs[0].right), turns, strict=True):
-            (folder / side).mkdir()
-            cv2.imwrite(str(folder / side / "7.png"), np.rot90(np.rint(image), -turn))
-        save_rig(replace(found.rig, turns=turns, source=None), folder / "calib.json")
-        return folder / "l", folder / "r", folder / "calib.json"
-
-    return of
+def stood(folder: Path, scene, turns: tuple[int, int]) -> tuple[Path, Path, Path]:
+    """A scene as cameras that stand otherwise took it: images of either side, and the calibration."""
+    pair = scene.pairs[0]
+    for side, image, turn in zip(("l", "r"), (pair.left, pair.right), turns, strict=True):
+        (folder / side).mkdir(parents=True)
+        cv2.imwrite(str(folder / side / "7.png"), np.rot90(np.rint(image), -turn))
+    save_rig(replace(scene.rig, turns=turns, source=None), folder / "calib.json")
+    return folder / "l", folder / "r", folder / "calib.json"
 
 
 @each_stand
-def test_images_are_turned_with_the_calibration(tmp_path: Path, stood, turns: tuple[int, int]):
-    for folder in ("plain", "turned"):
-        (tmp_path / folder).mkdir()
-    plain = gather_scene(*stood((0, 0), tmp_path / "plain"))
-    places = stood(turns, tmp_path / "turned")
+def test_images_are_turned_with_the_calibration(tmp_path: Path, scene, turns: tuple[int, int]):
+    rendered = scene("street", 0, (320, 240))
+    plain = gather_scene(*stood(tmp_path / "plain", rendered, (0, 0)))
+    places = stood(tmp_path / "turned", rendered, turns)
     with pytest.warns(CalibrationWarning, match="turned by"):
         turned = gather_scene(*places)
-    assert turned.rig is not None
+    assert isinstance(turned.rig, StereoRig)
     assert turned.rig.turns == turned.pairs[0].turns == turns
     np.testing.assert_array_equal(turned.pairs[0].left, plain.pairs[0].left)
     np.testing.assert_array_equal(turned.pairs[0].right, plain.pairs[0].right)

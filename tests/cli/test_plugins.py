@@ -1,7 +1,8 @@
-"""`matchers` lists what is installed, and checks one; `--matcher` takes what is installed."""
+"""`matchers` and `strategies` list what is installed, and check one; `--matcher` takes what is installed."""
 
 import sys
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -51,21 +52,46 @@ def test_list(command, plugins):
     assert "cannot be loaded" in answer.out
 
 
-def test_list_of_ours_alone(command):
+def test_lists_of_ours_alone(command):
     answer = command("matchers", "list")
     assert (answer.code, answer.err) == (0, "")
     assert "block matching" in answer.out
+    answer = command("strategies")
+    assert (answer.code, answer.err) == (0, "")
+    (line,) = [line for line in answer.out.splitlines() if line.split()[:1] == ["compass"]]
+    for word in ("stereorecal-compass", version("stereorecal-compass"), "host", "Compass (pattern) search"):
+        assert word in line
 
 
-def test_check(command, plugins):
-    answer = command("matchers", "check", "mine")
+def test_a_broken_strategy_is_listed_with_the_reason(command, install):
+    install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
+    answer = command("strategies")
+    assert answer.code == 3
+    assert "Compass (pattern) search" in answer.out
+    assert "cannot be loaded" in answer.out
+    answer = command("strategies", "check", "shaky")
+    assert (answer.code, answer.out, answer.err.count("\n")) == (3, "", 1)
+    assert "cannot be loaded" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("kind", "installed", "good", "bad", "fails"),
+    [
+        ("matchers", "plugins", "mine", "blind", "FAIL  finds known shifts: "),
+        ("strategies", "moody", "compass", "moody", "FAIL  climbs a smooth bowl: "),
+    ],
+)
+def test_check(command, request, kind: str, installed: str, good: str, bad: str, fails: str):
+    request.getfixturevalue(installed)
+    answer = command(kind, "check", good)
     assert answer.code == 0
     assert all(line.startswith("pass  ") for line in answer.out.splitlines())
     assert len(answer.out.splitlines()) >= 8
-    answer = command("matchers", "check", "blind")
+    answer = command(kind, "check", bad)
     assert answer.code == 1
-    assert "FAIL  finds known shifts: " in answer.out
-    command("matchers", "check", "minne").refuses("unknown matcher 'minne'; did you mean mine?")
+    assert fails in answer.out
+    assert "pass  travels" in answer.out or kind == "matchers"
+    command(kind, "check", good[:-1]).refuses(f"; did you mean {good}?")
 
 
 def test_a_comparison_names_it(plugins, clean_scene: Path):
