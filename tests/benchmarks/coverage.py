@@ -13,13 +13,11 @@ With --ranges, so many distances of 1 % are known of each rig, a tenth of them w
 drift are recordings of one rig with one calibration, and are solved together.
 """
 
-import argparse
-
 import numpy as np
 import simulated_rigs
-from rich.console import Console
-from rich.table import Table
+from simulated_rigs import AXES
 from stereorecal_boards import covariance_of_boards
+from tables import command_line, show, table_of
 
 from stereorecal.estimation import (
     NO_RANGES,
@@ -33,7 +31,6 @@ from stereorecal.estimation import (
 
 KINDS = (("none", 0.0), ("all", 0.1), ("all", 0.3), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
 DISTANCES = (5, 10, 30, 100)
-AXES = ("pitch", "yaw", "roll", "y", "z")
 MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 
 
@@ -87,7 +84,7 @@ def measured(rig: simulated_rigs.Simulated, seen: Estimate) -> dict[str, np.ndar
 
 def main() -> None:
     """Simulate, judge, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rigs", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--frames", type=int, default=1)
@@ -95,8 +92,10 @@ def main() -> None:
     parser.add_argument("--ranges", type=int, default=0)
     parser.add_argument("--together", action="store_true")
     options = parser.parse_args()
-    heads = ("drift", "rigs", "depth held, 10 30 B", "axes held: " + " ".join(AXES), "rows px, 5 10 30 100 B")
-    table = Table(*heads, "|depth error| %, 5 10 30 100 B", "grown by a point at 30 B", box=None)
+    table = table_of(
+        f"drift | rigs | depth held, 10 30 B | axes held: {' '.join(AXES)} | rows px, 5 10 30 100 B "
+        "| |depth error| %, 5 10 30 100 B | grown by a point at 30 B"
+    )
     seeds = range(options.first, options.first + 2 * options.rigs, 2)
     of_seeds = [judged(seed, options.frames, options.ranges, options.boards, options.together) for seed in seeds]
     every = [one for found in of_seeds for one in found]
@@ -111,7 +110,7 @@ def main() -> None:
             " ".join(f"{error:.2f}" for error in np.median(whole["error"], 0)),
             f"{100 * whole['grown'].mean():.1f} %",
         )
-    Console(width=200).print(table)
+    show(table)
     near = np.abs([one["near"] for one in every])
     widths = np.arange(0.25, 100.0, 0.25)
     constant = min(float(np.mean(2.0 * w + MISS * np.maximum(near - w, 0.0))) for w in widths)

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import simulated_rigs
-from rich.console import Console
-from rich.table import Table
 from simulated_scenes import inverse_depth
+from tables import show, table_of
 
 from stereorecal.decision import Verdict, decide
 from stereorecal.estimation import Estimate, Windows, as_prior, estimate, rig_parameters
@@ -145,19 +144,10 @@ def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, 
     return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}", delays
 
 
-def simulated(rigs: int, first: int, windows: int, cases: Sequence[str], console: Console) -> None:
+def simulated(rigs: int, first: int, windows: int, cases: Sequence[str]) -> None:
     """Windows of each rig, in some cases."""
-    heads = (
-        "motion",
-        "drift",
-        "rigs",
-        "held",
-        "|depth error| at 30 B, %: median, 95th",
-        "accepted",
-        "harmful",
-        "delay: least, median, most",
-    )
-    table = Table(*heads, box=None)
+    heads = "motion | drift | rigs | held | |depth error| at 30 B, %: median, 95th | accepted | harmful"
+    table = table_of(f"{heads} | delay: least, median, most", left=2)
     told: dict[tuple[str, tuple[str, float]], list[Judged]] = defaultdict(list)
     for seed in range(first, first + 2 * rigs, 2):
         for drift in DRIFTS:
@@ -177,4 +167,4 @@ def simulated(rigs: int, first: int, windows: int, cases: Sequence[str], console
         for drift in DRIFTS:
             if (name, drift) in told:
                 table.add_row(*row(name, drift, told[name, drift]))
-    console.print(table)
+    show(table)

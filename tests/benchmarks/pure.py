@@ -9,7 +9,6 @@ depend on the images, and is measured on small ones, beside which noise would dr
 and how often second calls traced or compiled.
 """
 
-import argparse
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,8 +16,7 @@ from dataclasses import dataclass
 import jax
 import jax.numpy as jnp
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from tables import command_line, show, table_of
 
 import stereorecal as sr
 
@@ -28,20 +26,6 @@ NO_SLOPE = ("grad", "jit of grad", "jacfwd", "jit of jacfwd")
 LIMIT = 5.0  # ms outside the compiled program
 SMALL = (32, 24)
 _EVENTS = ("/jax/core/compile/jaxpr_trace_duration", "/jax/core/compile/backend_compile_duration")
-
-
-@dataclass(frozen=True)
-class Cell:
-    """Milliseconds of the first call, of later ones, and of these outside the compiled program (on small images); how
-    often the second call traced or compiled."""
-
-    first: float
-    later: float
-    outside: float
-    recompiled: int
-
-    def __str__(self) -> str:
-        return f"{self.first / 1e3:.1f} s, {self.later:.1f} ms, {self.outside:+.2f}"
 
 
 def ways_of(function: Callable, of_rows: bool) -> dict[str, tuple[Callable[[], Callable], bool]]:
@@ -113,7 +97,7 @@ def given(size: tuple[int, int], matcher: sr.SAD) -> Given:
 
 def main() -> None:
     """Measure, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--calls", type=int, default=20)
     options = parser.parse_args()
@@ -128,9 +112,8 @@ def main() -> None:
     large, small = given((width, height), sr.SAD(num_disparities=48)), given(SMALL, sr.SAD(num_disparities=8))
     jax.clear_caches()  # or the first call of correspondences would have been that of `given`
     smooth = ("soft_count", "row_differences")
-    shown = Table(title=f"{options.size}: first call, second call, and ms of it outside the compiled program", box=None)
-    for head in ("", *WAYS):
-        shown.add_column(head, justify="right" if head else "left")
+    title = f"{options.size}: first call, second call, and ms of it outside the compiled program"
+    shown = table_of(" | ".join(("function", *WAYS)), title=title)
     worst = recompiled = 0.0
     for name in large.functions:
         cells = []
@@ -141,12 +124,12 @@ def main() -> None:
                 continue
             arguments = [g.several if batch else g.at for g in (large, small)]
             first, later, again = first_and_later(make, arguments[0], options.calls, events)
-            cell = Cell(first, later, outside(on_small[way][0], arguments[1], options.calls), again)
-            print(f"{name:16} {way:15} {cell}", flush=True)
-            worst, recompiled = max(worst, cell.outside), recompiled + cell.recompiled
-            cells.append(str(cell))
+            beside = outside(on_small[way][0], arguments[1], options.calls)
+            cells.append(f"{first / 1e3:.1f} s, {later:.1f} ms, {beside:+.2f}")
+            print(f"{name:16} {way:15} {cells[-1]}", flush=True)
+            worst, recompiled = max(worst, beside), recompiled + again
         shown.add_row(name, *cells)
-    Console(width=260).print(shown)
+    show(shown)
     print(f"at most {worst:.2f} ms outside a compiled program (limit {LIMIT:.0f} ms)")
     print(f"second calls traced or compiled {recompiled:.0f} times")
     raise SystemExit(worst > LIMIT or recompiled > 0)
