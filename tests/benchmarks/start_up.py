@@ -139,12 +139,10 @@ def workers() -> Figure:
     """Two processes on a core each against one on one core."""
 
     def a_second(number: int) -> float:
-        words, pipes = (
-            [sys.executable, __file__, "--part", "many"],
-            {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE},
-        )
-        cores = first_cores(number)
-        running = [subprocess.Popen(words, text=True, preexec_fn=bound_to([core]), **pipes) for core in cores]
+        words = [sys.executable, __file__, "--part", "many"]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        own_cores = [bound_to([core]) for core in first_cores(number)]
+        running = [subprocess.Popen(words, preexec_fn=bound, **pipes) for bound in own_cores]  # noqa: PLW1509
         for worker in running:
             worker.stdout.readline()
         for worker in running:
