@@ -1,7 +1,5 @@
 """Ctrl-C that reaches a worker: it passes, it is no internal error, and what is finished is kept."""
 
-import importlib
-import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
@@ -35,14 +33,8 @@ class Interrupted(AbstractStrategy):
 
 
 @pytest.fixture(scope="module")
-def module(tmp_path_factory) -> Iterator[ModuleType]:
-    """A module that workers can import."""
-    folder = tmp_path_factory.mktemp("modules")
-    (folder / "interrupted_strategy.py").write_text(INTERRUPTED)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(folder)
-        yield importlib.import_module("interrupted_strategy")
-    del sys.modules["interrupted_strategy"]
+def module(planted) -> ModuleType:
+    return planted("interrupted_strategy", INTERRUPTED)
 
 
 @pytest.fixture(scope="module", params=["threads", "processes"])
@@ -75,13 +67,9 @@ def test_nothing_that_is_finished_is_lost(scene, module):
 def test_recalibrate_many(scene, module, pool):
     scenes = [replace(scene(), name=name) for name in ("one", "two")]
     schedule = Schedule.count(module.Interrupted(), 0.5)
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many(scenes, matcher=SAD(num_disparities=24), schedule=schedule, executor=pool)
-
-
-def test_recalibrate_many_without_an_executor(scene, module):
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many([scene()], matcher=SAD(num_disparities=24), schedule=Schedule.count(module.Interrupted()))
+    for executor in (pool, None):
+        with pytest.raises(KeyboardInterrupt):
+            recalibrate_many(scenes, matcher=SAD(num_disparities=24), schedule=schedule, executor=executor)
 
 
 @pytest.mark.slow(after=1)
