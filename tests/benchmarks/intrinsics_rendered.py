@@ -63,10 +63,10 @@ def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str)
     for fixed, solution in zip(held, found, strict=True):
         assert fixed is not None
         assert solution is not None
-        assert solution.intrinsics is not None
         depth = depth_errors(solution.rig, TRUE)
         off = (rows(fixed.rig), rows(solution.rig), depth[10], depth[30])
-        yield (*off, solution.intrinsics.taken, harmful(solution, fixed))
+        taken = solution.intrinsics is not None and solution.intrinsics.taken
+        yield (*off, taken, harmful(solution, fixed))
 
 
 def harmful(solution: sr.Solution, fixed: sr.Solution) -> bool:

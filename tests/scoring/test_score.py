@@ -11,16 +11,9 @@ from stereorecal.scoring.host import Score, disparity, rectify, score
 SAD_32 = SAD(num_disparities=32)
 
 
-@pytest.mark.parametrize(
-    ("found", "text"),
-    [
-        (Score(41033, 1204224), "41 033 of 1 204 224 pixels (3.4 %)"),
-        (Score(0, 999), "0 of 999 pixels (0.0 %)"),
-        (Score(1234567, 1234567), "1 234 567 of 1 234 567 pixels (100.0 %)"),
-    ],
-)
-def test_text(found, text):
-    assert str(found) == text
+def test_text():
+    assert str(Score(41033, 1204224)) == "41 033 of 1 204 224 pixels (3.4 %)"
+    assert str(Score(0, 999)) == "0 of 999 pixels (0.0 %)"
 
 
 def test_scale_scales_the_images_and_the_range(scene):
@@ -50,13 +43,6 @@ def test_the_unit_of_the_baseline_does_not_matter(scene, factor):
     assert score(other, given_scene.pairs, matcher=SAD_32) == expected
 
 
-@pytest.mark.parametrize("scale", [0.0, -0.5, 1.5, float("nan"), 0.01])
-def test_scales_that_make_no_sense(scene, scale):
-    given_scene = scene()
-    with pytest.raises(InputError, match="scale is"):
-        score(given_scene.rig, given_scene.pairs, matcher=SAD_32, scale=scale)
-
-
 def test_no_pairs(scene):
     with pytest.raises(InputError, match="no image pair"):
         score(scene().rig, [], matcher=SAD_32)
@@ -65,9 +51,3 @@ def test_no_pairs(scene):
 def test_pairs_of_another_size(scene):
     with pytest.raises(InputError, match="images are 320x240, but the calibration is for 160x120"):
         score(scene(size=(160, 120)).rig, scene().pairs, matcher=SAD_32)
-
-
-def test_a_range_wider_than_the_image(scene):
-    given_scene = scene()
-    with pytest.raises(InputError, match="beyond the width of the image"):
-        score(given_scene.rig, given_scene.pairs, matcher=SAD(num_disparities=336))
