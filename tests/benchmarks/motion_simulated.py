@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import simulated_rigs
+from recorded import ROWS_CHANGED, simulated_errors
 from simulated_scenes import inverse_depth
 from tables import show, table_of
 
@@ -125,14 +126,11 @@ def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
     (error,) = rig.depth_error_percent(seen.chart.rig_at(seen.theta), [30.0])
     _, low, high = seen.depth_error_percent(seen.theta)[30]
     decision = decide(seen, EXTRINSICS)
-    accepted, harmful = decision.verdict is Verdict.REPAIR, False
-    if accepted:
-        before, after = rig.calibrated, seen.chart.rig_at(decision.theta)
-        rows = [np.median(rig.rows_px(one, (10.0, 30.0))) for one in (before, after)]
-        depth = [abs(float(rig.depth_error_percent(one, [30.0])[0])) for one in (before, after)]
-        harmful = rows[1] > rows[0] + 0.02 or depth[1] > depth[0] + 1.0
+    accepted = decision.verdict is Verdict.REPAIR
+    before, after = (simulated_errors(rig, one) for one in (rig.calibrated, seen.chart.rig_at(decision.theta)))
+    harmful = accepted and after.worse_than(before, ROWS_CHANGED)
     delay = seen.delay.seconds if seen.delay and seen.delay.probability > 0.5 else 0.0
-    return Judged(low <= error <= high, abs(error), accepted, bool(harmful), delay)
+    return Judged(low <= error <= high, abs(error), accepted, harmful, delay)
 
 
 def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, ...]:

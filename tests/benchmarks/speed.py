@@ -5,7 +5,7 @@
 Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
 process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
 rendered street, 741x500, 80 disparities, window 11, x-Sobel prefilter, uniqueness, texture and left-right check on;
-repairs and growth: 640x480.
+repairs: 640x480.
 """
 
 import ctypes
@@ -222,22 +222,6 @@ def repairing(threads: int, rounds: int) -> Iterator[Figure]:
     yield Figure("a default repair, 640x480", threads, float(np.median(times)), None, "400 ms" if threads == 2 else "")
 
 
-def growing(threads: int, rounds: int) -> Iterator[Figure]:
-    """How the cost of counting grows."""
-    base, matcher = ((640, 480), 1, 1), sr.SAD(num_disparities=64)
-    for name, (size, frames, candidates), asked in (
-        ("one count, 640x480, 64 disparities", base, matcher),
-        ("  four times the pixels", ((1280, 960), 1, 1), matcher),
-        ("  twice the disparities", base, sr.SAD(num_disparities=128)),
-        ("  four frames", ((640, 480), 4, 1), matcher),
-        ("  four candidates", ((640, 480), 1, 4), matcher),
-    ):
-        scene = scene_of(size, frames)
-        data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
-        stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, candidates)])
-        yield Figure(name, threads, timed(rounds, lambda d=data, s=stacked, m=asked: counts(d, s, m))[0], None, "")
-
-
 def on_this_platform() -> None:
     """Print the platform, and what it does to many candidates at once and in a repair."""
     scene = scene_of((741, 500))
@@ -262,7 +246,7 @@ def on_this_platform() -> None:
     print(json.dumps([jax.default_backend(), figures]))
 
 
-PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}
+PARTS = {1: (matching, warping, counting, repairing), 2: (matching, counting, repairing)}
 
 
 def measured(threads: int, rounds: int) -> list[Figure]:

@@ -95,6 +95,13 @@ def rain(number: int) -> Spoil:
     return of_both(drawn)
 
 
+def vignetting(left, right, draw):
+    """The corners of the left image have lost 60 % of their light, those of the right one 30 %."""
+    (height, width), (x, y) = left.shape, grid(left)
+    r2 = 2.0 * ((x / width - 0.5) ** 2 + (y / height - 0.5) ** 2)
+    return left * (1.0 - 0.6 * r2), right * (1.0 - 0.3 * r2)
+
+
 EXPLAINED: dict[str, Spoil] = {
     "clean": lambda left, right, draw: (left, right),
     "noise 5": noise(5),
@@ -108,6 +115,8 @@ EXPLAINED: dict[str, Spoil] = {
     "glints": spots(300, 255.0, True),
     "rain": rain(600),
     "dirt": spots(25, 60.0, False),
+    "vignetting": vignetting,
+    "shake": of_both(lambda image, draw: cv2.blur(image, (1, 9))),
 }
 
 # --- what it does not --------------------------------------------------------------------------------------

@@ -2,8 +2,8 @@
 
     python tests/benchmarks/start_up.py [--rounds N]
 
-Whole processes are timed in turn with `import jax, cv2`, and repairs run beside ten counts of OpenCV's in one process.
-A recording of one rendered 640x480 pair. (How often programs are compiled: tests/scoring/test_compiled_once.py.)
+Whole processes are timed in turn with `import jax, cv2`; repairs are those of one process, or of two workers. A
+recording of one rendered 640x480 pair. (How often programs are compiled: tests/scoring/test_compiled_once.py.)
 """
 
 import json
@@ -88,32 +88,19 @@ def processes(rounds: int, folder: Path) -> Iterator[Figure]:
 
 
 def repairs(rounds: int) -> Iterator[Figure]:
-    """Warm repairs beside OpenCV, and their growth."""
-    import cv2
+    """Warm repairs of one frame, and of eight."""
     import jax
-    from speed import around, opencv_counter, scene_of, spread, timed
+    from speed import scene_of, timed
 
     import stereorecal as sr
 
-    cores = len(os.sched_getaffinity(0))
-    cv2.setNumThreads(cores)
-    eight, pair = scene_of((640, 480), 8), scene_of((741, 500))
-    starts = [sr.synthetic.decalibrate(eight.rig, jax.random.key(k), 2.5, 0.0225) for k in range(8)]
-    one = eight.pairs[:1]
-    for start in starts:
-        sr.recalibrate(start, one)
-    candidates = list(around(pair.rig, 10))
-    small = pair.rig.resized((185, 125)), pair.pairs[0].resized((185, 125)), sr.view(pair.rig).scaled(0.25)
-    counts = spread(cores, lambda: opencv_counter(*small, 32), candidates)
-    turn = iter(range(10**9))
-
-    def repair() -> object:
-        return sr.recalibrate(starts[next(turn) % 8], one)
-
-    ours, theirs = timed(rounds, repair, counts)
+    eight, cores = scene_of((640, 480), 8), len(os.sched_getaffinity(0))
+    start = sr.synthetic.decalibrate(eight.rig, jax.random.key(0), 2.5, 0.0225)
+    ours, together = (
+        timed(number, lambda pairs=pairs: sr.recalibrate(start, pairs))[0]
+        for number, pairs in ((rounds, eight.pairs[:1]), (max(3, rounds // 3), eight.pairs))
+    )
     yield Figure(f"a repair, {cores} thread{'s' * (cores > 1)}", f"{ours:.0f} ms", "")
-    yield Figure("  / ten counts of OpenCV at quarter scale", f"{ours / theirs:.1f}", "20" if cores > 1 else "")
-    together = timed(max(3, rounds // 3), lambda: sr.recalibrate(starts[next(turn) % 8], eight.pairs))[0]
     yield Figure("  eight frames / one", f"{together / ours:.1f}", "4" if cores > 1 else "")
 
 

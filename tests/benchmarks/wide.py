@@ -9,8 +9,7 @@ rendered: fisheye rigs of 130 and 190 degrees, whose truth is known, from up to 
 simulated: rigs of 130 and 190 degrees, calibrated with cv2.fisheye on simulated boards, drifted, seen through simulated
     correspondences (`simulated_rigs.py` for the rest): do the stated intervals hold the truth, and what is written?
     Rows of the extrinsics that are written, of what would be if intrinsics were free, and of the best extrinsics that
-    there are for such lenses, the truth known. Harmful: accepted, and rows at 30 baselines are worse by more than 0.02
-    px, or depth there by more than 1 %.
+    there are for such lenses, the truth known. Harmful: as in decisions.py, from 0.02 px on.
 """
 
 import argparse
@@ -27,6 +26,7 @@ import simulated_cameras
 import simulated_rigs
 from accuracy import MOVING, errors
 from real_scenes import real, rig_of
+from recorded import ROWS_CHANGED, simulated_errors
 from sift_rows import sift_matches, sift_rows
 from simulated_rigs import AXES
 from tables import command_line, show, table_of, words
@@ -264,6 +264,7 @@ def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
     used = seen.chart.rig_at(decision.theta) if written else rig.calibrated
     freed = decide(seen, [name for name in seen.names if name != "baseline"])
     with_lenses = seen.chart.rig_at(freed.theta) if not freed.refused else rig.calibrated
+    before, after = (simulated_errors(rig, one) for one in (rig.calibrated, used))
     at = np.array([30.0])
     of = {"before": rig.calibrated, "used": used, "lenses": with_lenses, "best": best_extrinsics(rig)}
     rows, depth = (
@@ -272,7 +273,7 @@ def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
     return {
         "written": written,
         "harmful": written
-        and (rows["used"] > rows["before"] + 0.02 or abs(depth["used"]) > abs(depth["before"]) + 1.0),
+        and simulated_errors(rig, used).worse_than(simulated_errors(rig, rig.calibrated), ROWS_CHANGED),
         "depth held": held["depth"][1:3],
         "axes held": held["axes"],
         "rows mean": held["rows"][2],
