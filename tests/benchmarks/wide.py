@@ -272,8 +272,7 @@ def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
     )
     return {
         "written": written,
-        "harmful": written
-        and simulated_errors(rig, used).worse_than(simulated_errors(rig, rig.calibrated), ROWS_CHANGED),
+        "harmful": after.worse_than(before, ROWS_CHANGED),
         "depth held": held["depth"][1:3],
         "axes held": held["axes"],
         "rows mean": held["rows"][2],
