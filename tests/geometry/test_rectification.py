@@ -77,29 +77,6 @@ def test_the_length_of_the_baseline_does_not_matter(values: np.ndarray, scale: f
         np.testing.assert_allclose(a, b, atol=1e-14)
 
 
-@pytest.mark.slow(after=1)
-@pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
-def test_jacobians_of_the_rotations(jacobian):
-    def rotations(values):
-        return jnp.stack(rectifying_rotations(rotation_from_euler(values[:3]), values[3:]))
-
-    def differences(values: np.ndarray, step: float = 1e-7) -> np.ndarray:
-        ends = [
-            np.stack(
-                [np.stack(rectifying_rotations(rotation_from_euler(v[:3]), v[3:])) for v in values + s * np.eye(6)],
-                axis=-1,
-            )
-            for s in (step, -step)
-        ]
-        return (ends[0] - ends[1]) / (2 * step)
-
-    jitted = jax.jit(jacobian(rotations))
-    for values in (IDEAL, np.array([0.1, -0.15, 0.05, -0.2, 0.03, -0.04])):
-        actual = jitted(jnp.asarray(values, jnp.float32))
-        assert np.isfinite(actual).all()
-        np.testing.assert_allclose(actual, differences(values), atol=2e-5)
-
-
 # --- the view -----------------------------------------------------------------------------------------------
 
 

@@ -15,17 +15,6 @@ UNIT = np.array([*np.radians([1.0, 1.0, 1.0]), 0.01, 0.01, 0.01])  # a degree, a
 
 
 @pytest.fixture(scope="module")
-def data(scene) -> sr.ScoringData:
-    given = scene(size=(160, 120))
-    return sr.prepare(given.rig, given.pairs)
-
-
-@pytest.fixture(scope="module")
-def truth(scene) -> np.ndarray:
-    return with_unit_baseline(scene(size=(160, 120)).rig.extrinsics)
-
-
-@pytest.fixture(scope="module")
 def candidates(truth) -> jax.Array:
     steps = np.random.default_rng(0).uniform(-0.4, 0.4, (4, 6)) * UNIT
     return jnp.asarray(truth + steps, jnp.float32)
@@ -199,14 +188,13 @@ def test_a_traced_temperature_is_taken(data, truth):
 
 
 @pytest.mark.slow
-def test_scaled_data_scale_the_range(scene, truth):
+def test_scaled_data_scale_the_range(small, truth):
     """The matcher is always given at full size."""
-    given = scene(size=(160, 120))
-    half = sr.prepare(given.rig, given.pairs, scale=0.5)
+    half = sr.prepare(small.rig, small.pairs, scale=0.5)
     assert half.scale == 0.5
     assert half.left.shape == (1, 60, 80)
-    small, own = [pair.resized((80, 60)) for pair in given.pairs], sr.view(given.rig).scaled(0.5)
-    resized = sr.prepare(given.rig.resized((80, 60)), small, own)
+    pairs, own = [pair.resized((80, 60)) for pair in small.pairs], sr.view(small.rig).scaled(0.5)
+    resized = sr.prepare(small.rig.resized((80, 60)), pairs, own)
     counted = [int(sr.count(data, truth, sr.SAD(num_disparities=n))) for data, n in ((half, 24), (resized, 12))]
     assert counted[0] == counted[1] > 2000
 
@@ -227,21 +215,19 @@ HOST = {
 
 @pytest.mark.parametrize("name", HOST)
 @pytest.mark.parametrize("transform", [jax.jit, jax.vmap, jax.grad, jax.jacfwd])
-def test_host_functions_say_what_to_use_under_a_trace(scene, name, transform):
-    given = scene(size=(160, 120))
+def test_host_functions_say_what_to_use_under_a_trace(small, name, transform):
     function, instead = HOST[name]
-    at = jnp.asarray(given.rig.extrinsics, jnp.float32)
+    at = jnp.asarray(small.rig.extrinsics, jnp.float32)
     at = at[None] if transform is jax.vmap else at
     with pytest.raises(InputError) as refusal:
-        transform(lambda e: function(given.rig.with_extrinsics(e), given.pairs))(at)
+        transform(lambda e: function(small.rig.with_extrinsics(e), small.pairs))(at)
     said = str(refusal.value)
     assert said.startswith(f"{name} works on the host and cannot be traced by jit, vmap or grad; use ")
     assert instead in said
     assert said.count(". ") == 0  # one sentence
 
 
-def test_a_traced_view_is_refused_as_well(scene):
-    given = scene(size=(160, 120))
-    own = sr.view(given.rig)
+def test_a_traced_view_is_refused_as_well(small):
+    own = sr.view(small.rig)
     with pytest.raises(InputError, match=r"sr\.score works on the host"):
-        jax.jit(lambda view: sr.score(given.rig, given.pairs, matcher=MATCHER, view=view).count)(own)
+        jax.jit(lambda view: sr.score(small.rig, small.pairs, matcher=MATCHER, view=view).count)(own)
