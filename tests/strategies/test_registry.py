@@ -1,6 +1,7 @@
 """Strategies by name: found lazily, refused with a sentence that helps."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from typing import NamedTuple
 
 import pytest
 
-from stereorecal import InputError, StrategyError
+from stereorecal import InputError, MatcherError, StrategyError, matching
 from stereorecal.strategies import (
     AbstractStrategy,
     describe,
@@ -57,14 +58,6 @@ def test_what_is_installed():
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("compas", r"'compas'; did you mean compass\?"), ("xyz", "'xyz'; installed: .*compass")]
-)
-def test_unknown_name(name, said):
-    with pytest.raises(InputError, match=f"unknown strategy {said}"):
-        strategy(name)
-
-
-@pytest.mark.parametrize(
     ("name", "what", "folder"),
     [
         ("compass", r"'stereorecal\[default\]'", "compass"),
@@ -97,18 +90,61 @@ def test_the_same_distribution_found_twice_is_no_conflict(installed):
     assert type(strategy("compass")).__name__ == "Compass"
 
 
-@pytest.mark.parametrize("value", ["no_such_module:Thing", "stereorecal_compass:NoSuchThing"])
-def test_broken_entry_point(installed, value):
-    installed(Point("shaky", value, "shaky-plugin"))
-    with pytest.raises(StrategyError, match=r"shaky of shaky-plugin 1\.2 cannot be loaded .*reinstall or remove it"):
-        strategy("shaky")
+class Long(type(strategy("compass"))):
+    def __repr__(self):
+        return "Long" + 10_000 * "!"
 
 
-@pytest.mark.parametrize("value", ["json:dumps", "json:JSONDecoder"])
-def test_entry_point_that_is_no_strategy(installed, value):
-    installed(Point("odd", value, "odd-plugin"))
-    with pytest.raises(StrategyError, match=r"entry point odd of odd-plugin 1\.2 is not a strategy class"):
-        strategy("odd")
+RIGHT = "is no name of a strategy; give a string, such as sr.strategy('compass')."
+NO_NAMES = {  # what is refused, and with which sentence
+    "a strategy": (strategy("compass", step=0.25), "this Compass is a strategy already; pass it on as it is."),
+    "a class": (type(strategy("compass")), "Compass is a strategy's class; make a strategy of it with Compass()."),
+    "nothing": (None, f"None {RIGHT}"),
+    "names": (["compass"], f"['compass'] {RIGHT}"),
+    "another class": (
+        object,
+        "<class 'object'> is no name of a strategy; give a string, such as sr.strategy('compass').",
+    ),
+    "a typing error": ("compas", "unknown strategy 'compas'; did you mean compass?"),
+}
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("function", [strategy, describe])
+@pytest.mark.parametrize(("given", "said"), NO_NAMES.values(), ids=NO_NAMES)
+def test_what_is_no_name_is_refused_with_the_right_call(function, given, said):
+    with pytest.raises(InputError, match=f"^{re.escape(said)}$"):
+        function(given)
+    with pytest.raises(InputError, match=r"^.{1,200}$"):
+        function(Long())
+    with pytest.raises(InputError, match=r"unknown strategy 'xyz'; installed: .*compass"):
+        function("xyz")
+
+
+DOORS = {  # group, one that works, what makes one, what tells of all, and the error
+    "strategy": (GROUP, "stereorecal_compass:Compass", strategy, overview, StrategyError),
+    "matcher": ("stereorecal.matchers", "stereorecal.matching:BM", matching.matcher, matching.overview, MatcherError),
+}
+
+
+@pytest.mark.parametrize("kind", DOORS)
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("no_such_module:Thing", "{} shaky of plug-in 1.2 cannot be loaded (ModuleNotFoundError"),
+        ("stereorecal_compass:NoSuchThing", "{} shaky of plug-in 1.2 cannot be loaded (AttributeError"),
+        ("json:dumps", "the entry point shaky of plug-in 1.2 is not a {} class."),
+        ("json:JSONDecoder", "the entry point shaky of plug-in 1.2 is not a {} class."),
+    ],
+)
+def test_a_broken_one_is_told_and_hides_no_other(nothing_installed, install, kind, value, said):
+    group, own, make, look, error = DOORS[kind]
+    install(group, {"shaky": value, "sound": own})
+    with pytest.raises(error) as refusal:
+        make("shaky")
+    assert str(refusal.value).startswith(said.format(kind))
+    assert str(look()["shaky"]) == str(refusal.value)
+    assert look()["sound"].name == "sound"
 
 
 def test_an_overview_has_each_description_or_its_error(installed, nothing_installed):
@@ -204,43 +240,6 @@ def test_a_malformed_entry_point_hides_no_name(installed, value):
     installed(Point("bad", value), Point("local", f"{__name__}:Local [extra]"))
     assert name_of(Local()) == "local"
     assert origin_of(Local()) in ("stereorecal-compass 1.2", __name__)
-
-
-WHAT_IS_NO_NAME = """
-from stereorecal.strategies import describe, strategy
-
-class Long(type(strategy("compass"))):
-    def __repr__(self):
-        return "Long" + 10_000 * "!"
-
-compass = strategy("compass", step=0.25)
-for given in (compass, type(compass), None, 5, b"compass", ["compass", "secant"], object, Long()):
-    for function in (strategy, describe):
-        try:
-            function(given)
-        except Exception as error:
-            print(type(error).__name__, error)
-"""
-
-
-def test_what_is_no_name_is_refused_with_the_right_call():
-    """In a process of its own: the type checker of the test suite would be the first to refuse it."""
-    command = [sys.executable, "-c", WHAT_IS_NO_NAME]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    *sentences, long = done.stdout.splitlines()[::2]
-    assert done.stdout.splitlines()[1::2] == [*sentences, long]
-    right = "is no name of a strategy; give a string, such as sr.strategy('compass')."
-    assert sentences == [
-        "InputError this Compass is a strategy already; pass it on as it is.",
-        "InputError Compass is a strategy's class; make a strategy of it with Compass().",
-        f"InputError None {right}",
-        f"InputError 5 {right}",
-        f"InputError b'compass' {right}",
-        f"InputError ['compass', 'secant'] {right}",
-        f"InputError <class 'object'> {right}",
-    ]
-    assert len(long) < 200
 
 
 @pytest.mark.parametrize(
