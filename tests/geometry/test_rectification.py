@@ -334,19 +334,6 @@ def test_gradients_are_finite_where_rays_lie_in_the_plane_of_the_image():
     assert np.isfinite(gradient).all()
 
 
-def test_a_rig_is_an_argument_of_jit():
-    @jax.jit
-    def maps(stereo: StereoRig, shared: View):
-        return rectifying_maps(stereo.left, stereo.right, stereo.rotation, stereo.translation, shared)
-
-    for values in (IDEAL, np.array([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])):
-        stereo = SCENE.with_extrinsics(values)
-        expected = maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, VIEW)
-        for a, b in zip(maps(stereo, VIEW), expected, strict=True):
-            np.testing.assert_allclose(a, b, atol=1e-3)
-    assert maps._cache_size() == 1
-
-
 @pytest.mark.parametrize("focals", [(600.0, 700.0), (700.0, 600.0)])
 def test_a_pinhole_view_shows_the_whole_image_of_the_wider_camera(focals):
     left, right = (
