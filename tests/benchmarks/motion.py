@@ -5,8 +5,7 @@
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
-and of the posterior's mean, against the stored rig, rows, the distance between frames against GPS. Then windows alone
-and both halves of the drive.
+and of the posterior's mean, against the stored rig, rows, the distance between frames against GPS.
 
 Simulated: the rigs of `simulated_rigs.py` (even seeds unless --first is odd), eight windows each beside the rows of
 three frames: how often the 95 % interval of depth at 30 baselines holds the truth, |depth error| of the posterior's
@@ -29,7 +28,7 @@ from real_scenes import DATA, present, rig_of
 from tables import command_line, show, table_of, words
 
 import stereorecal as sr
-from stereorecal.estimation import points_of_view, readings, rig_parameters, window
+from stereorecal.estimation import points_of_view, readings
 from stereorecal.online import Config, run
 
 DRIVE = "kitti_odometry/suburb_drive"
@@ -73,25 +72,6 @@ def real(starts: int) -> None:
             f"{seconds:.1f}",
         )
     show(table)
-    halves(scene)
-
-
-def halves(scene: sr.Scene) -> None:
-    """Every window, and the halves of the drive, at the stored rig: its right principal point by which it is off, all
-    else being as it is."""
-    found = [sr.recalibrate(scene.rig, scene.pairs[a:b], motion=True).estimate for a, b in ((0, 9), (8, 17), (17, 26))]
-    chart = rig_parameters(scene.rig)
-    column, offsets = chart.names.index("right.cx"), []
-    for seen in found:
-        for tracks in seen.windows.tracks:
-            normal = window(tracks, chart, np.zeros(chart.dim)).normal
-            offsets.append(normal.b[column] / normal.a[column, column])
-    half = len(offsets) // 2
-    print(
-        f"{len(offsets)} single windows: mean {np.mean(offsets):+.3f} px, scatter {np.std(offsets):.3f} px, halves "
-        f"{np.mean(offsets[:half]):+.3f} {np.mean(offsets[half:]):+.3f} px; thirds of the drive, posterior's means: "
-        + " ".join(f"{offset_px(seen.chart.rig_at(seen.theta), scene.rig):+.2f}" for seen in found)
-    )
 
 
 def on_the_vehicle() -> None:

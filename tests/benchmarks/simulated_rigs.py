@@ -112,22 +112,6 @@ class Simulated:
             view.projection,
         )
 
-    def ranges(self, number: int, noise: float = 0.01, draw: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of a scene of its own: left and right pixels (n, 2) that show the same, with errors of 0.15 pixels, and the
-        distances (n,) [m] that something else measured of it, with a noise of so large a share; a tenth is of other
-        things."""
-        rng = np.random.default_rng([self.seed, _SCENE, draw, 1000])
-        left = rng.uniform(0.05, 0.95, (4 * number, 2)) * self.calibrated.left.size
-        true = self.left.rays(left)
-        points = true / inverse_depth(true, rng)[:, None] * self._baseline
-        right = self.right.pixels(points @ self.rotation.T + self.translation)
-        right += rng.normal(0.0, 0.15, right.shape)
-        metres = np.linalg.norm(points, axis=1) * (1.0 + noise * rng.normal(size=len(points)))
-        other = rng.random(len(metres)) < 0.1
-        metres[other] *= rng.uniform(0.3, 3.0, other.sum())
-        seen = np.flatnonzero(np.isfinite(right).all(axis=1) & np.isfinite(metres))[:number]
-        return left[seen], right[seen], metres[seen]
-
     # Judges: points of the world, where they truly appear, as `rig` reads them.
 
     def rows_px(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES, *, rms: bool = False) -> np.ndarray:

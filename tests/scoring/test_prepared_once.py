@@ -55,12 +55,6 @@ def test_a_default_repair(street, frames):
     assert max(pairs[0].scaled.values()) <= (1 if frames == 1 else 3)
 
 
-def test_a_repair_on_the_count(street):
-    rig, (pair,) = street()
-    sr.recalibrate(bad(rig), pair, schedule="count", matcher=sr.SAD(num_disparities=24), budget=20)
-    assert pair.scaled == {1.0: 1}
-
-
 def test_health_and_score(street):
     """The measured range needs the coarse scale; the score and the correspondences share one."""
     rig, (pair,) = street()
