@@ -78,27 +78,32 @@ def scenes(only: list[str]) -> Iterator[Scene]:
             yield from [scene] * as_it_is + [turned(scene)] * also_turned
 
 
+def as_if_turned(image: np.ndarray, camera: sr.Camera, rotation: np.ndarray) -> np.ndarray:
+    """The image that the camera would have taken if it had been turned: x -> rotation x."""
+    width, height = camera.size
+    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(float)
+    where = np.asarray(camera.project(np.asarray(camera.rays(pixels)) @ rotation)).astype(np.float32)
+    warped = cv2.remap(
+        np.asarray(image), where[..., 0], where[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    return np.clip(warped, 0.0, 255.0)
+
+
+def turned_rig(rig: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> sr.StereoRig:
+    """The rig whose cameras are turned by these rotations."""
+    rotation, translation = right @ np.asarray(rig.rotation) @ left.T, right @ np.asarray(rig.translation)
+    return sr.StereoRig.from_rotation(rig.left, rig.right, rotation, translation)
+
+
 def turned(scene: Scene, degrees: float = 2.0, seed: int = 0) -> Scene:
-    """The scene as two cameras would have taken it that are turned by random rotations; without distortion."""
+    """The scene as two cameras would have taken it that are turned by random rotations."""
     draw, rig = np.random.default_rng(seed), rig_of(scene)
     turns = [rotation_from_euler(np.radians(draw.uniform(-degrees, degrees, 3))) for _ in range(2)]
-
-    def warped(image, camera, turn):
-        homography = camera.matrix @ turn @ np.linalg.inv(camera.matrix)
-        size = (image.shape[1], image.shape[0])
-        image = cv2.warpPerspective(image, homography, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-        return np.clip(image, 0.0, 255.0)
-
-    pairs = tuple(
-        sr.Pair(warped(p.left, rig.left, turns[0]), warped(p.right, rig.right, turns[1]), p.name) for p in scene.pairs
-    )
-    rotation, translation = turns[1] @ rig.rotation @ turns[0].T, turns[1] @ rig.translation
-    return Scene(
-        f"{scene.name} turned",
-        sr.StereoRig.from_rotation(rig.left, rig.right, rotation, translation),
-        pairs,
-        scene.reference,
-    )
+    pairs = [
+        sr.Pair(as_if_turned(p.left, rig.left, turns[0]), as_if_turned(p.right, rig.right, turns[1]), p.name)
+        for p in scene.pairs
+    ]
+    return Scene(f"{scene.name} turned", turned_rig(rig, *turns), tuple(pairs), scene.reference)
 
 
 def consensus(scene: Scene) -> Scene:

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from accuracy import as_if_turned, turned_rig
 from drives import ALARMS, harmful
 from processes import first_cores, last_line, memory_mb
 from real_scenes import real, rig_of
@@ -28,7 +29,6 @@ from rich.table import Table
 from tables import command_line, show, table_of, words
 
 import stereorecal as sr
-from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import save_scene
 from stereorecal.recordings import Pair, Scene
 from stereorecal.synthetic import photographs, plan_drive, render
@@ -109,28 +109,11 @@ def kill(times: int = 12) -> Table:
     return table
 
 
-def as_if_turned(pair: Pair, camera: Camera, turn: np.ndarray) -> Pair:
-    """The pair whose right camera is turned: x -> R(turn) x."""
-    width, height = camera.size
-    across, down = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
-    rays = np.asarray(camera.rays(np.stack([across, down], axis=-1))) @ cv2.Rodrigues(turn)[0]  # its inverse
-    where = np.asarray(camera.project(rays)).astype(np.float32)
-    right = cv2.remap(
-        np.asarray(pair.right), where[..., 0], where[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
-    )
-    return Pair(pair.left, np.clip(right, 0, 255), pair.name)
-
-
-def turned(rig: StereoRig, turn: np.ndarray) -> StereoRig:
-    by = cv2.Rodrigues(turn)[0]
-    return StereoRig.from_rotation(rig.left, rig.right, by @ np.asarray(rig.rotation), by @ np.asarray(rig.translation))
-
-
 def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> tuple[int | None, int, int, str]:
     """Pairs until it was noticed, switches, harmful ones, and the error at the end."""
-    turn, forth, rig = sign * np.radians(degrees), list(scene.pairs), rig_of(scene)
+    turn, forth, rig = cv2.Rodrigues(sign * np.radians(degrees))[0], list(scene.pairs), rig_of(scene)
     truth = sr.recalibrate(rig, forth).rig
-    there = [as_if_turned(pair, rig.right, turn) for pair in forth]
+    there = [Pair(pair.left, as_if_turned(pair.right, rig.right, turn), pair.name) for pair in forth]
     pairs = [*forth, *there[::-1], *there]
     state, before = sr.online.init(rig), np.zeros(5)
     noticed, switches, worse, apart = None, 0, 0, before
@@ -139,7 +122,7 @@ def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> t
         after = number - len(forth) + 1
         if after > 0 and noticed is None and any(event.kind in ALARMS for event in events):
             noticed = after
-        true = state.offset_of(turned(truth, turn) if after > 0 else truth)
+        true = state.offset_of(turned_rig(truth, np.eye(3), turn) if after > 0 else truth)
         apart = state.using - true
         if np.any(state.using != before):
             switches += 1
