@@ -1,8 +1,8 @@
 """Does a long recording need more memory than a short one, and fifty recordings more than five? Peak memory.
 
-Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `score`, `recalibrate`
-and `load_log` (opened, and gone through) on each, in processes of their own; then `recalibrate_many` of recordings of
-one rig, with its intrinsics free, of one pair and of eight.
+Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `recalibrate` on each,
+in processes of their own; then `recalibrate_many` of recordings of one rig, with its intrinsics free, of one pair and
+of eight.
 
     python tests/benchmarks/memory.py [--frames 10000] [--size 320x240] [--recordings 50]
 """
@@ -22,15 +22,6 @@ from stereorecal.synthetic import default_rig, render
 
 _PEAK = "print(int(next(x for x in open('/proc/self/status') if x.startswith('VmHWM')).split()[1]) // 1024)"
 COMMAND = f"import sys; from stereorecal.cli import main; main(sys.argv[1:]); {_PEAK}"
-LOG = f"""
-import sys
-from stereorecal.io import load_log
-for mission in load_log(sys.argv[1]).missions:
-    for pair in mission.pairs:
-        pass
-{_PEAK}
-"""
-
 MANY = f"""
 import sys, jax
 import stereorecal as sr
@@ -91,12 +82,10 @@ def main() -> None:
             folder = made_folder(Path(place) / f"{frames}", (width, height), frames)
             video = made_video(Path(place) / f"{frames}.avi", folder, frames)
             loose = ["--side-by-side", video, "--calibration", folder / "calib.json"]
-            for verb in ("score", "recalibrate"):
-                found.setdefault(f"{verb}, folder", []).append(peak(COMMAND, verb, folder, "--quiet"))
-                found.setdefault(f"{verb}, video", []).append(peak(COMMAND, verb, *loose, "--quiet"))
-            found.setdefault("load_log, folder", []).append(peak(LOG, folder))
+            for name, given in (("a folder", [folder]), ("a video", loose)):
+                found.setdefault(name, []).append(peak(COMMAND, "recalibrate", *given, "--quiet"))
     for name, (few, many) in found.items():
-        told(name, "at 10 frames", f"at {options.frames}", (few, many))
+        told(f"recalibrate, {name}", "at 10 frames", f"at {options.frames}", (few, many))
     for frames in (1, 8):
         few, many = (peak(MANY, count, frames, options.size) for count in (5, options.recordings))
         told(f"recalibrate_many, {frames} pairs each", "of 5 recordings", f"of {options.recordings}", (few, many))

@@ -32,7 +32,6 @@ from stereorecal.objectives import Reach, count_chart
 from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
-from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
@@ -134,28 +133,15 @@ def around(rig: sr.StereoRig, number: int) -> np.ndarray:
 
 def matching(threads: int, rounds: int) -> Iterator[Figure]:
     """SAD against StereoBM and StereoSGBM."""
-    scene = scene_of((741, 500), 8)
-    data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
-    frames = [rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics))) for frame in data.frames]
-    bytes_of = [[np.asarray(side).round().astype(np.uint8) for side in (f.left, f.right)] for f in frames]
+    scene = scene_of((741, 500))
+    (frame,) = prepare(scene.rig, scene.pairs, sr.view(scene.rig)).frames
+    rectified = rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics)))
+    images = [np.asarray(side).round().astype(np.uint8) for side in (rectified.left, rectified.right)]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
-    ours, theirs, slower = timed(
-        rounds,
-        lambda: match_in_blocks(MATCHER, frames[0]),
-        lambda: bm.compute(*bytes_of[0]),
-        lambda: sgbm.compute(*bytes_of[0]),
-    )
+    matched = (lambda: match_in_blocks(MATCHER, rectified), lambda: bm.compute(*images), lambda: sgbm.compute(*images))
+    ours, theirs, slower = timed(rounds, *matched)
     yield Figure("SAD / StereoBM, one pair", threads, ours, theirs, "1.5" if threads == 1 else "2.0")
     yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower, "")
-
-    def matcher_of_a_thread():
-        own = block_matcher(80)
-        return lambda images: own.compute(*images)
-
-    others = spread(threads, matcher_of_a_thread, bytes_of)
-    ours, theirs = timed(rounds, lambda: on_all_cores(lambda f: match_in_blocks(MATCHER, f), frames), others)
-    cv2.setNumThreads(threads)
-    yield Figure("SAD / StereoBM, 8 pairs", threads, ours, theirs, "1.5" if threads == 2 else "")
 
 
 def warping(threads: int, rounds: int) -> Iterator[Figure]:

@@ -1,9 +1,7 @@
 """Ctrl-C that reaches a worker: it passes, it is no internal error, and what is finished is kept."""
 
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from multiprocessing import get_context
 from types import ModuleType
 
 import pytest
@@ -35,16 +33,6 @@ class Interrupted(AbstractStrategy):
 @pytest.fixture(scope="module")
 def module(planted) -> ModuleType:
     return planted("interrupted_strategy", INTERRUPTED)
-
-
-@pytest.fixture(scope="module", params=["threads", "processes"])
-def pool(request, module) -> Iterator[Executor]:
-    """A pool of the user's own, with one worker."""
-    made = (
-        ThreadPoolExecutor(1) if request.param == "threads" else ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-    )
-    with made:
-        yield made
 
 
 class Done(ThreadPoolExecutor):
