@@ -80,27 +80,6 @@ def test_the_length_of_the_baseline_does_not_matter(values: np.ndarray, scale: f
 # --- the view -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("zero_disparity", [True, False])
-@settings(max_examples=10)
-@given(extrinsics())
-def test_points_lie_in_one_row_at_the_disparity_of_their_depth(zero_disparity: bool, values: np.ndarray):
-    stereo = rig(values)
-    shared = view(stereo, zero_disparity=zero_disparity)
-    first, second = rectifying_rotations(stereo.rotation, stereo.translation)
-    points = np.random.default_rng(0).uniform([-1, -1, 3], [1, 1, 9], (50, 3)) * stereo.baseline
-    left = points @ first.T @ shared.matrix_left.T
-    right = (points @ stereo.rotation.T + stereo.translation) @ second.T @ shared.matrix_right.T
-    left, right = left[:, :2] / left[:, 2:], right[:, :2] / right[:, 2:]
-    np.testing.assert_allclose(left[:, 1], right[:, 1], atol=1e-8)
-    depth = (points @ first.T)[:, 2]
-    at_infinity = shared.centre_left - shared.centre_right
-    np.testing.assert_allclose(
-        left[:, 0] - right[:, 0], shared.focal * stereo.baseline / depth + at_infinity, atol=1e-8
-    )
-    if zero_disparity:
-        assert at_infinity == 0.0
-
-
 @given(extrinsics(), extrinsics())
 @settings(max_examples=10)
 def test_the_zoom_follows_the_lenses_alone(first: np.ndarray, second: np.ndarray):
