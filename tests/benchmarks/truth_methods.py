@@ -1,6 +1,6 @@
 """Methods to judge: what each makes of recordings of one rig."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,9 +42,6 @@ class Answer:
         """The rigs, one that is accepted as it is only once."""
         same = "candidate" in self.rigs and self.accepted is not None and alike(self.rigs["candidate"], self.accepted)
         return {label: rig for label, rig in self.rigs.items() if not (same and label == "candidate")}
-
-
-Method = Callable[[sr.StereoRig, Sequence[sr.Scene]], Answer]
 
 
 def alike(one: sr.StereoRig, other: sr.StereoRig) -> bool:
