@@ -119,7 +119,8 @@ def boards(options: Options) -> None:
         lambda before: float(np.median(before[1])),
         stored,
     )
-    for name, some in {**{name: [scene] for name, scene in zip(BUMBLEBEE, scenes, strict=True)}, "all": scenes}.items():
+    alone = {name: [scene] for name, scene in zip(BUMBLEBEE, scenes, strict=True)}
+    for name, some in (alone | {"all four": scenes}).items():
         for task in options.tasks(name, some):
             verdicts.judge(options, task, judge)
     verdicts.finish("boards")
