@@ -84,6 +84,16 @@ def test_it_is_well_formed_and_has_every_part(page: str):
     assert len(ids) == len(set(ids))
 
 
+def test_it_serves_dark_pages_and_keyboards(page: str):
+    """Figures take the colours of the page, and wide tables are reached."""
+    assert "#010203" not in page
+    assert "fill: currentColor" in page
+    assert "prefers-color-scheme: dark" in page
+    boxes = re.findall(r'<div class="wide"[^>]*>', page)
+    assert len(boxes) == 5
+    assert all('tabindex="0" role="region" aria-label="' in box for box in boxes)
+
+
 def test_it_needs_nothing_else(page: str):
     read = Reader(page)
     assert not {"script", "link", "img", "iframe", "object"} & set(read.names)

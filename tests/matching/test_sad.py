@@ -135,6 +135,13 @@ def test_flat_areas_are_not_valid(cls):
     assert not valid[:, 72:98].any()
 
 
+def test_rounding_happens_once_and_inside():
+    left, right = image_pair(6, 60, 100, 5.0)
+    matcher = SAD(num_disparities=16)
+    exact, rounded = matcher.match(left, right), matcher.match(np.rint(left), np.rint(right))
+    np.testing.assert_array_equal(np.asarray(exact.values), np.asarray(rounded.values))
+
+
 @pytest.mark.parametrize(
     ("cls", "options", "words"),
     [
