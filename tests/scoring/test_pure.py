@@ -150,6 +150,7 @@ REFUSED = {
     ),
     "no range": (sr.SAD(), r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"),
     "a typing error": ("sadd", r"unknown matcher 'sadd'; did you mean sad\?"),
+    "a range wider than the image": (sr.SAD(num_disparities=170), "beyond the width of the image"),
 }
 
 
