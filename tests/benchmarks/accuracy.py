@@ -2,14 +2,12 @@
 
     python tests/benchmarks/accuracy.py [--draws N] [--degrees D] [--ends] [--only NAME,…] [--json FILE]
 
-Scenes: rendered ones, whose truth is known, and those that STEREORECAL_DATA names. Scenes that come rectified enter
+Scenes: rendered ones, whose truth is known, and real ones (real_scenes.py). Scenes that come rectified enter
 twice, as they are and with the image of each camera turned by a known random rotation. Nothing here is used by the
 library: the SIFT matches of the last columns are a judge that the method never meets.
 """
 
-import argparse
 import json
-import os
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
@@ -18,11 +16,12 @@ from pathlib import Path
 import cv2
 import jax
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from real_scenes import BUMBLEBEE, real, rig_of
+from sift_rows import sift_matches, sift_rows
+from tables import among, command_line, show, table_of, words
 
 import stereorecal as sr
-from stereorecal.geometry import rectifying_rotations, rotation_from_euler, with_unit_baseline
+from stereorecal.geometry import rotation_from_euler, with_unit_baseline
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Scene
 from stereorecal.scoring.host import score
@@ -30,10 +29,7 @@ from stereorecal.scoring.host import score
 RENDERED = ("harbour", "coast", "street", "open-sea")
 MOVING = RENDERED[:3]  # those that enter with ten frames too
 REAL = {
-    "boofcv_bumblebee2/garden01": 1,
-    "boofcv_bumblebee2/stones01": 1,
-    "boofcv_bumblebee2/sundial01": 1,
-    "boofcv_bumblebee2/chair01": 1,
+    **dict.fromkeys(BUMBLEBEE, 1),
     "simplestereo/guitar_room": 1,
     "simplestereo/ukulele_wall": 1,
     "euroc/vicon_room_seq": 7,
@@ -71,93 +67,53 @@ class Row:
 
 def scenes(only: list[str]) -> Iterator[Scene]:
     """All scenes that are at hand, or those whose name contains one of `only`."""
-
-    def wanted(name: str) -> bool:
-        return not only or any(part in name for part in only)
-
     for kind in RENDERED:
-        if wanted(f"{kind}-0"):
+        if among(f"{kind}-0", only):
             yield sr.synthetic.render(kind, 0)
-        if kind in MOVING and wanted(f"{kind}-0 ten frames"):
+        if kind in MOVING and among(f"{kind}-0 ten frames", only):
             yield replace(sr.synthetic.render(kind, 0, frames=10), name=f"{kind}-0 ten frames")
-    folder = os.environ.get("STEREORECAL_DATA")
-    for name, frames in REAL.items() if folder else ():
-        if wanted(name):
-            yield sr.io.load_scene(Path(str(folder)) / name, limit=frames)
-        if name in RECTIFIED and wanted(f"{name} turned"):
-            yield turned(sr.io.load_scene(Path(str(folder)) / name, limit=frames))
+    for name, frames in REAL.items():
+        as_it_is, also_turned = among(name, only), name in RECTIFIED and among(f"{name} turned", only)
+        for scene in real({name: frames}) if as_it_is or also_turned else ():
+            yield from [scene] * as_it_is + [turned(scene)] * also_turned
+
+
+def as_if_turned(image: np.ndarray, camera: sr.Camera, rotation: np.ndarray) -> np.ndarray:
+    """The image that the camera would have taken if it had been turned: x -> rotation x."""
+    width, height = camera.size
+    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(float)
+    where = np.asarray(camera.project(np.asarray(camera.rays(pixels)) @ rotation)).astype(np.float32)
+    warped = cv2.remap(
+        np.asarray(image), where[..., 0], where[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
+    )
+    return np.clip(warped, 0.0, 255.0)
+
+
+def turned_rig(rig: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> sr.StereoRig:
+    """The rig whose cameras are turned by these rotations."""
+    rotation, translation = right @ np.asarray(rig.rotation) @ left.T, right @ np.asarray(rig.translation)
+    return sr.StereoRig.from_rotation(rig.left, rig.right, rotation, translation)
 
 
 def turned(scene: Scene, degrees: float = 2.0, seed: int = 0) -> Scene:
-    """The scene as two cameras would have taken it that are turned by random rotations; without distortion."""
-    draw, rig = np.random.default_rng(seed), scene.rig
-    assert rig is not None
+    """The scene as two cameras would have taken it that are turned by random rotations."""
+    draw, rig = np.random.default_rng(seed), rig_of(scene)
     turns = [rotation_from_euler(np.radians(draw.uniform(-degrees, degrees, 3))) for _ in range(2)]
-
-    def warped(image, camera, turn):
-        homography = camera.matrix @ turn @ np.linalg.inv(camera.matrix)
-        size = (image.shape[1], image.shape[0])
-        image = cv2.warpPerspective(image, homography, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-        return np.clip(image, 0.0, 255.0)
-
-    pairs = tuple(
-        sr.Pair(warped(p.left, rig.left, turns[0]), warped(p.right, rig.right, turns[1]), p.name) for p in scene.pairs
-    )
-    rotation, translation = turns[1] @ rig.rotation @ turns[0].T, turns[1] @ rig.translation
-    return Scene(
-        f"{scene.name} turned",
-        sr.StereoRig.from_rotation(rig.left, rig.right, rotation, translation),
-        pairs,
-        scene.reference,
-    )
+    pairs = [
+        sr.Pair(as_if_turned(p.left, rig.left, turns[0]), as_if_turned(p.right, rig.right, turns[1]), p.name)
+        for p in scene.pairs
+    ]
+    return Scene(f"{scene.name} turned", turned_rig(rig, *turns), tuple(pairs), scene.reference)
 
 
 def consensus(scene: Scene) -> Scene:
     """A real scene with the median end point of three repairs in place of its stored rig."""
     if scene.reference == "truth":
         return scene
-    assert scene.rig is not None
-    starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
+    rig = rig_of(scene)
+    starts = [sr.synthetic.decalibrate(rig, jax.random.key(k), 0.3, 0.003) for k in range(3)]
     ends = [np.asarray(sr.recalibrate(start, scene.pairs, prior="exact").candidate.extrinsics) for start in starts]
-    return replace(scene, rig=scene.rig.with_extrinsics(np.median(ends, axis=0)))
-
-
-def sift_rays(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Rays of mutual SIFT matches of all frames, cleaned by a robust essential matrix without any calibration's say."""
-    rig, found = scene.rig, []
-    assert rig is not None
-    for pair in scene.pairs:
-        sift = cv2.SIFT_create(8000)
-        (left, left_words), (right, right_words) = (
-            sift.detectAndCompute(np.round(image).astype(np.uint8), None) for image in (pair.left, pair.right)
-        )
-        matches = cv2.BFMatcher(cv2.NORM_L2, crossCheck=True).match(left_words, right_words)
-        points = [
-            np.array([k[i].pt for k, i in zip((left, right), (m.queryIdx, m.trainIdx), strict=True)]) for m in matches
-        ]
-        if len(points) < 5:
-            continue
-        rays = [
-            np.asarray(c.rays(np.array([p[s] for p in points])), float) for s, c in enumerate((rig.left, rig.right))
-        ]
-        focal = rig.left.matrix[0, 0]
-        pinhole, flat = np.diag([focal, focal, 1.0]), [focal * r[:, :2] for r in rays]
-        _, inliers = cv2.findEssentialMat(*flat, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=1.0)
-        if inliers is not None:
-            found.append([r[inliers.ravel().astype(bool)] for r in rays])
-    if not found:
-        return np.zeros((0, 3)), np.zeros((0, 3))
-    first, second = (np.concatenate([f[side] for f in found]) for side in (0, 1))
-    return first, second
-
-
-def median_row_offset(rig: sr.StereoRig, rays: tuple[np.ndarray, np.ndarray]) -> float:
-    """Median |Δrow| of matches under a calibration, in pixels of the left camera; NaN without matches."""
-    if not len(rays[0]):
-        return float("nan")
-    turns = rectifying_rotations(rig.rotation, rig.translation)
-    rows = [(r @ turn[1]) / (r @ turn[2]) for r, turn in zip(rays, turns, strict=True)]
-    return float(np.median(np.abs(rows[0] - rows[1])) * rig.left.matrix[1, 1])
+    return replace(scene, rig=rig.with_extrinsics(np.median(ends, axis=0)))
 
 
 def errors(rig: sr.StereoRig, reference: sr.StereoRig) -> np.ndarray:
@@ -168,8 +124,8 @@ def errors(rig: sr.StereoRig, reference: sr.StereoRig) -> np.ndarray:
 
 def run(scene: Scene, draws: int, degrees: float, seed: int) -> Iterator[Row]:
     """Decalibrate and repair, `draws` times."""
-    rig, rays = scene.rig, sift_rays(scene)
-    assert rig is not None
+    rig = rig_of(scene)
+    matches = sift_matches(rig, scene.pairs)
     fraction = 0.009 * degrees
     reach = Reach(max(3.0, 1.2 * degrees), max(0.03, 1.2 * fraction))
     for draw in range(draws):
@@ -181,7 +137,7 @@ def run(scene: Scene, draws: int, degrees: float, seed: int) -> Iterator[Row]:
         count = (solution.score_after if solution.accepted else solution.score_before).count
         before, after = errors(start, rig), errors(solution.rig, rig)
         known = solution.uncertainty
-        sift = [median_row_offset(r, rays) for r in (start, solution.rig, rig, solution.candidate)]
+        sift = [sift_rows(r, matches) for r in (start, solution.rig, rig, solution.candidate)]
         harmful = solution.accepted and sift[1] > sift[0] + 0.02
         if scene.reference == "truth" and solution.accepted and known is not None:
             harmful |= bool(np.any(np.abs(after) > np.abs(before) + known.interval))
@@ -239,7 +195,7 @@ def of_use(rows: list[Row]) -> str:
 
 def main() -> None:
     """Run all scenes, print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--draws", type=int, default=20)
     parser.add_argument("--degrees", type=float, default=2.5, help="largest drift; 0.9 %% of the baseline per degree")
     parser.add_argument("--seed", type=int, default=0)
@@ -247,25 +203,24 @@ def main() -> None:
     parser.add_argument("--only", default="", help="parts of names, comma separated")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
-    shown = Table(title=f"±{options.degrees:g}°, ±{0.9 * options.degrees:g} % of the baseline", box=None)
-    heads = ["scene", "draws", "accepted", "within", "r"]
-    heads += [f"median {a}" for a in AXES] + [f"worst {a}" for a in AXES[:3]]
-    heads += ["covered", "SIFT before", "after", "reference", "harmful", "s"]
-    for head in heads:
-        shown.add_column(head, justify="left" if head == "scene" else "right")
+    axes = " | ".join([*(f"median {axis}" for axis in AXES), *(f"worst {axis}" for axis in AXES[:3])])
+    shown = table_of(
+        f"scene | draws | accepted | within | r | {axes} | covered | SIFT before | after | reference | harmful | s",
+        title=f"±{options.degrees:g}°, ±{0.9 * options.degrees:g} % of the baseline",
+    )
     everything = []
-    for scene in scenes([part for part in options.only.split(",") if part]):
+    for scene in scenes(words(options.only)):
         rows = list(run(consensus(scene) if options.ends else scene, options.draws, options.degrees, options.seed))
         everything += rows
         line = table(rows, scene.reference == "truth")
         print(" ".join(line), {r.reason for r in rows}, flush=True)
         shown.add_row(*line)
-    Console(width=220).print(shown)
+    show(shown)
     print(
-        "errors are against the truth of rendered scenes, else from the median end point; within: r >= 0.98, pitch and"
+        "errors are against the truth of rendered scenes, else from the median end point; within: r >= 0.98,\n"
+        "pitch and roll within 0.01°, yaw within 0.05°; covered: by the 95 % intervals of pitch, yaw and roll.\n"
+        f"{of_use(everything)}"
     )
-    print("roll within 0.01°, yaw within 0.05°; covered: by the 95 % intervals of pitch, yaw and roll.")
-    print(of_use(everything))
     if options.json:
         options.json.write_text(json.dumps([asdict(row) for row in everything], indent=1))
 

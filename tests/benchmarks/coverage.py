@@ -1,6 +1,6 @@
 """Do the stated intervals hold the truth? Simulated calibrations, by kind of drift; prints one table.
 
-    python tests/benchmarks/coverage.py [--rigs N] [--first SEED] [--frames N] [--boards] [--ranges N] [--together]
+    python tests/benchmarks/coverage.py [--rigs N] [--first SEED] [--frames N] [--boards]
 
 The rigs are those of `simulated_rigs.py` (even seeds unless --first is odd): calibrated with OpenCV on simulated
 corners, drifted, seen through simulated correspondences. The prior is the default, or, with --boards, what
@@ -8,53 +8,30 @@ the boards that the rig was calibrated with tell. Of the rig at the posterior's 
 its depth and of the extrinsics hold the truth, the median row error over the view and the median depth error, and the
 mean interval score (Gneiting & Raftery 2007) of depth at 30 baselines beside that of
 the best interval of constant width, which knows all truths.
-
-With --ranges, so many distances of 1 % are known of each rig, a tenth of them wrong. With --together, the kinds of
-drift are recordings of one rig with one calibration, and are solved together.
 """
-
-import argparse
 
 import numpy as np
 import simulated_rigs
-from rich.console import Console
-from rich.table import Table
+from simulated_rigs import AXES
 from stereorecal_boards import covariance_of_boards
+from tables import command_line, show, table_of
 
-from stereorecal.estimation import (
-    NO_RANGES,
-    Estimate,
-    MatchedRanges,
-    Recording,
-    as_prior,
-    estimate_together,
-    rig_parameters,
-)
+from stereorecal.estimation import Estimate, as_prior, estimate, rig_parameters
 
 KINDS = (("none", 0.0), ("all", 0.1), ("all", 0.3), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
 DISTANCES = (5, 10, 30, 100)
-AXES = ("pitch", "yaw", "roll", "y", "z")
 MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 
 
-def shown(rig: simulated_rigs.Simulated, frames: int, ranges: int, boards: bool, draw: int) -> Recording:
-    """What a rig shows."""
-    matched_ranges, chart = NO_RANGES, rig_parameters(rig.calibrated)
-    known = covariance_of_boards(rig.calibrated, rig.boards, squares=1.0 if ranges else 0.15) if boards else None
-    prior = as_prior(known, chart, baseline_observable=ranges > 0)
-    if ranges:
-        left, right, metres = rig.ranges(ranges, draw=draw)
-        matched_ranges = MatchedRanges(left, right, metres, 0.01 * metres, np.full(len(metres), 0.15))
-    return Recording(rig.correspondences(frames, draw=draw), rig.calibrated, prior, ranges=matched_ranges)
-
-
-def judged(seed: int, frames: int, ranges: int, boards: bool, together: bool) -> list[dict[str, np.ndarray]]:
+def judged(seed: int, frames: int, boards: bool) -> list[dict[str, np.ndarray]]:
     """The rig of a seed after each kind of drift."""
-    rigs = [simulated_rigs.simulated(seed, kind, degrees) for kind, degrees in KINDS]
-    recordings = [shown(rig, frames, ranges, boards, index * together) for index, rig in enumerate(rigs)]
-    parts = [recordings] if together else [[one] for one in recordings]
-    seen = [one for part in parts for one in estimate_together(part)]
-    return [measured(rig, one) for rig, one in zip(rigs, seen, strict=True)]
+    found = []
+    for kind, degrees in KINDS:
+        rig = simulated_rigs.simulated(seed, kind, degrees)
+        known = covariance_of_boards(rig.calibrated, rig.boards, squares=0.15) if boards else None
+        prior = as_prior(known, rig_parameters(rig.calibrated))
+        found.append(measured(rig, estimate(rig.correspondences(frames), rig.calibrated, prior)))
+    return found
 
 
 def measured(rig: simulated_rigs.Simulated, seen: Estimate) -> dict[str, np.ndarray]:
@@ -87,18 +64,18 @@ def measured(rig: simulated_rigs.Simulated, seen: Estimate) -> dict[str, np.ndar
 
 def main() -> None:
     """Simulate, judge, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rigs", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--frames", type=int, default=1)
     parser.add_argument("--boards", action="store_true", help="those of the calibration are at hand")
-    parser.add_argument("--ranges", type=int, default=0)
-    parser.add_argument("--together", action="store_true")
     options = parser.parse_args()
-    heads = ("drift", "rigs", "depth held, 10 30 B", "axes held: " + " ".join(AXES), "rows px, 5 10 30 100 B")
-    table = Table(*heads, "|depth error| %, 5 10 30 100 B", "grown by a point at 30 B", box=None)
+    table = table_of(
+        f"drift | rigs | depth held, 10 30 B | axes held: {' '.join(AXES)} | rows px, 5 10 30 100 B "
+        "| |depth error| %, 5 10 30 100 B | grown by a point at 30 B"
+    )
     seeds = range(options.first, options.first + 2 * options.rigs, 2)
-    of_seeds = [judged(seed, options.frames, options.ranges, options.boards, options.together) for seed in seeds]
+    of_seeds = [judged(seed, options.frames, options.boards) for seed in seeds]
     every = [one for found in of_seeds for one in found]
     for (kind, degrees), found in zip(KINDS, zip(*of_seeds, strict=True), strict=True):
         whole = {name: np.array([one[name] for one in found], float) for name in found[0]}
@@ -111,7 +88,7 @@ def main() -> None:
             " ".join(f"{error:.2f}" for error in np.median(whole["error"], 0)),
             f"{100 * whole['grown'].mean():.1f} %",
         )
-    Console(width=200).print(table)
+    show(table)
     near = np.abs([one["near"] for one in every])
     widths = np.arange(0.25, 100.0, 0.25)
     constant = min(float(np.mean(2.0 * w + MISS * np.maximum(near - w, 0.0))) for w in widths)

@@ -13,15 +13,13 @@ repaired: accepted without harm. Right: called good with nothing to win, or acce
 is used in the end; medians.
 """
 
-import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import simulated_rigs
 from recorded import NEED, ROWS_CHANGED, BySimulation, Case, simulated_errors
-from rich.console import Console
-from rich.table import Table
+from tables import command_line, show, table_of
 
 from stereorecal.decision import Reason, Seen, decide, reason_of
 from stereorecal.estimation import estimate
@@ -40,15 +38,8 @@ def judged(seed: int, kind: str, degrees: float, frames: int, folder: Path | Non
     places = len(np.unique(np.asarray(correspondences.tile)))
     covered = correspondences.covered
     seen = Seen(correspondences.found, covered, places, texture=covered, misfit_px=max(found.misfit))
-    Case(
-        f"simulated-{frames}",
-        f"{seed} {kind} {degrees}",
-        found,
-        free,
-        seen,
-        rig.calibrated,
-        BySimulation(seed, kind, degrees),
-    ).record(folder)
+    bench, name, judge = f"simulated-{frames}", f"{seed} {kind} {degrees}", BySimulation(seed, kind, degrees)
+    Case(bench, name, found, free, seen, rig.calibrated, judge).record(folder)
     decision = decide(found, free)
     reason = reason_of(decision, seen)
     before = simulated_errors(rig, rig.calibrated)
@@ -88,7 +79,7 @@ def rows_of(of_kind: dict[tuple[str, float], list[dict[str, float]]]) -> Iterato
 
 def main() -> None:
     """Simulate, decide, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rigs", type=int, default=120)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--frames", type=int, default=1)
@@ -96,21 +87,11 @@ def main() -> None:
     options = parser.parse_args()
     seeds = range(options.first, options.first + 2 * options.rigs, 2)
     of_kind = {kind: [judged(seed, *kind, options.frames, options.record) for seed in seeds] for kind in KINDS}
-    heads = (
-        "drift",
-        "rigs",
-        "good %",
-        "accepted %",
-        "right %",
-        "harmful",
-        "repaired % of in need",
-        "rows px",
-        "depth %",
-    )
-    table = Table(*heads, box=None)
+    heads = "drift | rigs | good % | accepted % | right % | harmful | repaired % of in need | rows px | depth %"
+    table = table_of(heads)
     for row in rows_of(of_kind):
         table.add_row(*row)
-    Console(width=160).print(table)
+    show(table)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How does a rig do on the vehicle? Prints the figures of simulated drives beside their targets.
 
-    python tests/benchmarks/drives.py [--seeds N] [--first SEED] [--frames N] [--only calm,heat,…] [--save FILE]
+    python tests/benchmarks/drives.py [--seeds N] [--first SEED] [--frames N] [--only calm,heat,…]
 
 Drives of 320x240 pairs whose truth is known in each frame, harbours and streets in turn, with rain, night, open sea
 and things that move: calm ones (nothing but a random walk of 1e-4 degrees a frame), warm ones (ramps of heat), ones
@@ -8,8 +8,6 @@ with knocks of 0.2 to 2.5 degrees, and ones with a shutter that is late for a wh
 second a pair, and kept in the user's cache. Errors are those of the rig in use.
 """
 
-import argparse
-import json
 import time
 from collections import defaultdict
 from collections.abc import Iterator
@@ -17,8 +15,7 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from tables import command_line, show, table_of, words
 
 from stereorecal.decision import ENOUGH
 from stereorecal.estimation import points_of_view, readings
@@ -40,30 +37,18 @@ ALARMS = (Kind.DRIFTING, Kind.KNOCK)
 
 @dataclass
 class Seen:
-    """What a drive showed.
+    """What a drive showed."""
 
-    Attributes:
-        errors: of the rig in use, each frame: pitch, yaw, roll [deg], y, z [%].
-        half: half widths of the 95 % intervals of the estimate.
-        estimates: errors of the estimate.
-        events: that happened.
-        noticed, repaired: for each knock, informative frames that it took; None: never.
-        shown: informative frames from each knock to the next one, or the end.
-        harmful: switches.
-        switches: all of them.
-        seconds: of processor time, each step.
-    """
-
-    errors: list = field(default_factory=list)
-    half: list = field(default_factory=list)
-    estimates: list = field(default_factory=list)
+    errors: list = field(default_factory=list)  # of the rig in use, each frame: pitch, yaw, roll [deg], y, z [%]
+    half: list = field(default_factory=list)  # of the 95 % intervals of the estimate
+    estimates: list = field(default_factory=list)  # their errors
     events: list[Event] = field(default_factory=list)
-    noticed: list[int | None] = field(default_factory=list)
+    noticed: list[int | None] = field(default_factory=list)  # informative frames that each knock took; None: never
     repaired: list[int | None] = field(default_factory=list)
-    shown: list[int] = field(default_factory=list)
-    harmful: int = 0
+    shown: list[int] = field(default_factory=list)  # informative frames from each knock to the next one, or the end
+    harmful: int = 0  # switches
     switches: int = 0
-    seconds: list[float] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)  # of processor time, each step
 
 
 def planned(case: str, seed: int, frames: int) -> Drive:
@@ -208,36 +193,25 @@ def rows(all_seen: dict[str, list[tuple[Drive, Seen]]]) -> Iterator[tuple[str, s
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--only", default=",".join(CASES))
-    parser.add_argument("--save", help="JSON of errors, intervals and events of each drive")
     options = parser.parse_args()
     cv2.setNumThreads(1)
-    all_seen, saved = defaultdict(list), {}
-    for case in options.only.split(","):
+    all_seen = defaultdict(list)
+    for case in words(options.only):
         for seed in range(options.first, options.first + options.seeds):
             drive = planned(case, seed, options.frames)
             seen = driven(drive, Config())
             all_seen[case].append((drive, seen))
-            told = [f"{event.frame} {event.kind.name.lower()}" for event in seen.events]
-            print(f"{case} {drive.tour} {seed}: {', '.join(told)}", flush=True)
-            saved[f"{case}-{seed}"] = {
-                "errors": np.array(seen.errors).tolist(),
-                "estimates": np.array(seen.estimates).tolist(),
-                "half": np.array(seen.half).tolist(),
-                "events": [event.as_dict() for event in seen.events],
-                "knocks": [[knock.frame, *knock.degrees] for knock in drive.knocks],
-            }
-            if options.save:
-                with open(options.save, "w") as file:
-                    json.dump(saved, file)
-    table = Table("figure", "target", "seen")
+            events = ", ".join(f"{event.frame} {event.kind.name.lower()}" for event in seen.events)
+            print(f"{case} {drive.tour} {seed}: {events}", flush=True)
+    table = table_of("figure | target | seen", left=3)
     for row in rows(all_seen):
         table.add_row(*row)
-    Console(width=140).print(table)
+    show(table)
 
 
 if __name__ == "__main__":

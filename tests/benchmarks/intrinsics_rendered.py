@@ -17,15 +17,7 @@ SIGMAS = {"f": 0.3, "cx": 1.5, "cy": 1.5, "k1": 0.01, "k2": 0.02}  # of wrong in
 PRIORS = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in SIGMAS.items()}
 KINDS = ("harbour", "coast", "street")
 TRUE = sr.synthetic.default_rig()
-HEADS = (
-    "part",
-    "rows fixed",
-    "all, median / worst",
-    "taken, median / worst",
-    "|depth| at 10 / 30 B",
-    "taken",
-    "harmful",
-)
+HEADS = "part | rows fixed | all, median / worst | taken, median / worst | |depth| at 10 / 30 B | taken | harmful"
 YAW = 0.05  # degrees: what repairs of real rigs leave
 REPAIRS = ("one", "each", "place", "ranges", "right")
 
@@ -71,16 +63,10 @@ def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str)
     for fixed, solution in zip(held, found, strict=True):
         assert fixed is not None
         assert solution is not None
-        assert solution.intrinsics is not None
         depth = depth_errors(solution.rig, TRUE)
-        yield (
-            rows(fixed.rig),
-            rows(solution.rig),
-            depth[10],
-            depth[30],
-            solution.intrinsics.taken,
-            harmful(solution, fixed),
-        )
+        off = (rows(fixed.rig), rows(solution.rig), depth[10], depth[30])
+        taken = solution.intrinsics is not None and solution.intrinsics.taken
+        yield (*off, taken, harmful(solution, fixed))
 
 
 def harmful(solution: sr.Solution, fixed: sr.Solution) -> bool:

@@ -1,38 +1,27 @@
 """Does a long recording need more memory than a short one, and fifty recordings more than five? Peak memory.
 
-Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `score`, `recalibrate`
-and `load_log` (opened, and gone through) on each, in processes of their own; then `recalibrate_many` of recordings of
-one rig, with its intrinsics free, of one pair and of eight.
+Makes a scene folder (hard links to the images of one pair) and a video of both sides, and runs `recalibrate` on each,
+in processes of their own; then `recalibrate_many` of recordings of one rig, with its intrinsics free, of one pair and
+of eight.
 
     python tests/benchmarks/memory.py [--frames 10000] [--size 320x240] [--recordings 50]
 """
 
-import argparse
 import os
-import shutil
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
 import cv2
 import numpy as np
+from processes import first_cores, last_line
+from tables import command_line
 
 from stereorecal.io import save_scene
 from stereorecal.synthetic import default_rig, render
 
 _PEAK = "print(int(next(x for x in open('/proc/self/status') if x.startswith('VmHWM')).split()[1]) // 1024)"
 COMMAND = f"import sys; from stereorecal.cli import main; main(sys.argv[1:]); {_PEAK}"
-LOG = f"""
-import sys
-from stereorecal.io import load_log
-for mission in load_log(sys.argv[1]).missions:
-    for pair in mission.pairs:
-        pass
-{_PEAK}
-"""
-
 MANY = f"""
 import sys, jax
 import stereorecal as sr
@@ -71,40 +60,35 @@ def made_video(path: Path, folder: Path, frames: int) -> Path:
 def peak(code: str, *words: object) -> tuple[int, float]:
     """Megabytes and seconds."""
     began = time.monotonic()
-    run = [sys.executable, "-c", code, *map(str, words)]
-    ended = subprocess.run(run, capture_output=True, text=True, check=False)
-    if ended.returncode:
-        raise SystemExit(ended.stderr)
-    return int(ended.stdout.split()[-1]), time.monotonic() - began
+    megabytes = int(last_line("-c", code, *words, cores=first_cores(64)))
+    return megabytes, time.monotonic() - began
+
+
+def told(what: str, few: str, many: str, peaks: tuple[tuple[int, float], tuple[int, float]]) -> None:
+    (first, _), (second, seconds) = peaks
+    print(f"{what}: {first} MB {few}, {second} MB {many} ({second - first:+d}), in {seconds:.0f} s", flush=True)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
+    parser = command_line(__doc__)
     parser.add_argument("--frames", type=int, default=10_000)
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--recordings", type=int, default=50)
     options = parser.parse_args()
     width, height = map(int, options.size.split("x"))
-    place = Path(tempfile.mkdtemp())
-    try:
-        found: dict[str, list[tuple[int, float]]] = {}
+    found: dict[str, list[tuple[int, float]]] = {}
+    with tempfile.TemporaryDirectory() as place:
         for frames in (10, options.frames):
-            folder = made_folder(place / f"{frames}", (width, height), frames)
-            video = made_video(place / f"{frames}.avi", folder, frames)
+            folder = made_folder(Path(place) / f"{frames}", (width, height), frames)
+            video = made_video(Path(place) / f"{frames}.avi", folder, frames)
             loose = ["--side-by-side", video, "--calibration", folder / "calib.json"]
-            for verb in ("score", "recalibrate"):
-                found.setdefault(f"{verb}, folder", []).append(peak(COMMAND, verb, folder, "--quiet"))
-                found.setdefault(f"{verb}, video", []).append(peak(COMMAND, verb, *loose, "--quiet"))
-            found.setdefault("load_log, folder", []).append(peak(LOG, folder))
-    finally:
-        shutil.rmtree(place)
+            for name, given in (("a folder", [folder]), ("a video", loose)):
+                found.setdefault(name, []).append(peak(COMMAND, "recalibrate", *given, "--quiet"))
     for name, (few, many) in found.items():
-        peaks = f"{few[0]} MB at 10 frames, {many[0]} MB at {options.frames}"
-        print(f"{name}: {peaks} ({many[0] - few[0]:+d}), in {many[1]:.0f} s")
+        told(f"recalibrate, {name}", "at 10 frames", f"at {options.frames}", (few, many))
     for frames in (1, 8):
         few, many = (peak(MANY, count, frames, options.size) for count in (5, options.recordings))
-        peaks = f"{few[0]} MB of 5 recordings, {many[0]} MB of {options.recordings}"
-        print(f"recalibrate_many, {frames} pairs each: {peaks} ({many[0] - few[0]:+d}), in {many[1]:.0f} s")
+        told(f"recalibrate_many, {frames} pairs each", "of 5 recordings", f"of {options.recordings}", (few, many))
 
 
 if __name__ == "__main__":

@@ -21,13 +21,14 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from accuracy import as_if_turned, turned_rig
 from drives import ALARMS, harmful
-from intrinsics_real import loaded
-from rich.console import Console
+from processes import first_cores, last_line, memory_mb
+from real_scenes import real, rig_of
 from rich.table import Table
+from tables import command_line, show, table_of, words
 
 import stereorecal as sr
-from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io import save_scene
 from stereorecal.recordings import Pair, Scene
 from stereorecal.synthetic import photographs, plan_drive, render
@@ -35,12 +36,6 @@ from stereorecal.synthetic import photographs, plan_drive, render
 RATE = 10.0  # pairs a second
 SEQUENCES = ("kitti_odometry/suburb_seq", "euroc/vicon_room_seq")
 KNOCKS = {"pitch": (0.3, 0.0, 0.0), "yaw": (0.0, 1.0, 0.0), "roll": (0.0, 0.0, 0.3)}  # degrees
-
-
-def resident() -> int:
-    """Megabytes of this process."""
-    status = Path("/proc/self/status").read_text().splitlines()
-    return int(next(line for line in status if line.startswith("VmRSS")).split()[1]) // 1024
 
 
 def steps_at_rate(every: int, seconds: float) -> None:
@@ -62,23 +57,14 @@ def steps_at_rate(every: int, seconds: float) -> None:
 
 
 def cost() -> Table:
-    table = Table(
-        "looks at", "share of one core (target 25 %)", "a step, median / 99th percentile", title="640x480, 10 Hz"
-    )
-    mine, other = sorted(os.sched_getaffinity(0))[:2]
+    heads = "looks at | share of one core (target 25 %) | a step, median / 99th percentile"
+    table = table_of(heads, title="640x480, 10 Hz")
+    mine, other = first_cores(2)
     with subprocess.Popen([sys.executable, "-c", "while True: pass"]) as busy:
         os.sched_setaffinity(busy.pid, {other})
         try:
             for every in (1, 2, 3):
-                words = [sys.executable, __file__, "--part", str(every)]
-                done = subprocess.run(
-                    words,
-                    capture_output=True,
-                    text=True,
-                    check=True,
-                    preexec_fn=lambda: os.sched_setaffinity(0, {mine}),
-                )
-                share, median, most = json.loads(done.stdout.splitlines()[-1])
+                share, median, most = json.loads(last_line(__file__, "--part", every, cores=[mine]))
                 table.add_row(f"1 pair in {every}", f"{100 * share:.0f} %", f"{median:.0f} / {most:.0f} ms")
         finally:
             busy.kill()
@@ -86,29 +72,29 @@ def cost() -> Table:
 
 
 def memory(steps: int) -> Table:
-    table = Table("steps", "resident", title="320x240, one drive again and again")
+    table = table_of("steps | resident", title="320x240, one drive again and again")
     drive = plan_drive("harbour", 2, 40)
     pairs, state = list(photographs(drive)), sr.online.init(drive.rig)
     for number in range(1, steps + 1):
         state, _ = sr.online.step(state, pairs[number % len(pairs)])
         if number in (100, 1000) or number % 2500 == 0:
-            table.add_row(str(number), f"{resident()} MB")
+            table.add_row(str(number), f"{memory_mb()} MB")
     return table
 
 
 def kill(times: int = 12) -> Table:
     """Each start goes on from the state that was left; what it says first tells at which pair."""
-    table = Table("killed", "went on at the pair after the last one it had told of", "lost more than that step")
+    table = table_of("killed | went on at the pair after the last one it had told of | lost more than that step")
     kept = lost = 0
     with tempfile.TemporaryDirectory() as folder:
         scene, place = Path(folder) / "scene", Path(folder)
         rig = sr.synthetic.default_rig().resized((320, 240))
         save_scene(render("harbour", 0, frames=40, rig=rig), scene)
-        words = [sys.executable, "-m", "stereorecal", "monitor", str(scene), "--state", str(place / "state")]
+        command = [sys.executable, "-m", "stereorecal", "monitor", str(scene), "--state", str(place / "state")]
         last, draw = None, random.Random(0)
         for number in range(times):
             said = place / f"{number}.jsonl"
-            with subprocess.Popen([*words, "--json", str(said), "--quiet"], stderr=subprocess.DEVNULL) as process:
+            with subprocess.Popen([*command, "--json", str(said), "--quiet"], stderr=subprocess.DEVNULL) as process:
                 while process.poll() is None and not (said.exists() and said.stat().st_size):
                     time.sleep(0.01)
                 time.sleep(draw.uniform(0.0, 1.0))
@@ -123,63 +109,44 @@ def kill(times: int = 12) -> Table:
     return table
 
 
-def as_if_turned(pair: Pair, camera: Camera, turn: np.ndarray) -> Pair:
-    """The pair whose right camera is turned: x -> R(turn) x."""
-    width, height = camera.size
-    across, down = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
-    rays = np.asarray(camera.rays(np.stack([across, down], axis=-1))) @ cv2.Rodrigues(turn)[0]  # its inverse
-    where = np.asarray(camera.project(rays)).astype(np.float32)
-    right = cv2.remap(
-        np.asarray(pair.right), where[..., 0], where[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE
-    )
-    return Pair(pair.left, np.clip(right, 0, 255), pair.name)
-
-
-def turned(rig: StereoRig, turn: np.ndarray) -> StereoRig:
-    by = cv2.Rodrigues(turn)[0]
-    return StereoRig.from_rotation(rig.left, rig.right, by @ np.asarray(rig.rotation), by @ np.asarray(rig.translation))
-
-
 def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> tuple[int | None, int, int, str]:
     """Pairs until it was noticed, switches, harmful ones, and the error at the end."""
-    assert scene.rig is not None
-    turn, forth = sign * np.radians(degrees), list(scene.pairs)
-    truth = sr.recalibrate(scene.rig, forth).rig
-    there = [as_if_turned(pair, scene.rig.right, turn) for pair in forth]
+    turn, forth, rig = cv2.Rodrigues(sign * np.radians(degrees))[0], list(scene.pairs), rig_of(scene)
+    truth = sr.recalibrate(rig, forth).rig
+    there = [Pair(pair.left, as_if_turned(pair.right, rig.right, turn), pair.name) for pair in forth]
     pairs = [*forth, *there[::-1], *there]
-    state, before = sr.online.init(scene.rig), np.zeros(5)
+    state, before = sr.online.init(rig), np.zeros(5)
     noticed, switches, worse, apart = None, 0, 0, before
     for number, pair in enumerate(pairs):
         state, events = sr.online.step(state, pair, float("inf"))
         after = number - len(forth) + 1
         if after > 0 and noticed is None and any(event.kind in ALARMS for event in events):
             noticed = after
-        true = state.offset_of(turned(truth, turn) if after > 0 else truth)
+        true = state.offset_of(turned_rig(truth, np.eye(3), turn) if after > 0 else truth)
         apart = state.using - true
         if np.any(state.using != before):
             switches += 1
-            half = 1.96 * np.sqrt(np.diag(state.estimate.of_offset))
-            worse += harmful(state, before - true, apart, half)
+            worse += harmful(state, before - true, apart)
         before = state.using
     return noticed, switches, worse, " ".join(f"{value:+.3f}" for value in apart[:3])
 
 
-def real() -> Table:
-    table = Table(
-        "sequence", "knock", "noticed with pair", "switches", "harmful", "left: pitch, yaw, roll", title="real"
+def real_sequences() -> Table:
+    table = table_of(
+        "sequence | knock | noticed with pair | switches | harmful | left: pitch, yaw, roll", title="real", left=2
     )
-    for name in SEQUENCES:
-        scene = loaded(name)
+    for scene in real(SEQUENCES, None):
         for axis, degrees in KNOCKS.items():
             for sign in (1.0, -1.0):
                 noticed, switches, worse, left = knocked(scene, degrees, sign)
                 said = "never" if noticed is None else str(noticed)
-                table.add_row(name, f"{axis} {sign * max(degrees):+.1f}", said, str(switches), str(worse), left)
+                table.add_row(scene.name, f"{axis} {sign * max(degrees):+.1f}", said, f"{switches}", f"{worse}", left)
     return table
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    """Print a table for each part."""
+    parser = command_line(__doc__)
     parser.add_argument("--only", default="cost,memory,kill,real")
     parser.add_argument("--steps", type=int, default=10_000)
     parser.add_argument("--part", type=int, help=argparse.SUPPRESS)
@@ -187,9 +154,9 @@ def main() -> None:
     if options.part:
         steps_at_rate(options.part, 20.0)
         return
-    parts = {"cost": cost, "memory": lambda: memory(options.steps), "kill": kill, "real": real}
-    for name in options.only.split(","):
-        Console(width=140).print(parts[name]())
+    parts = {"cost": cost, "memory": lambda: memory(options.steps), "kill": kill, "real": real_sequences}
+    for name in words(options.only):
+        show(parts[name]())
 
 
 if __name__ == "__main__":

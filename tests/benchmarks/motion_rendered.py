@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import jax
-from rich.console import Console
-from rich.table import Table
+from tables import show, table_of
 
 import stereorecal as sr
 from stereorecal.estimation import points_of_view, readings
@@ -32,38 +32,31 @@ def taken(tour: str, seed: int, late: float, size: tuple[int, int]) -> tuple[sr.
     return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
 
 
-def rendered(seeds: Sequence[int], size: tuple[int, int], console: Console) -> None:
+def rendered(seeds: Sequence[int], size: tuple[int, int]) -> None:
     """A table of repairs."""
-    heads = (
-        "drive",
-        "from",
-        "late by",
-        "|depth error| at 30 B, %: before",
-        "written",
-        "posterior's mean: 95 %",
-        "rows",
+    table = table_of(
+        "drive | from | late by | verdict | |depth error| at 30 B, %: before | written | posterior's mean: 95 % | rows "
+        "| delay",
+        left=4,
     )
-    table = Table(*heads, "delay", "verdict", box=None)
-    for tour in TOURS:
-        for seed in seeds:
-            for degrees, late in STARTS:
-                true, pairs = taken(tour, seed, late, size)
-                given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
-                found = sr.recalibrate(given, pairs, motion=True)
-                seen = found.estimate
-                assert seen is not None
-                assert found.row_errors is not None
-                _, low, high = seen.depth_error_percent(seen.theta)[30]
-                delay = seen.delay
-                table.add_row(
-                    f"{tour} {seed}",
-                    f"{degrees:g}°",
-                    f"{late:g}",
-                    f"{abs(depth_error_percent(given, true)):.1f}",
-                    f"{abs(depth_error_percent(found.rig, true)):.2f}",
-                    f"{depth_error_percent(seen.chart.rig_at(seen.theta), true):+.2f}: {low:+.1f} {high:+.1f}",
-                    f"{found.row_errors.before:.2f} {found.row_errors.after:.2f}",
-                    f"{delay.seconds:+.3f}" if delay and delay.probability > 0.5 else "",
-                    found.reason.name,
-                )
-    console.print(table)
+    for tour, seed, (degrees, late) in product(TOURS, seeds, STARTS):
+        true, pairs = taken(tour, seed, late, size)
+        given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
+        found = sr.recalibrate(given, pairs, motion=True)
+        seen, rows = found.estimate, found.row_errors
+        assert seen is not None
+        assert rows is not None
+        _, low, high = seen.depth_error_percent(seen.theta)[30]
+        delay = seen.delay
+        table.add_row(
+            f"{tour} {seed}",
+            f"{degrees:g}°",
+            f"{late:g}",
+            found.reason.name,
+            f"{abs(depth_error_percent(given, true)):.1f}",
+            f"{abs(depth_error_percent(found.rig, true)):.2f}",
+            f"{depth_error_percent(seen.chart.rig_at(seen.theta), true):+.2f}: {low:+.1f} {high:+.1f}",
+            f"{rows.before:.2f} {rows.after:.2f}",
+            f"{delay.seconds:+.3f}" if delay and delay.probability > 0.5 else "",
+        )
+    show(table)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import simulated_rigs
-from rich.console import Console
-from rich.table import Table
+from recorded import ROWS_CHANGED, simulated_errors
 from simulated_scenes import inverse_depth
+from tables import show, table_of
 
 from stereorecal.decision import Verdict, decide
 from stereorecal.estimation import Estimate, Windows, as_prior, estimate, rig_parameters
@@ -126,14 +126,11 @@ def judged(rig: simulated_rigs.Simulated, seen: Estimate) -> Judged:
     (error,) = rig.depth_error_percent(seen.chart.rig_at(seen.theta), [30.0])
     _, low, high = seen.depth_error_percent(seen.theta)[30]
     decision = decide(seen, EXTRINSICS)
-    accepted, harmful = decision.verdict is Verdict.REPAIR, False
-    if accepted:
-        before, after = rig.calibrated, seen.chart.rig_at(decision.theta)
-        rows = [np.median(rig.rows_px(one, (10.0, 30.0))) for one in (before, after)]
-        depth = [abs(float(rig.depth_error_percent(one, [30.0])[0])) for one in (before, after)]
-        harmful = rows[1] > rows[0] + 0.02 or depth[1] > depth[0] + 1.0
+    accepted = decision.verdict is Verdict.REPAIR
+    before, after = (simulated_errors(rig, one) for one in (rig.calibrated, seen.chart.rig_at(decision.theta)))
+    harmful = accepted and after.worse_than(before, ROWS_CHANGED)
     delay = seen.delay.seconds if seen.delay and seen.delay.probability > 0.5 else 0.0
-    return Judged(low <= error <= high, abs(error), accepted, bool(harmful), delay)
+    return Judged(low <= error <= high, abs(error), accepted, harmful, delay)
 
 
 def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, ...]:
@@ -145,19 +142,10 @@ def row(name: str, drift: tuple[str, float], found: list[Judged]) -> tuple[str, 
     return name, f"{drift[0]} {drift[1]:g}°", f"{len(found)}", share, errors, f"{accepted}", f"{harmful}", delays
 
 
-def simulated(rigs: int, first: int, windows: int, cases: Sequence[str], console: Console) -> None:
+def simulated(rigs: int, first: int, windows: int, cases: Sequence[str]) -> None:
     """Windows of each rig, in some cases."""
-    heads = (
-        "motion",
-        "drift",
-        "rigs",
-        "held",
-        "|depth error| at 30 B, %: median, 95th",
-        "accepted",
-        "harmful",
-        "delay: least, median, most",
-    )
-    table = Table(*heads, box=None)
+    heads = "motion | drift | rigs | held | |depth error| at 30 B, %: median, 95th | accepted | harmful"
+    table = table_of(f"{heads} | delay: least, median, most", left=2)
     told: dict[tuple[str, tuple[str, float]], list[Judged]] = defaultdict(list)
     for seed in range(first, first + 2 * rigs, 2):
         for drift in DRIFTS:
@@ -177,4 +165,4 @@ def simulated(rigs: int, first: int, windows: int, cases: Sequence[str], console
         for drift in DRIFTS:
             if (name, drift) in told:
                 table.add_row(*row(name, drift, told[name, drift]))
-    console.print(table)
+    show(table)

@@ -1,61 +1,41 @@
-"""The pure functions, and what their first and second calls cost. Prints one table.
+"""The pure functions, and what their first and later calls cost. Prints one table.
 
     python tests/benchmarks/pure.py [--size WIDTHxHEIGHT] [--calls N]
 
 Each is called as users call it: a jitted function is made once, anything else is made anew (a new lambda) at every
-call. In a cell: the first call in seconds (it compiles), a later one in milliseconds, and how many of these are spent
-outside the compiled program: the median difference to calls of `lower().compile()`, in turn with it. That does not
-depend on the images, and is measured on small ones, beside which noise would drown it. At the end: the worst of these,
-and how often second calls traced or compiled.
+call. In a cell: the first call in seconds (it compiles), a later one in milliseconds. (That later calls compile
+nothing: tests/scoring/test_compiled_once.py.)
 """
 
-import argparse
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from rich.console import Console
-from rich.table import Table
+from tables import command_line, show, table_of
 
 import stereorecal as sr
 
 CANDIDATES = 8
-WAYS = ("plain", "jit", "vmap, 8", "jit of vmap, 8", "grad", "jit of grad", "jacfwd", "jit of jacfwd")
-NO_SLOPE = ("grad", "jit of grad", "jacfwd", "jit of jacfwd")
-LIMIT = 5.0  # ms outside the compiled program
-SMALL = (32, 24)
-_EVENTS = ("/jax/core/compile/jaxpr_trace_duration", "/jax/core/compile/backend_compile_duration")
+MATCHER = sr.SAD(num_disparities=48)
+SMOOTH = ("soft_count", "row_differences")
 
 
-@dataclass(frozen=True)
-class Cell:
-    """Milliseconds of the first call, of later ones, and of these outside the compiled program (on small images); how
-    often the second call traced or compiled."""
-
-    first: float
-    later: float
-    outside: float
-    recompiled: int
-
-    def __str__(self) -> str:
-        return f"{self.first / 1e3:.1f} s, {self.later:.1f} ms, {self.outside:+.2f}"
-
-
-def ways_of(function: Callable, of_rows: bool) -> dict[str, tuple[Callable[[], Callable], bool]]:
+def ways_of(function: Callable, smooth: bool, of_rows: bool) -> dict[str, tuple[Callable[[], Callable], bool]]:
     """How to make what is called, by name; and whether it takes eight candidates."""
-    jitted = jax.jit(function)
-    together = jax.jit(jax.vmap(function))
-    cost = jax.jit(lambda rows: jnp.sum(rows**2))
-    scalar = (lambda e: cost(function(e))) if of_rows else function
-    gradient, jacobian = jax.jit(jax.grad(scalar)), jax.jit(jax.jacfwd(function))
-    return {
+    jitted, together = jax.jit(function), jax.jit(jax.vmap(function))
+    ways = {
         "plain": (lambda: lambda e: function(e), False),
         "jit": (lambda: jitted, False),
         "vmap, 8": (lambda: jax.vmap(lambda e: function(e)), True),
         "jit of vmap, 8": (lambda: together, True),
+    }
+    if not smooth:
+        return ways
+    scalar = (lambda e: jnp.sum(function(e) ** 2)) if of_rows else function
+    gradient, jacobian = jax.jit(jax.grad(scalar)), jax.jit(jax.jacfwd(function))
+    return ways | {
         "grad": (lambda: jax.grad(lambda e: scalar(e)), False),
         "jit of grad": (lambda: gradient, False),
         "jacfwd": (lambda: jax.jacfwd(lambda e: function(e)), False),
@@ -63,93 +43,38 @@ def ways_of(function: Callable, of_rows: bool) -> dict[str, tuple[Callable[[], C
     }
 
 
-def once(function: Callable, argument: jax.Array) -> float:
-    """Milliseconds of one call."""
+def seconds(function: Callable, argument: jax.Array) -> float:
+    """Of one call."""
     began = time.perf_counter()
     jax.block_until_ready(function(argument))
-    return 1e3 * (time.perf_counter() - began)
-
-
-def first_and_later(make: Callable[[], Callable], argument: jax.Array, calls: int, events: list[str]):
-    """Milliseconds of the first call and of later ones, and how often the second traced or compiled."""
-    first = once(make(), argument)
-    events.clear()
-    later = [once(make(), argument)]
-    recompiled = len(events)
-    later += [once(make(), argument) for _ in range(calls)]
-    return first, float(np.median(later)), recompiled
-
-
-def outside(make: Callable[[], Callable], argument: jax.Array, calls: int) -> float:
-    """Milliseconds of a later call beyond those of the compiled program alone."""
-    program = jax.jit(make()).lower(argument).compile()
-    once(make(), argument), once(program, argument)
-    return float(np.median([once(make(), argument) - once(program, argument) for _ in range(calls)]))
-
-
-@dataclass(frozen=True)
-class Given:
-    """What the functions are called with."""
-
-    functions: dict[str, Callable]
-    at: jax.Array
-    several: jax.Array
-
-
-def given(size: tuple[int, int], matcher: sr.SAD) -> Given:
-    """A rendered scene of a size."""
-    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized(size))
-    data, at = sr.prepare(scene.rig, scene.pairs), jnp.asarray(scene.rig.extrinsics, jnp.float32)
-    steps = 1e-3 * np.random.default_rng(0).uniform(-1, 1, (CANDIDATES, 6))
-    found = jax.block_until_ready(sr.correspondences(data, at, matcher))
-    functions = {
-        "count": lambda e: sr.count(data, e, matcher),
-        "soft_count": lambda e: sr.soft_count(data, e, matcher),
-        "correspondences": lambda e: sr.correspondences(data, e, matcher),
-        "row_differences": lambda e: sr.row_differences(found, e),
-    }
-    return Given(functions, at, at + jnp.asarray(steps, jnp.float32))
+    return time.perf_counter() - began
 
 
 def main() -> None:
     """Measure, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--calls", type=int, default=20)
     options = parser.parse_args()
-    events: list[str] = []
-
-    def heard(name: str, seconds: float, **_: object) -> None:
-        if name in _EVENTS:
-            events.append(name)
-
-    jax.monitoring.register_event_duration_secs_listener(heard)
     width, height = map(int, options.size.split("x"))
-    large, small = given((width, height), sr.SAD(num_disparities=48)), given(SMALL, sr.SAD(num_disparities=8))
-    jax.clear_caches()  # or the first call of correspondences would have been that of `given`
-    smooth = ("soft_count", "row_differences")
-    shown = Table(title=f"{options.size}: first call, second call, and ms of it outside the compiled program", box=None)
-    for head in ("", *WAYS):
-        shown.add_column(head, justify="right" if head else "left")
-    worst = recompiled = 0.0
-    for name in large.functions:
-        cells = []
-        ways, on_small = (ways_of(g.functions[name], name == "row_differences") for g in (large, small))
-        for way, (make, batch) in ways.items():
-            if way in NO_SLOPE and name not in smooth:
-                cells.append("-")
-                continue
-            arguments = [g.several if batch else g.at for g in (large, small)]
-            first, later, again = first_and_later(make, arguments[0], options.calls, events)
-            cell = Cell(first, later, outside(on_small[way][0], arguments[1], options.calls), again)
-            print(f"{name:16} {way:15} {cell}", flush=True)
-            worst, recompiled = max(worst, cell.outside), recompiled + cell.recompiled
-            cells.append(str(cell))
-        shown.add_row(name, *cells)
-    Console(width=260).print(shown)
-    print(f"at most {worst:.2f} ms outside a compiled program (limit {LIMIT:.0f} ms)")
-    print(f"second calls traced or compiled {recompiled:.0f} times")
-    raise SystemExit(worst > LIMIT or recompiled > 0)
+    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized((width, height)))
+    data, at = sr.prepare(scene.rig, scene.pairs), jnp.asarray(scene.rig.extrinsics, jnp.float32)
+    several = at + jnp.asarray(1e-3 * np.random.default_rng(0).uniform(-1, 1, (CANDIDATES, 6)), jnp.float32)
+    found = jax.block_until_ready(sr.correspondences(data, at, MATCHER))
+    jax.clear_caches()  # or the first call of correspondences would have been this one
+    functions = {
+        "count": lambda e: sr.count(data, e, MATCHER),
+        "soft_count": lambda e: sr.soft_count(data, e, MATCHER),
+        "correspondences": lambda e: sr.correspondences(data, e, MATCHER),
+        "row_differences": lambda e: sr.row_differences(found, e),
+    }
+    shown = table_of("function | way | first call | a later one", title=options.size, left=2)
+    for name, function in functions.items():
+        for way, (make, batch) in ways_of(function, name in SMOOTH, name == "row_differences").items():
+            argument = several if batch else at
+            first, *later = (seconds(make(), argument) for _ in range(1 + options.calls))
+            shown.add_row(name, way, f"{first:.1f} s", f"{1e3 * np.median(later):.1f} ms")
+    show(shown)
 
 
 if __name__ == "__main__":

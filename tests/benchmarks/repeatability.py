@@ -10,20 +10,16 @@ Three figures, each for `recalibrate` and for the plug-in `features`, both start
     error: median |error| over starts of up to 2.5° and 2.25 % of the baseline away, where the truth is known
 """
 
-import argparse
-import os
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import jax
 import numpy as np
 from accuracy import AXES, errors, scenes
-from rich.console import Console
-from rich.table import Table
+from real_scenes import real
 from stereorecal_features import Features
 from stereorecal_features._fit import fitted
 from stereorecal_features._matches import matched_pixels, seen_by_both
+from tables import among, command_line, show, table_of, words
 
 import stereorecal as sr
 from stereorecal.objectives import Reach, epipolar_objective, linear_residuals, linearised
@@ -36,13 +32,6 @@ SEQUENCES = {"kitti_odometry/suburb_seq": 8, "euroc/vicon_room_seq": 7}
 KNOWN = ("harbour", "coast", "street", "motorcycle_quarter")
 BY_FEATURES = sr.Schedule.count(Features(), scale=1.0)
 _ROUNDS = 3
-
-
-def frames(limits: dict[str, int]) -> Iterator[Scene]:
-    """Sequences of the real scenes."""
-    folder = os.environ.get("STEREORECAL_DATA")
-    for name, limit in limits.items() if folder else ():
-        yield sr.io.load_scene(Path(str(folder)) / name, limit=limit)
 
 
 def both_ways(start: sr.StereoRig, pairs, reference: sr.StereoRig) -> list[np.ndarray]:
@@ -118,15 +107,15 @@ def features_solver(rig: sr.StereoRig, pair: sr.Pair):
 
 def main() -> None:
     """Print two lines for each scene and figure."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--samples", type=int, default=50, help="bootstrap samples")
     parser.add_argument("--draws", type=int, default=10)
     parser.add_argument("--only", default="", help="parts of names, comma separated")
     options = parser.parse_args()
-    only = [part for part in options.only.split(",") if part]
-    shown = Table(title="degrees, and percent of the baseline", box=None)
-    for head in ("scene", "figure", "way", *AXES, "steadier on"):
-        shown.add_column(head, justify="left" if head in ("scene", "figure", "way") else "right")
+    only = words(options.only)
+    shown = table_of(
+        f"scene | figure | way | {' | '.join(AXES)} | steadier on", title="degrees, and percent of the baseline", left=3
+    )
 
     def add(scene, figure, found):
         dense, features = found
@@ -135,14 +124,14 @@ def main() -> None:
             shown.add_row(scene.name, figure, way, *[f"{v:.4f}" for v in values], said if way == "dense" else "")
         print(scene.name, figure, "dense", dense.round(4), "features", features.round(4), flush=True)
 
-    for scene in frames({n: k for n, k in SEQUENCES.items() if not only or any(p in n for p in only)}):
+    for scene in real({name: limit for name, limit in SEQUENCES.items() if among(name, only)}):
         add(scene, "frames", over_frames(scene))
     for scene in scenes(only):
         if any(name in scene.name for name in KNOWN) and "turned" not in scene.name:
             add(scene, "error", against_truth(scene, options.draws))
         elif "open-sea" not in scene.name and "turned" not in scene.name:
             add(scene, "tiles", over_tiles(scene, options.samples))
-    Console(width=140).print(shown)
+    show(shown)
 
 
 if __name__ == "__main__":

@@ -8,14 +8,12 @@ images show beside is that of the recorded candidate. Harmful, missed, good: as 
 from 0.02 px on.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from recorded import ROWS_CHANGED, Case, recorded
-from rich.console import Console
-from rich.table import Table
+from tables import among, command_line, show, table_of, words
 
 from stereorecal.decision import DEFAULT, Reason, Tolerances, as_tolerances, decide, reason_of
 
@@ -56,23 +54,22 @@ def rules(given: list[str]) -> Iterator[tuple[str, Tolerances]]:
 
 def main() -> None:
     """Replay, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--with", dest="others", action="append", default=[], metavar="NAME=VALUE,…")
     parser.add_argument("--only", default="", help="parts of names of benchmarks or cases, comma separated")
     parser.add_argument("--cases", action="store_true", help="a line for each case that is harmful or missed")
     options = parser.parse_args()
-    wanted = [part for part in options.only.split(",") if part]
     several, found = list(rules(options.others)), {}
     for case in recorded(options.folder):
-        if wanted and not any(part in f"{case.bench} {case.name}" for part in wanted):
+        if not among(f"{case.bench} {case.name}", words(options.only)):
             continue
         for rule, tolerances in several:
             found.setdefault((case.bench, rule), []).append(one := outcome(case, tolerances))
             if options.cases and (one.harmful or one.missed):
                 what = "HARMFUL" if one.harmful else "missed"
                 print(f"{case.bench} | {case.name} | {rule} | {one.reason} | {what}")
-    table = Table("bench", "tolerances", "cases", "accepted", "harmful", "missed", "good or repaired", box=None)
+    table = table_of("bench | tolerances | cases | accepted | harmful | missed | good or repaired", left=2)
     for (bench, rule), outcomes in found.items():
         accepted, harmful, changed, missed, healthy = (
             sum(getattr(one, name) for one in outcomes)
@@ -80,7 +77,7 @@ def main() -> None:
         )
         numbers = (len(outcomes), accepted, f"{harmful} ({changed})", missed, healthy)
         table.add_row(bench, rule, *map(str, numbers))
-    Console(width=140).print(table)
+    show(table)
 
 
 if __name__ == "__main__":

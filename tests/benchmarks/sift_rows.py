@@ -2,38 +2,46 @@
 
 import cv2
 import numpy as np
+from stereorecal_features._matches import matched_pixels
 
 import stereorecal as sr
 from stereorecal.geometry import rectifying_rotations
 
-_RATIO, _MOST = 0.75, 3.0  # of distances to the best and the second best; pixels of row
+Matches = tuple[np.ndarray, np.ndarray]
+_OFF_PLANE = 2.0  # pixels
+_FLAT = 4.0  # of rays, x/z and y/z: within 76 degrees of the axis
 
 
-def sift_matches(stored: sr.StereoRig, pair: sr.Pair) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels of both images that look alike, near the same row of the stored rig: (n, 2) each."""
-    sift = cv2.SIFT.create(6000)
-    images = [np.clip(np.asarray(image), 0, 255).astype(np.uint8) for image in (pair.left, pair.right)]
-    (a, first), (b, second) = (sift.detectAndCompute(image, None) for image in images)
-    pairs = cv2.BFMatcher().knnMatch(first, second, k=2)
-    good = [one for one, other in pairs if one.distance < _RATIO * other.distance]
-    left, right = (
-        np.array([k[i].pt for i in index], float)
-        for k, index in ((a, [m.queryIdx for m in good]), (b, [m.trainIdx for m in good]))
-    )
-    near = np.abs(_differences(stored, left, right)) < _MOST
-    return left[near], right[near]
+def sift_matches(rig: sr.StereoRig, pairs: tuple[sr.Pair, ...]) -> Matches:
+    """Pixels (n, 2) of features of all pairs that are each other's best match, without any extrinsics' say: an
+    essential matrix of their own tells outliers."""
+    found, cameras, focal = [np.zeros((2, 0, 2))], (rig.left, rig.right), float(rig.left.focal[0])
+    for pair in pairs:
+        pixels = np.stack(matched_pixels(pair.left, pair.right, 8000, 0.02, 0.8))
+        flat = np.stack([np.asarray(camera.rays(p))[:, :2] for camera, p in zip(cameras, pixels, strict=True)])
+        good = (np.linalg.norm(flat, axis=2) < _FLAT).all(axis=0)
+        if good.sum() < 5:
+            continue
+        pinhole = np.diag([focal, focal, 1.0])
+        method = {"method": cv2.USAC_MAGSAC, "prob": 0.9999, "threshold": _OFF_PLANE}
+        _, inliers = cv2.findEssentialMat(*(focal * flat[:, good]), pinhole, **method)
+        if inliers is not None:
+            found.append(pixels[:, good][:, inliers.ravel() > 0])
+    left, right = np.concatenate(found, axis=1)
+    return left, right
 
 
-def sift_rows(rig: sr.StereoRig, matches: tuple[np.ndarray, np.ndarray]) -> float:
-    """Median |row difference| under a rig, pixels of the left camera's middle."""
-    return float(np.nanmedian(np.abs(_differences(rig, *matches))))
+def rectified_rays(rig: sr.StereoRig, matches: Matches) -> list[np.ndarray]:
+    """What both cameras see of matched pixels, turned to the rows of a rig: unit vectors (n, 3) each."""
+    turns = rectifying_rotations(rig.rotation, rig.translation)
+    cameras = (rig.left, rig.right)
+    return [np.asarray(c.directions(p)) @ t.T for c, p, t in zip(cameras, matches, turns, strict=True)]
 
 
-def _differences(rig: sr.StereoRig, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Of the angles about the baseline at which both cameras see what matches."""
-    rotations = rectifying_rotations(rig.rotation, rig.translation)
-    angles = []
-    for camera, pixels, rotation in ((rig.left, left, rotations[0]), (rig.right, right, rotations[1])):
-        rays = np.asarray(camera.directions(pixels)) @ np.asarray(rotation).T
-        angles.append(np.arctan2(rays[:, 1], rays[:, 2]))
-    return float(rig.left.focal[0]) * (angles[0] - angles[1])
+def sift_rows(rig: sr.StereoRig, matches: Matches) -> float:
+    """Median |difference| of the angles about the baseline at which both cameras see what matches, in pixels of the
+    left camera's middle; NaN without matches."""
+    if not len(matches[0]):
+        return float("nan")
+    angles = [np.arctan2(rays[:, 1], rays[:, 2]) for rays in rectified_rays(rig, matches)]
+    return float(rig.left.focal[0]) * float(np.nanmedian(np.abs(angles[0] - angles[1])))

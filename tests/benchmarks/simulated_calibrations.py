@@ -26,21 +26,19 @@ _TERMINATE = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 1e-6)
 cv2.setNumThreads(1)
 
 
-def calibration(seed: int, folder: Path) -> dict:
+def calibration(seed: int) -> dict:
     """The true rig of a seed and what its calibration found, kept in a file.
 
     Returns:
         The image `size`; cameras as matrix and distortion: `true_left` and `true_right`, and as they were found, `left`
         and `right`; `true_extrinsics` (6,), and what was found, `R` and `T`; whether images are to be `rectified`;
-        `boards`: the corners on the board (n, 3) as the user believes them to be [m], and those seen (views, 2, n, 2);
-        `about` it: number of views, their baselines (nearest, farthest), noise [px], the squares' error (a share),
-        what was held (sloppy), joint, k3, richer lenses, rms [px], degrees of view.
+        `boards`: the corners on the board (n, 3) as the user believes them to be [m], and those seen (views, 2, n, 2).
     """
-    path = folder / f"{VERSION}-{seed:06d}.pickle"
+    path = FOLDER / f"{VERSION}-{seed:06d}.pickle"
     if path.exists():
         return pickle.loads(path.read_bytes())
     known = next(filter(None, (_calibrated([seed, _STREAM, attempt]) for attempt in range(1000))))
-    folder.mkdir(parents=True, exist_ok=True)
+    FOLDER.mkdir(parents=True, exist_ok=True)
     mine = path.with_suffix(f".{os.getpid()}")
     mine.write_bytes(pickle.dumps(known))
     mine.replace(path)
@@ -51,7 +49,7 @@ def _calibrated(stream: list[int]) -> dict | None:
     """A true rig and its calibration; None where a user would have thrown it away."""
     rng = np.random.default_rng(stream)
     size = SIZES[rng.integers(len(SIZES))]
-    lenses, about = _lenses(rng, size)
+    lenses = _lenses(rng, size)
     baseline = np.exp(rng.uniform(np.log(0.06), np.log(0.5)))
     translation = np.array([-1.0, *rng.normal(0.0, 0.005, 2)])
     translation *= baseline / np.linalg.norm(translation)
@@ -61,16 +59,14 @@ def _calibrated(stream: list[int]) -> dict | None:
     board, views = _views(rng, true, number, far)
     if len(views) < 6:
         return None
-    flags, sloppy = (0 if rng.random() < 0.05 else cv2.CALIB_FIX_K3), "no"
+    flags = 0 if rng.random() < 0.05 else cv2.CALIB_FIX_K3
     joint_flags, joint = 0, bool(rng.random() < 0.5)
     if rng.random() < 0.1:
-        sloppy = str(rng.choice(["aspect", "focal", "tangent", "centre"]))
-        name = {"aspect": "FIX_ASPECT_RATIO", "tangent": "ZERO_TANGENT_DIST", "centre": "FIX_PRINCIPAL_POINT"}.get(
-            sloppy
-        )
-        flags |= getattr(cv2, f"CALIB_{name}") if name else 0
-        if sloppy == "focal":
+        sloppy = rng.choice(["FIX_ASPECT_RATIO", "SAME_FOCAL_LENGTH", "ZERO_TANGENT_DIST", "FIX_PRINCIPAL_POINT"])
+        if sloppy == "SAME_FOCAL_LENGTH":
             joint, joint_flags = True, cv2.CALIB_SAME_FOCAL_LENGTH
+        else:
+            flags |= getattr(cv2, f"CALIB_{sloppy}")
     objects = [(board * (1 + squares)).astype(np.float32)] * len(views)
     seen = [[(v[s] + rng.normal(0.0, noise, v[s].shape)).astype(np.float32) for v in views] for s in (0, 1)]
     rectified = bool(rng.random() < 0.25)
@@ -90,17 +86,9 @@ def _calibrated(stream: list[int]) -> dict | None:
         sr.view(found)
     except (cv2.error, sr.InputError):
         return None
-    scale = [
-        g.matrix[i, i] / t.matrix[i, i] - 1
-        for g, t in ((found.left, lenses[0]), (found.right, lenses[1]))
-        for i in (0, 1)
-    ]
-    if (
-        rms > 1.0
-        or max(monos[0][0], monos[1][0]) > 1.0
-        or np.abs(scale).max() > 0.1
-        or not np.isfinite(sr.view(found).focal)
-    ):
+    scale = [found.left.focal / lenses[0].focal - 1.0, found.right.focal / lenses[1].focal - 1.0]
+    worst_rms = max(rms, monos[0][0], monos[1][0])
+    if worst_rms > 1.0 or np.abs(scale).max() > 0.1 or not np.isfinite(sr.view(found).focal):
         return None
     return {
         "size": size,
@@ -113,21 +101,10 @@ def _calibrated(stream: list[int]) -> dict | None:
         "T": np.ravel(T),
         "rectified": rectified,
         "boards": (objects[0], np.stack(seen, axis=1)),
-        "about": about
-        | {
-            "views": len(views),
-            "baselines": (float(min(v[2] for v in views)), float(max(v[2] for v in views))),
-            "noise": float(noise),
-            "squares": float(squares),
-            "sloppy": sloppy,
-            "joint": joint,
-            "k3": not flags & cv2.CALIB_FIX_K3,
-            "rms": float(rms),
-        },
     }
 
 
-def _lenses(rng: np.random.Generator, size: tuple[int, int]) -> tuple[list[sr.Camera], dict]:
+def _lenses(rng: np.random.Generator, size: tuple[int, int]) -> list[sr.Camera]:
     """Two true cameras of one make."""
     width, height = size
     while True:
@@ -150,14 +127,14 @@ def _lenses(rng: np.random.Generator, size: tuple[int, int]) -> tuple[list[sr.Ca
     for _ in range(2):
         own = [k1 + rng.normal(0.0, 0.004), k2 + rng.normal(0.0, 0.004), *rng.normal(0.0, 5e-4, 2), k3]
         # A lens that is no body of rotation: terms of second and fourth degree, some tenths of a pixel in the corners.
-        odd = (
-            rng.normal(0.0, 0.3 / focal, 4) / np.array([corner**2, corner**4] * 2) if richer == "fifth" else np.zeros(4)
-        )
+        odd = np.zeros(4)
+        if richer == "fifth":
+            odd = rng.normal(0.0, 0.3 / focal, 4) / np.array([corner**2, corner**4] * 2)
         f = focal * (1 + rng.normal(0.0, 0.003))
         c = (np.array(size) - 1) / 2 + rng.normal(0.0, 0.01 * width, 2)
         matrix = np.array([[f, 0, c[0]], [0, f * (1 + rng.normal(0.0, 3e-4)), c[1]], [0, 0, 1.0]])
         lenses.append(sr.Camera(size, matrix, np.concatenate([own, np.zeros(3), odd])))
-    return lenses, {"degrees": degrees, "richer": richer}
+    return lenses
 
 
 def _views(rng: np.random.Generator, rig: sr.StereoRig, number: int, far: float) -> tuple[np.ndarray, list]:
@@ -174,18 +151,13 @@ def _views(rng: np.random.Generator, rig: sr.StereoRig, number: int, far: float)
     for _ in range(60 * number):
         depth = far * baseline * 0.45 / rng.uniform(0.3, 0.65)
         tilt, about = np.radians(rng.uniform(0.0, 40.0)), rng.uniform(0.0, 2 * np.pi)
-        turned = (
-            board
-            @ (
-                cv2.Rodrigues(tilt * np.array([np.cos(about), np.sin(about), 0.0]))[0]
-                @ cv2.Rodrigues(np.array([0.0, 0.0, rng.normal(0.0, 0.2)]))[0]
-            ).T
-        )
+        tilted = cv2.Rodrigues(tilt * np.array([np.cos(about), np.sin(about), 0.0]))[0]
+        turned = board @ (tilted @ cv2.Rodrigues(np.array([0.0, 0.0, rng.normal(0.0, 0.2)]))[0]).T
         middle = rng.uniform(-0.5, 0.5, 2) * [width, height] / focal * depth + [0.5 * baseline, 0.0]
         points = turned + np.array([*middle, depth])
         left, right = project(rig.left, points), project(rig.right, points @ rig.rotation.T + rig.translation)
         if np.isfinite(left).all() and np.isfinite(right).all():
-            views.append((left, right, depth / baseline))
+            views.append((left, right))
         if len(views) == number:
             break
     return board, views

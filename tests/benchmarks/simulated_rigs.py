@@ -1,9 +1,5 @@
 """Simulated calibrations without images, to count on thousands of rigs what is rare.
 
-Prints what the stored ones are worth, without any repair:
-
-    python tests/benchmarks/simulated_rigs.py [--rigs N] [--first SEED] [--step N] [--folder FOLDER]
-
 A true rig is drawn, calibrated by OpenCV on simulated chessboards as an honest user would do it, drifts, and sees
 scenes, of which `Simulated.correspondences` gives what the library's matcher would find, in raw images or in images
 that were rectified by the calibration. Nothing in here is part of any estimate: it is a judge.
@@ -13,25 +9,21 @@ that were rectified by the calibration. Nothing in here is part of any estimate:
 Calibrations are kept in a folder, by seed (`simulated_calibrations.py`); all else is drawn anew, the same for a seed.
 """
 
-import argparse
 import functools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
-from simulated_calibrations import FOLDER, calibration
+from simulated_calibrations import calibration
 from simulated_cameras import Eye, project, rays
-from simulated_matching import matching_errors, unmatched
-from simulated_scenes import inverse_depth
+from simulated_scenes import inverse_depth, matching_errors, unmatched
 from stereorecal_boards import Board
 
 import stereorecal as sr
 from stereorecal.geometry import PINHOLE, rectifying_rotations
 from stereorecal.scoring import TILES, Correspondences
 
+AXES = ("pitch", "yaw", "roll", "y", "z")
 DRIFTS = ("none", "all", "yaw", "pitch", "roll")
 DEGREES = (0.1, 0.3, 0.5, 2.5)
 BASELINES = (4.0, 10.0, 30.0, 100.0)
@@ -48,29 +40,21 @@ class Simulated:
         calibrated: what the user has: the stored rig.
         left, right, rotation, translation: the truth after the drift; `x_right = rotation x_left + translation`, in the
             frames of the images.
-        drift: (6,), what was added to the true extrinsics: pitch, yaw, roll [rad], x, y, z [m].
         true_raw: the true rig after the drift, as it is; that of the images unless these were `rectified`.
-        calibrated_raw: the calibration's rig, as `cv2.stereoCalibrate` left it.
         boards: those of the calibration, as the images show them: the corners of a view (n, 2) in both, and the
             corners on the board (n, 3) as the user believes them to be, metres.
         rectified: whether the images were rectified by the calibration: one K, no distortion, R = I.
-        about: how it was calibrated, as `simulated_calibrations.calibration` says.
     """
 
     seed: int
-    drift_kind: str
-    drift_degrees: float
     calibrated: sr.StereoRig
     left: Eye
     right: Eye
     rotation: np.ndarray
     translation: np.ndarray
-    drift: np.ndarray
     true_raw: sr.StereoRig
-    calibrated_raw: sr.StereoRig
     rectified: bool
     boards: tuple[Board, ...]
-    about: dict
 
     # What a matcher finds.
 
@@ -128,22 +112,6 @@ class Simulated:
             view.projection,
         )
 
-    def ranges(self, number: int, noise: float = 0.01, draw: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of a scene of its own: left and right pixels (n, 2) that show the same, with errors of 0.15 pixels, and the
-        distances (n,) [m] that something else measured of it, with a noise of so large a share; a tenth is of other
-        things."""
-        rng = np.random.default_rng([self.seed, _SCENE, draw, 1000])
-        left = rng.uniform(0.05, 0.95, (4 * number, 2)) * self.calibrated.left.size
-        true = self.left.rays(left)
-        points = true / inverse_depth(true, rng)[:, None] * self._baseline
-        right = self.right.pixels(points @ self.rotation.T + self.translation)
-        right += rng.normal(0.0, 0.15, right.shape)
-        metres = np.linalg.norm(points, axis=1) * (1.0 + noise * rng.normal(size=len(points)))
-        other = rng.random(len(metres)) < 0.1
-        metres[other] *= rng.uniform(0.3, 3.0, other.sum())
-        seen = np.flatnonzero(np.isfinite(right).all(axis=1) & np.isfinite(metres))[:number]
-        return left[seen], right[seen], metres[seen]
-
     # Judges: points of the world, where they truly appear, as `rig` reads them.
 
     def rows_px(self, rig: sr.StereoRig, baselines: Sequence[float] = BASELINES, *, rms: bool = False) -> np.ndarray:
@@ -168,27 +136,6 @@ class Simulated:
             depth = along[self._central] * float(rig.baseline) / np.where(near > 0.0, near, np.nan)
             depth = np.where(near <= 0.0, np.inf, depth)
             yield 100.0 * (depth / (distance * self._baseline) - 1.0)
-
-    def calibration_errors(self) -> dict[str, float]:
-        """What the calibration left: each parameter less the truth before the drift, raw cameras: f in percent, centres
-        in pixels for a width of 640, rotations in degrees, y, z and the baseline's length in percent of it."""
-        errors = {}
-        for side in ("left", "right"):
-            given, true = getattr(self.calibrated_raw, side), getattr(self.true_raw, side)
-            size = 640.0 / true.size[0]
-            errors |= {
-                f"{side}.f": 100.0 * (given.matrix[0, 0] / true.matrix[0, 0] - 1.0),
-                f"{side}.cx": size * (given.matrix[0, 2] - true.matrix[0, 2]),
-                f"{side}.cy": size * (given.matrix[1, 2] - true.matrix[1, 2]),
-            }
-            names = ("k1", "k2", "p1", "p2")
-            errors |= {f"{side}.{n}": given.distortion[i] - true.distortion[i] for i, n in enumerate(names)}
-        true = self.true_raw.extrinsics - self.drift
-        apart = self.calibrated_raw.extrinsics - true
-        errors |= {name: float(np.degrees(apart[i])) for i, name in enumerate(("pitch", "yaw", "roll"))}
-        length = float(np.linalg.norm(true[3:]))
-        errors |= {"y": 100.0 * apart[4] / length, "z": 100.0 * apart[5] / length}
-        return errors | {"length": 100.0 * (float(self.calibrated_raw.baseline) / length - 1.0)}
 
     @property
     def _baseline(self) -> float:
@@ -251,27 +198,26 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 
-def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *, folder: Path = FOLDER) -> Simulated:
-    """The rig of a seed, calibrated and then drifted.
+def drift_of(kind: str, degrees: float, baseline: float, rng: np.random.Generator) -> np.ndarray:
+    """Of pitch, yaw, roll [rad], x, y, z [m]. "all": each angle within ± `degrees`, y and z within ± 0.9 % of the
+    baseline for each degree; one axis: this one alone by + or - `degrees`."""
+    drift = np.zeros(6)
+    if kind == "all":
+        limits = np.radians(degrees), SHIFT * degrees * baseline
+        drift[[0, 1, 2, 4, 5]] = rng.uniform(-1.0, 1.0, 5) * np.repeat(limits, [3, 2])
+    elif kind != "none":
+        drift[AXES.index(kind)] = rng.choice([-1.0, 1.0]) * np.radians(degrees)
+    return drift
 
-    Args:
-        drift_kind: one of DRIFTS. "all": each angle within ± `drift_degrees`, y and z within ± 0.9 % of the baseline
-            for each degree; one axis: this one alone by + or - `drift_degrees`.
-        folder: where calibrations are kept.
-    """
-    if drift_kind not in DRIFTS:
-        raise ValueError(f"{drift_kind!r} is none of {DRIFTS}")
-    known = calibration(seed, Path(folder))
-    size, about = known["size"], known["about"]
+
+def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0) -> Simulated:
+    """The rig of a seed, calibrated and then drifted (`drift_of`)."""
+    known = calibration(seed)
+    size = known["size"]
     true_cameras = [sr.Camera(size, *known[side]) for side in ("true_left", "true_right")]
     read = [sr.Camera(size, *known[side]) for side in ("left", "right")]
-    drift = np.zeros(6)
     rng = np.random.default_rng([seed, _DRIFT, DRIFTS.index(drift_kind)])
-    if drift_kind == "all":
-        limits = np.radians(drift_degrees), SHIFT * drift_degrees * np.linalg.norm(known["true_extrinsics"][3:])
-        drift[[0, 1, 2, 4, 5]] = rng.uniform(-1.0, 1.0, 5) * np.repeat(limits, [3, 2])
-    elif drift_kind != "none":
-        drift[("pitch", "yaw", "roll").index(drift_kind)] = rng.choice([-1.0, 1.0]) * np.radians(drift_degrees)
+    drift = drift_of(drift_kind, drift_degrees, float(np.linalg.norm(known["true_extrinsics"][3:])), rng)
     true_raw = sr.StereoRig(*true_cameras, known["true_extrinsics"] + drift)
     calibrated_raw = sr.StereoRig.from_rotation(*read, known["R"], known["T"])
     rotation, translation, eye = true_raw.rotation, true_raw.translation, np.eye(3)
@@ -286,64 +232,11 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0, *
         calibrated = sr.StereoRig(flat, flat, np.array([0.0, 0.0, 0.0, -float(calibrated_raw.baseline), 0.0, 0.0]))
     board, views = known["boards"]
     boards = [_board([eye.shown(some) for eye, some in zip(eyes, view, strict=True)], board) for view in views]
-    return Simulated(
-        seed,
-        drift_kind,
-        drift_degrees,
-        calibrated,
-        *eyes,
-        rotation,
-        translation,
-        drift,
-        true_raw,
-        calibrated_raw,
-        known["rectified"],
-        tuple(one for one in boards if one is not None),
-        about,
-    )
+    held = tuple(one for one in boards if one is not None)
+    return Simulated(seed, calibrated, *eyes, rotation, translation, true_raw, known["rectified"], held)
 
 
 def _board(seen: list[np.ndarray], points: np.ndarray) -> Board | None:
     """The corners that both images hold; None of a board of which rectified images hold less than half."""
     both = np.isfinite(np.column_stack(seen)).all(axis=1)
     return Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
-
-
-def main() -> None:
-    """Calibrate, let drift, judge."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rigs", type=int, default=200)
-    parser.add_argument("--first", type=int, default=0, help="seed of the first rig")
-    parser.add_argument("--step", type=int, default=1, help="2: even seeds only, or odd ones")
-    parser.add_argument("--folder", type=Path, default=FOLDER, help="where calibrations are kept")
-    options = parser.parse_args()
-    seeds = [options.first + options.step * index for index in range(options.rigs)]
-    for seed in seeds:
-        calibration(seed, options.folder)
-    console = Console(width=165)
-    shown = Table(title=f"{len(seeds)} stored calibrations: medians over rigs (nine of ten below)", box=None)
-    shown.add_column("drift")
-    for head in [f"rows {b:.0f} B" for b in BASELINES] + [f"|depth| {b:.0f} B, %" for b in BASELINES]:
-        shown.add_column(head, justify="right")
-    for kind in DRIFTS:
-        for degrees in (0.0,) if kind == "none" else DEGREES:
-            rigs = [simulated(seed, kind, degrees, folder=options.folder) for seed in seeds]
-            rows = np.array([rig.rows_px(rig.calibrated) for rig in rigs])
-            depth = np.abs([rig.depth_error_percent(rig.calibrated) for rig in rigs])
-            values = np.concatenate([rows, depth], axis=1)
-            middle, high = (np.nanquantile(values, q, axis=0, method="higher") for q in (0.5, 0.9))
-            cells = [f"{m:.3g} ({h:.3g})" for m, h in zip(middle, high, strict=True)]
-            shown.add_row(f"{kind} {degrees}°" if degrees else kind, *cells)
-    console.print(shown)
-    left = [simulated(seed, folder=options.folder).calibration_errors() for seed in seeds]
-    errors = Table(title="what calibrations leave", box=None)
-    for head in ("parameter", "standard deviation", "1.48 x median |error|"):
-        errors.add_column(head, justify="left" if head == "parameter" else "right")
-    for name in ("f", "cx", "cy", "k1", "k2", "p1", "p2", "pitch", "yaw", "roll", "y", "z", "length"):
-        values = np.array([value for row in left for key, value in row.items() if key.rpartition(".")[2] == name])
-        errors.add_row(name, f"{np.sqrt(np.mean(values**2)):.4f}", f"{1.4826 * np.median(np.abs(values)):.4f}")
-    console.print(errors)
-
-
-if __name__ == "__main__":
-    main()

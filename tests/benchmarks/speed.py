@@ -1,19 +1,16 @@
 """How fast, beside OpenCV with the same settings and as many threads? Prints one table, in one run.
 
-    python tests/benchmarks/speed.py [--rounds N] [--json FILE] [--part platforms]
+    python tests/benchmarks/speed.py [--rounds N] [--part platforms]
 
 Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
 process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
 rendered street, 741x500, 80 disparities, window 11, x-Sobel prefilter, uniqueness, texture and left-right check on;
-repairs and growth: 640x480.
+repairs: 640x480.
 """
 
-import argparse
 import ctypes
 import json
 import os
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -24,8 +21,10 @@ import cv2
 import jax
 import jax.numpy as jnp
 import numpy as np
-from rich.console import Console
+from processes import first_cores, last_line, memory_mb
+from real_scenes import rig_of
 from rich.table import Table
+from tables import command_line, show, table_of
 
 import stereorecal as sr
 from stereorecal.geometry import bilinear_warp, pixel_map, rectifying_rotations, with_unit_baseline
@@ -33,7 +32,6 @@ from stereorecal.objectives import Reach, count_chart
 from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
-from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
@@ -135,37 +133,21 @@ def around(rig: sr.StereoRig, number: int) -> np.ndarray:
 
 def matching(threads: int, rounds: int) -> Iterator[Figure]:
     """SAD against StereoBM and StereoSGBM."""
-    scene = scene_of((741, 500), 8)
-    assert scene.rig is not None
-    view = sr.view(scene.rig)
-    data = prepare(scene.rig, scene.pairs, view)
-    frames = [rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics))) for frame in data.frames]
-    bytes_of = [[np.asarray(side).round().astype(np.uint8) for side in (f.left, f.right)] for f in frames]
+    scene = scene_of((741, 500))
+    (frame,) = prepare(scene.rig, scene.pairs, sr.view(scene.rig)).frames
+    rectified = rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics)))
+    images = [np.asarray(side).round().astype(np.uint8) for side in (rectified.left, rectified.right)]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
-    ours, theirs, slower = timed(
-        rounds,
-        lambda: match_in_blocks(MATCHER, frames[0]),
-        lambda: bm.compute(*bytes_of[0]),
-        lambda: sgbm.compute(*bytes_of[0]),
-    )
+    matched = (lambda: match_in_blocks(MATCHER, rectified), lambda: bm.compute(*images), lambda: sgbm.compute(*images))
+    ours, theirs, slower = timed(rounds, *matched)
     yield Figure("SAD / StereoBM, one pair", threads, ours, theirs, "1.5" if threads == 1 else "2.0")
     yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower, "")
-
-    def matcher_of_a_thread():
-        own = block_matcher(80)
-        return lambda images: own.compute(*images)
-
-    others = spread(threads, matcher_of_a_thread, bytes_of)
-    ours, theirs = timed(rounds, lambda: on_all_cores(lambda f: match_in_blocks(MATCHER, f), frames), others)
-    cv2.setNumThreads(threads)
-    yield Figure("SAD / StereoBM, 8 pairs", threads, ours, theirs, "1.5" if threads == 2 else "")
 
 
 def warping(threads: int, rounds: int) -> Iterator[Figure]:
     """One warp, maps included."""
     scene = scene_of((741, 500))
-    rig, pair = scene.rig, scene.pairs[0]
-    assert rig is not None
+    rig, pair = rig_of(scene), scene.pairs[0]
     view, turn = sr.view(rig), rectifying_rotations(rig.rotation, rig.translation)[0]
     matrix, camera = np.asarray(view.matrix_left), rig.left
     image, pixels = jnp.asarray(pair.left), np.round(pair.left).astype(np.uint8)
@@ -175,23 +157,18 @@ def warping(threads: int, rounds: int) -> Iterator[Figure]:
         return bilinear_warp(image, jax.lax.optimization_barrier(pixel_map(camera, turn, matrix, view.size)))
 
     turned = jnp.asarray(turn, jnp.float32)
-    yield Figure(
-        "one warp, maps included / cv2",
-        threads,
-        *timed(
-            rounds,
-            lambda: warp(image, turned).block_until_ready(),
-            lambda: remapped(camera, pixels, turn, matrix, view.size),
-        ),
-        "2.0",
+    ours, theirs = timed(
+        rounds,
+        lambda: warp(image, turned).block_until_ready(),
+        lambda: remapped(camera, pixels, turn, matrix, view.size),
     )
+    yield Figure("one warp, maps included / cv2", threads, ours, theirs, "2.0")
 
 
 def counting(threads: int, rounds: int) -> Iterator[Figure]:
     """Ten candidates at quarter scale; a search of 500 evaluations at full scale."""
     scene = scene_of((741, 500))
-    rig = scene.rig
-    assert rig is not None
+    rig = rig_of(scene)
     view = sr.view(rig)
     quarter = prepare(rig, scene.pairs, view, 0.25)
     size = (quarter.left.shape[2], quarter.left.shape[1])
@@ -202,9 +179,8 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
     stacked = np.stack([with_unit_baseline(c) for c in candidates])
     ours, theirs = timed(rounds, lambda: counts(quarter, stacked, matcher), others)
     cv2.setNumThreads(threads)
-    yield Figure(
-        "10 counts at quarter scale, 32 disparities / OpenCV", threads, ours, theirs, "1.2" if threads == 2 else ""
-    )
+    name = "10 counts at quarter scale, 32 disparities / OpenCV"
+    yield Figure(name, threads, ours, theirs, "1.2" if threads == 2 else "")
     if threads == 2:
         start = sr.synthetic.decalibrate(rig, jax.random.key(0), 1.0, 0.01)
         compass, budget = strategy("compass", min_step=1e-12), Budget(500)
@@ -232,27 +208,9 @@ def repairing(threads: int, rounds: int) -> Iterator[Figure]:
     yield Figure("a default repair, 640x480", threads, float(np.median(times)), None, "400 ms" if threads == 2 else "")
 
 
-def growing(threads: int, rounds: int) -> Iterator[Figure]:
-    """How the cost of counting grows."""
-    base, matcher = ((640, 480), 1, 1), sr.SAD(num_disparities=64)
-    for name, (size, frames, candidates), asked in (
-        ("one count, 640x480, 64 disparities", base, matcher),
-        ("  four times the pixels", ((1280, 960), 1, 1), matcher),
-        ("  twice the disparities", base, sr.SAD(num_disparities=128)),
-        ("  four frames", ((640, 480), 4, 1), matcher),
-        ("  four candidates", ((640, 480), 1, 4), matcher),
-    ):
-        scene = scene_of(size, frames)
-        assert scene.rig is not None
-        data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
-        stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, candidates)])
-        yield Figure(name, threads, timed(rounds, lambda d=data, s=stacked, m=asked: counts(d, s, m))[0], None, "")
-
-
 def on_this_platform() -> None:
     """Print the platform, and what it does to many candidates at once and in a repair."""
     scene = scene_of((741, 500))
-    assert scene.rig is not None
     full, quarter = (prepare(scene.rig, scene.pairs, sr.view(scene.rig), scale) for scale in (1.0, 0.25))
     stacked = np.stack([with_unit_baseline(c) for c in around(scene.rig, 256)])
     slope = jax.jit(jax.vmap(jax.grad(lambda e: sr.soft_count(quarter, e, MATCHER))))
@@ -274,7 +232,7 @@ def on_this_platform() -> None:
     print(json.dumps([jax.default_backend(), figures]))
 
 
-PARTS = {1: (matching, warping, counting, repairing, growing), 2: (matching, counting, repairing, growing)}
+PARTS = {1: (matching, warping, counting, repairing), 2: (matching, counting, repairing)}
 
 
 def measured(threads: int, rounds: int) -> list[Figure]:
@@ -286,74 +244,48 @@ def measured(threads: int, rounds: int) -> list[Figure]:
 def peak_memory() -> None:
     """Print how many megabytes one evaluation of 1280x720 pixels and 128 disparities adds at its peak."""
     scene = scene_of((1280, 720))
-    assert scene.rig is not None
     data = prepare(scene.rig, scene.pairs, sr.view(scene.rig))
     stacked, matcher = with_unit_baseline(scene.rig.extrinsics)[None], sr.SAD(num_disparities=128)
     counts(data, stacked, matcher)  # compiles
-    status, clear = Path("/proc/self/status"), Path("/proc/self/clear_refs")
-
     ctypes.CDLL("libc.so.6").malloc_trim(0)  # or what the first call left would count as there before
-
-    def kilobytes(key: str) -> int:
-        return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith(key))
-
-    before = kilobytes("VmRSS")
-    clear.write_text("5")  # forgets the peak so far
+    before = memory_mb()
+    Path("/proc/self/clear_refs").write_text("5")  # forgets the peak so far
     counts(data, stacked, matcher)
-    print((kilobytes("VmHWM") - before) / 1024)
+    print(memory_mb("VmHWM") - before)
 
 
-def in_a_process(part: str, cores: int, rounds: int, **environment: str) -> str:
-    """The last line that this program prints as `--part part`, bound to so many cores."""
-    bound = sorted(os.sched_getaffinity(0))[:cores]
-    words = [sys.executable, __file__, "--part", part, "--rounds", str(rounds)]
-    run = subprocess.run(
-        words,
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=lambda: os.sched_setaffinity(0, bound),
-        env={**os.environ, **environment},
-    )
-    if run.returncode:
-        raise SystemExit(run.stderr)
-    return run.stdout.splitlines()[-1]
+def part(name: str, cores: int, rounds: int, **environment: str) -> str:
+    """What this program prints last as `--part name`, bound to so many cores."""
+    return last_line(__file__, "--part", name, "--rounds", rounds, cores=first_cores(cores), **environment)
 
 
-def of_each_platform(rounds: int) -> dict[str, dict[str, float]]:
+def of_each_platform(rounds: int) -> Table:
     """What JAX's own platform and the CPU do in a second, on all cores: once where they are the same."""
     everywhere = len(os.sched_getaffinity(0))
-    platforms = {}, {"JAX_PLATFORMS": "cpu"}
-    return dict(json.loads(in_a_process("platform", everywhere, rounds, **p)) for p in platforms)
-
-
-def show(figures: list[Figure], megabytes: float, per_second: dict[str, dict[str, float]]) -> None:
-    """Print the tables: beside OpenCV, and on each platform that JAX has."""
-    shown = Table(title=f"{os.cpu_count()} cores, OpenCV {cv2.__version__}, JAX {jax.__version__}", box=None)
-    for head in ("figure", "threads", "ours, ms", "OpenCV, ms", "ratio", "target"):
-        shown.add_column(head, justify="left" if head == "figure" else "right")
-    for f in figures:
-        other, ratio = ("", "") if f.theirs is None else (f"{f.theirs:.2f}", f"{f.ours / f.theirs:.2f}")
-        shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio, f.target)
-    shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "", "50 MB")
-    Console(width=120).print(shown, on_platforms(per_second))
-
-
-def on_platforms(per_second: dict[str, dict[str, float]]) -> Table:
-    """The table of what each platform does in a second."""
-    shown = Table(title="in a second", box=None)
-    for head in ("figure", *per_second):
-        shown.add_column(head, justify="left" if head == "figure" else "right")
+    per_second = dict(json.loads(part("platform", everywhere, rounds, **p)) for p in ({}, {"JAX_PLATFORMS": "cpu"}))
+    shown = table_of(" | ".join(["figure", *per_second]), title="in a second")
     for name in next(iter(per_second.values())):
         shown.add_row(name, *(f"{speeds[name]:.3g}" for speeds in per_second.values()))
     return shown
 
 
+def beside_opencv(figures: list[Figure], megabytes: float) -> Table:
+    """The table of what each side takes."""
+    shown = table_of(
+        "figure | threads | ours, ms | OpenCV, ms | ratio | target",
+        title=f"{os.cpu_count()} cores, OpenCV {cv2.__version__}, JAX {jax.__version__}",
+    )
+    for f in figures:
+        other, ratio = ("", "") if f.theirs is None else (f"{f.theirs:.2f}", f"{f.ours / f.theirs:.2f}")
+        shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio, f.target)
+    shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "", "50 MB")
+    return shown
+
+
 def main() -> None:
     """Time both sides, in processes of their own."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--json", type=Path)
     parser.add_argument("--part", help="platforms: only what JAX's own platform and the CPU do in a second")
     options = parser.parse_args()
     if options.part == "memory":
@@ -361,15 +293,13 @@ def main() -> None:
     elif options.part == "platform":
         on_this_platform()
     elif options.part == "platforms":
-        Console(width=120).print(on_platforms(of_each_platform(options.rounds)))
+        show(of_each_platform(options.rounds))
     elif options.part:
         print(json.dumps([asdict(f) for f in measured(int(options.part), options.rounds)]))
     else:
-        parts = [json.loads(in_a_process(str(threads), threads, options.rounds)) for threads in PARTS]
-        figures = [Figure(**figure) for part in parts for figure in part]
-        show(figures, float(in_a_process("memory", 1, options.rounds)), of_each_platform(options.rounds))
-        if options.json:
-            options.json.write_text(json.dumps([asdict(f) for f in figures], indent=1))
+        parts = [json.loads(part(f"{threads}", threads, options.rounds)) for threads in PARTS]
+        figures = [Figure(**figure) for some in parts for figure in some]
+        show(beside_opencv(figures, float(part("memory", 1, options.rounds))), of_each_platform(options.rounds))
 
 
 if __name__ == "__main__":

@@ -1,22 +1,55 @@
 """Ways in which images are spoiled: half of them the model of the estimate explains, half of them it does not."""
 
+import zlib
 from collections.abc import Callable
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
+import stereorecal as sr
+
 Images = tuple[np.ndarray, np.ndarray]
 Spoil = Callable[[np.ndarray, np.ndarray, np.random.Generator], Images]
+
+
+def spoiled(scene: sr.Scene, spoil: Spoil, case: str, *, common: bool = False) -> sr.Scene:
+    """The scene with spoiled images of whole grey levels. What moves does so differently in each frame, the other way
+    round or not at all, unless all have one `common` cause."""
+    pairs = []
+    for index, pair in enumerate(scene.pairs):
+        draw = np.random.default_rng([zlib.crc32(case.encode()), 0 if common else index])
+        clean = np.asarray(pair.left, float), np.asarray(pair.right, float)
+        images = spoil(*clean, draw)
+        if index and case.startswith(MOVING) and not common:
+            images = (images, spoil(*clean[::-1], draw)[::-1], clean)[int(draw.integers(3))]
+        left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
+        pairs.append(sr.Pair(left, right, pair.name))
+    return replace(scene, pairs=tuple(pairs))
+
+
+def grid(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Columns and rows of all pixels, float32."""
+    y, x = np.mgrid[: image.shape[0], : image.shape[1]].astype(np.float32)
+    return x, y
+
+
+def taken_from(image: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The image at these places."""
+    there = x.astype(np.float32), y.astype(np.float32)
+    return cv2.remap(image.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+
+def of_both(drawn: Callable[[np.ndarray, np.random.Generator], np.ndarray]) -> Spoil:
+    """The same done to each image, left first."""
+    return lambda left, right, draw: (drawn(left, draw), drawn(right, draw))
 
 
 # --- what the model explains -------------------------------------------------------------------------------
 
 
 def noise(sigma: float) -> Spoil:
-    return lambda left, right, draw: (
-        left + draw.normal(0, sigma, left.shape),
-        right + draw.normal(0, sigma, left.shape),
-    )
+    return of_both(lambda image, draw: image + draw.normal(0, sigma, image.shape))
 
 
 def blur(sigma: float) -> Spoil:
@@ -28,13 +61,11 @@ def exposure(gain: float, gamma: float) -> Spoil:
 
 
 def jpeg(quality: int) -> Spoil:
-    def coded(image: np.ndarray) -> np.ndarray:
-        bytes_ = cv2.imencode(".jpg", image.round().clip(0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])[
-            1
-        ]
-        return cv2.imdecode(bytes_, cv2.IMREAD_GRAYSCALE).astype(float)
+    def coded(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
+        bytes_ = cv2.imencode(".jpg", image.round().clip(0, 255).astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, quality])
+        return cv2.imdecode(bytes_[1], cv2.IMREAD_GRAYSCALE).astype(float)
 
-    return lambda left, right, draw: (coded(left), coded(right))
+    return of_both(coded)
 
 
 def spots(number: int, value: float, both: bool) -> Spoil:
@@ -49,7 +80,7 @@ def spots(number: int, value: float, both: bool) -> Spoil:
             cv2.ellipse(image, centre, axes, 0.0, 0.0, 360.0, value, -1)
         return image
 
-    return lambda left, right, draw: (drawn(left, draw) if both else left, drawn(right, draw))
+    return of_both(drawn) if both else lambda left, right, draw: (left, drawn(right, draw))
 
 
 def rain(number: int) -> Spoil:
@@ -61,7 +92,14 @@ def rain(number: int) -> Spoil:
             cv2.line(layer, (x, y), (x + length // 6, y + length), float(draw.uniform(20, 60)), 1)
         return image + cv2.GaussianBlur(layer, (0, 0), 0.8)
 
-    return lambda left, right, draw: (drawn(left, draw), drawn(right, draw))
+    return of_both(drawn)
+
+
+def vignetting(left, right, draw):
+    """The corners of the left image have lost 60 % of their light, those of the right one 30 %."""
+    (height, width), (x, y) = left.shape, grid(left)
+    r2 = 2.0 * ((x / width - 0.5) ** 2 + (y / height - 0.5) ** 2)
+    return left * (1.0 - 0.6 * r2), right * (1.0 - 0.3 * r2)
 
 
 EXPLAINED: dict[str, Spoil] = {
@@ -77,6 +115,8 @@ EXPLAINED: dict[str, Spoil] = {
     "glints": spots(300, 255.0, True),
     "rain": rain(600),
     "dirt": spots(25, 60.0, False),
+    "vignetting": vignetting,
+    "shake": of_both(lambda image, draw: cv2.blur(image, (1, 9))),
 }
 
 # --- what it does not --------------------------------------------------------------------------------------
@@ -86,11 +126,9 @@ def warped(of_rows: Callable, of_columns: Callable) -> Spoil:
     """The right image, taken from (x + of_columns, y + of_rows), both functions of x and y from -1 to 1, in pixels."""
 
     def spoil(left, right, draw):
-        height, width = right.shape
-        y, x = np.mgrid[:height, :width].astype(np.float32)
+        (height, width), (x, y) = right.shape, grid(right)
         u, v = 2 * x / (width - 1) - 1, 2 * y / (height - 1) - 1
-        there = (x + of_columns(u, v)).astype(np.float32), (y + of_rows(u, v)).astype(np.float32)
-        return left, cv2.remap(right.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        return left, taken_from(right, x + of_columns(u, v), y + of_rows(u, v))
 
     return spoil
 
@@ -103,8 +141,7 @@ def patch(share: float, rows: float, columns: float = 0.0, shape: str = "block")
     """A part of the right image has moved: a ship, a wave, a tree."""
 
     def spoil(left, right, draw):
-        height, width = right.shape
-        y, x = np.mgrid[:height, :width].astype(np.float32)
+        (height, width), (x, y) = right.shape, grid(right)
         if shape == "block":
             h, w = int(height * share**0.5), int(width * share**0.5)
             top, first = int(draw.integers(0, height - h + 1)), int(draw.integers(0, width - w + 1))
@@ -113,8 +150,7 @@ def patch(share: float, rows: float, columns: float = 0.0, shape: str = "block")
             inside = x < share * width
         else:
             inside = y > (1 - share) * height
-        there = (x + np.float32(columns) * inside, y + np.float32(rows) * inside)
-        return left, cv2.remap(right.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        return left, taken_from(right, x + np.float32(columns) * inside, y + np.float32(rows) * inside)
 
     return spoil
 
@@ -194,9 +230,8 @@ def smooth_field(pixels: float, grain: float) -> Spoil:
             drawn = cv2.GaussianBlur(draw.normal(0, 1, (height, width)).astype(np.float32), (0, 0), sigma)
             return pixels * drawn / drawn.std()
 
-        y, x = np.mgrid[:height, :width].astype(np.float32)
-        there = (x + field()).astype(np.float32), (y + field()).astype(np.float32)
-        return left, cv2.remap(right.astype(np.float32), *there, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        x, y = grid(right)
+        return left, taken_from(right, x + field(), y + field())
 
     return spoil
 
@@ -220,16 +255,10 @@ def turned_patch(share: float, degrees: float) -> Spoil:
         height, width = right.shape
         side = float(np.sqrt(share * height * width))
         centre = draw.uniform(0.3, 0.7) * width, draw.uniform(0.3, 0.7) * height
-        whole = cv2.warpAffine(
-            right.astype(np.float32),
-            cv2.getRotationMatrix2D(centre, degrees, 1.0),
-            (width, height),
-            flags=cv2.INTER_CUBIC,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
-        y, x = np.mgrid[:height, :width]
-        inside = np.hypot(x - centre[0], y - centre[1]) < side / np.sqrt(np.pi)
-        return left, np.where(inside, whole, right)
+        u, v = (axis - middle for axis, middle in zip(grid(right), centre, strict=True))
+        cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        whole = taken_from(right, centre[0] + cos * u - sin * v, centre[1] + sin * u + cos * v)
+        return left, np.where(np.hypot(u, v) < side / np.sqrt(np.pi), whole, right)
 
     return spoil
 
@@ -240,20 +269,18 @@ def blocks(pixels: float) -> Spoil:
     def coded(image: np.ndarray, draw: np.random.Generator) -> np.ndarray:
         height, width = image.shape
         number = -(-height // 16), -(-width // 16)
-        y, x = np.mgrid[:height, :width].astype(np.float32)
-        moved = [np.kron(draw.choice([-pixels, 0.0, 0.0, pixels], number), np.ones((16, 16))) for _ in "yx"]
-        there = [(at + one[:height, :width]).astype(np.float32) for at, one in zip((y, x), moved, strict=True)]
-        return cv2.remap(image.astype(np.float32), there[1], there[0], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        down, across = (np.kron(draw.choice([-pixels, 0.0, 0.0, pixels], number), np.ones((16, 16))) for _ in "yx")
+        x, y = grid(image)
+        return taken_from(image, x + across[:height, :width], y + down[:height, :width])
 
-    return lambda left, right, draw: (coded(left, draw), coded(right, draw))
+    return of_both(coded)
 
 
 def veil(share: float) -> Spoil:
     """The sun beside one lens: a part of the image is white."""
 
     def spoil(left, right, draw):
-        height, width = right.shape
-        y, x = np.mgrid[:height, :width]
+        (height, width), (x, y) = right.shape, grid(right)
         away = np.hypot(x - draw.uniform(0, width), y - draw.uniform(0, height / 3))
         return left, right + 255.0 * np.exp(-((away / (share * width)) ** 2))
 
@@ -264,9 +291,8 @@ def focus(sigma: float) -> Spoil:
     """One lens that is out of focus to one side."""
 
     def spoil(left, right, draw):
-        sharp, soft = right, cv2.GaussianBlur(right, (0, 0), sigma)
         weight = np.linspace(0.0, 1.0, right.shape[1])
-        return left, (1.0 - weight) * sharp + weight * soft
+        return left, (1.0 - weight) * right + weight * cv2.GaussianBlur(right, (0, 0), sigma)
 
     return spoil
 
@@ -275,8 +301,7 @@ def bar(share: float) -> Spoil:
     """A wiper, or a rope, before one camera: other rows behind it, none of them right."""
 
     def spoil(left, right, draw):
-        height, width = right.shape
-        y, x = np.mgrid[:height, :width]
+        (height, width), (x, y) = right.shape, grid(right)
         inside = np.abs(x - width / 2 - (y - height / 2) * draw.uniform(-1, 1)) < share * width / 2
         return left, np.where(inside, 40.0 + draw.normal(0, 3, right.shape), right)
 
@@ -295,8 +320,6 @@ NEW: dict[str, Spoil] = {
     "focus to one side": focus(3.0),
     "wiper": bar(0.15),
 }
-# A yaw, every other line half a row of pitch, a focal length, a lens: parameters of the model, to the last pixel.
-OF_THE_MODEL = ("keystone", "interlaced 1 row", "stretched", "barrel")
 # What a motion makes of the images; with several frames it differs from one to the next.
 MOVING = ("patch", "left", "below", "rolling", "interlaced", "crowd", "turned", "vibration", "band", "haze")
 
@@ -306,4 +329,6 @@ COMMON: dict[str, Spoil] = {
     "third behind glass, common": patch(0.33, 1, 2),
     "rolling 3 rows, common": rolling(3, 0),
 }
-COMMON_OF_THE_MODEL = ("rolling 3 rows, common",)
+# A yaw, every other line half a row of pitch, a focal length, a lens: parameters of the model, to the last pixel.
+OF_THE_MODEL = ("keystone", "interlaced 1 row", "stretched", "barrel", "rolling 3 rows, common")
+KINDS = {"seen": EXPLAINED | UNEXPLAINED, "unseen": UNSEEN, "new": NEW, "common": COMMON}

@@ -1,6 +1,6 @@
 """Methods to judge: what each makes of recordings of one rig."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -44,9 +44,6 @@ class Answer:
         return {label: rig for label, rig in self.rigs.items() if not (same and label == "candidate")}
 
 
-Method = Callable[[sr.StereoRig, Sequence[sr.Scene]], Answer]
-
-
 def alike(one: sr.StereoRig, other: sr.StereoRig) -> bool:
     """Whether two rigs are the same in every number."""
 
@@ -67,22 +64,6 @@ def library_free(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
     return _answer(sr.recalibrate(rig, [pair for scene in scenes for pair in scene.pairs], free=_BOTH))
 
 
-def estimate(rig: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Answer:
-    """The candidates of `solution.estimate`, whatever may be written and whether or not it is: the posterior's mean,
-    the most probable rig that keeps depth, and the one that loses least."""
-    solution = sr.recalibrate(rig, [pair for scene in scenes for pair in scene.pairs], free=_BOTH)
-    seen = solution.estimate
-    if seen is None:
-        return Answer(solution.reason.name)
-    least = {keeps: seen.with_free(seen.names, keep_depth=keeps) for keeps in (True, False)}
-    found = {"mean": seen.theta, "depth kept": least[True], "least loss": least[False]}
-    low, high = seen.intervals[seen.names.index("yaw")].tolist()
-    start = float(np.degrees(rig.extrinsics[_YAW]))
-    _, *ends = seen.depth_error_percent(seen.theta)[_FAR]
-    rigs = {label: seen.chart.rig_at(theta) for label, theta in found.items()}
-    return Answer(solution.reason.name, rigs, (start + 0.5 * (low + high), 0.5 * (high - low)), tuple(ends))
-
-
 def _answer(solution: sr.Solution) -> Answer:
     rigs = {"candidate": solution.candidate} | ({"accepted": solution.rig} if solution.accepted else {})
     verdict, yaw, depth = solution.reason.name, None, None
@@ -98,4 +79,4 @@ def _answer(solution: sr.Solution) -> Answer:
     return Answer(verdict, rigs, yaw, depth, solution)
 
 
-METHODS = {"library": library, "library-free": library_free, "estimate": estimate}
+METHODS = {"library": library, "library-free": library_free}

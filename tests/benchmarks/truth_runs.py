@@ -1,15 +1,17 @@
-"""What the judges of truth.py share: what methods are given, verdicts on what they return, tables."""
+"""What the judges of truth.py share: what methods are given, and verdicts on what they return."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
+from real_scenes import rig_of
 from recorded import NEED, Case, Errors
-from rich.console import Console
 from rich.table import Table
+from tables import among, show
 from truth_methods import METHODS, Answer
 
 import stereorecal as sr
@@ -29,17 +31,20 @@ class Task:
 class Options:
     """Of the command line."""
 
-    methods: tuple[str, ...]
+    methods: Sequence[str]
     degrees: float
     draws: int
-    only: tuple[str, ...]
+    only: Sequence[str]
     record: Path | None = None
 
     def wants(self, name: str) -> bool:
-        return not self.only or any(part in name for part in self.only)
+        return among(name, self.only)
 
-    def tasks(self, name: str, stored: sr.StereoRig, scenes: Sequence[sr.Scene]) -> Iterator[Task]:
-        """From the stored rig, or from some that have drifted."""
+    def tasks(self, name: str, scenes: Sequence[sr.Scene]) -> Iterator[Task]:
+        """From the stored rig, or from some that have drifted; none if they are not asked for."""
+        stored = rig_of(scenes[0])
+        if not self.wants(name):
+            return
         if not self.degrees:
             yield Task(name, stored, stored, scenes)
             return
@@ -59,19 +64,53 @@ class Options:
             yield method, answer
 
 
-class Tally:
-    """How many rigs are accepted, harmful, worse than the stored one, and missed, for each method."""
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """What is measured of a rig, and what is made of that.
 
-    def __init__(self) -> None:
+    Attributes:
+        bench, recorded: as what cases are recorded, and who judges them there.
+        measured: of a rig.
+        cells: of the table, of what was measured of the start and of a rig.
+        worse: whether a rig is, than the start.
+        need: row error of the start, pixels.
+        stored: what was measured of the stored rig, if "below stored" is said.
+    """
+
+    bench: str
+    recorded: Callable[[sr.StereoRig], Errors]
+    measured: Callable[[sr.StereoRig], Any]
+    cells: Callable[[Any, Any], Sequence[str]]
+    worse: Callable[[Any, Any], bool]
+    need: Callable[[Any], float]
+    stored: Any = None
+
+
+class Verdicts:
+    """A table with a line for each rig, and how many are accepted, harmful, worse than the stored one, and missed, for
+    each method."""
+
+    def __init__(self, table: Table) -> None:
+        self.table = table
         self.seen: dict[str, list[tuple[bool, bool, bool, bool]]] = {}
 
-    def add(self, method: str, answer: Answer, label: str, worse: bool, below: bool, need: float) -> str:
-        """Count what is accepted, or nothing being so once; the word for the table.
+    def judge(self, options: Options, task: Task, judge: Judge) -> list[Any]:
+        """Meet the answers of all methods; what was measured of the accepted ones."""
+        before, accepted = judge.measured(task.start), []
+        if task.start is not task.stored and judge.stored is not None:
+            self.table.add_row(task.name, "start", "", *judge.cells(before, before))
+        for method, answer in options.answers(task, judge.bench, judge.recorded):
+            for label, rig in answer.judged.items():
+                after = judge.measured(rig)
+                below = judge.stored is not None and judge.worse(judge.stored, after)
+                said = self.add(method, answer, label, judge.worse(before, after), below, judge.need(before))
+                cells = (*judge.cells(before, after), *stated(answer, task.stored), said)
+                self.table.add_row(task.name, f"{method} {label}", answer.verdict, *cells)
+                accepted += [after] if label == "accepted" else []
+        return accepted
 
-        Args:
-            worse, below: than the start, and than the stored rig.
-            need: row error of the start, pixels.
-        """
+    def add(self, method: str, answer: Answer, label: str, worse: bool, below: bool, need: float) -> str:
+        """Count what is accepted, or nothing being so once; the word for the table."""
         accepted, missed = label == "accepted", answer.accepted is None and need > NEED
         if accepted or answer.accepted is None:
             self.seen.setdefault(method, []).append((accepted, accepted and worse, accepted and below, missed))
@@ -79,14 +118,15 @@ class Tally:
             return "MISSED" if missed else "-"
         return "HARMFUL" if worse else "below stored" if below else "good"
 
-    def show(self, judge: str) -> None:
+    def finish(self, judge: str) -> None:
+        """Print what a judge found."""
+        show(self.table)
         for method, answers in self.seen.items():
             accepted, harmful, below, missed = np.sum(answers, axis=0)
-            words = (
-                f"{accepted} of {len(answers)} accepted, {harmful} of them harmful, {below} worse than the stored rig; "
-                f"{missed} missed"
+            print(
+                f"{judge}, {method}: {accepted} of {len(answers)} accepted, {harmful} of them harmful, {below} worse "
+                f"than the stored rig; {missed} missed"
             )
-            print(f"{judge}, {method}: {words}")
 
 
 def stated(answer: Answer, stored: sr.StereoRig) -> tuple[str, str]:
@@ -97,25 +137,3 @@ def stated(answer: Answer, stored: sr.StereoRig) -> tuple[str, str]:
     if answer.depth is not None:
         depth = f"{answer.depth[0]:+.0f} to {answer.depth[1]:+.0f}"
     return yaw, depth
-
-
-def rig_of(scene: sr.Scene) -> sr.StereoRig:
-    """The rig that must be there."""
-    assert scene.rig is not None
-    return scene.rig
-
-
-def table_of(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    """With columns of words, and of numbers."""
-    table = Table(title=title, title_justify="left", box=None)
-    for head in left:
-        table.add_column(head, no_wrap=True)
-    for head in right:
-        table.add_column(head, justify="right")
-    return table
-
-
-def finish(table: Table, tally: Tally, judge: str) -> None:
-    """Print what a judge found."""
-    Console(width=230).print(table)
-    tally.show(judge)

@@ -10,7 +10,6 @@ requirement, such as `jax==0.9.2`, with the highest of all others. A case may jo
 given; default a few minutes' choice, `--tests tests plugins docs` is the suite.
 """
 
-import argparse
 import os
 import re
 import subprocess
@@ -21,8 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
+from tables import command_line, show, table_of
 
 ROOT = Path(__file__).parents[2]
 PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
@@ -73,7 +71,7 @@ class Result:
 
 def main() -> int:
     """Build, run, show; fails if a case does."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("cases", nargs="*", default=CASES)
     parser.add_argument("--python", nargs="+", default=[sys.executable])
     parser.add_argument("--tests", nargs="+", default=CHOICE)
@@ -87,7 +85,10 @@ def main() -> int:
             for case in options.cases:
                 results.append(tried(case, python, options.tests, home))
                 print(*vars(results[-1]).values(), sep=" | ", flush=True)
-    show(results)
+    table = table_of("case | Python | with | ended", left=4)
+    for result in results:
+        table.add_row(*vars(result).values())
+    show(table)
     return int(any("passed" not in result.ended or "failed" in result.ended for result in results))
 
 
@@ -148,14 +149,6 @@ def installed(python: Path) -> str:
     """The versions that matter most, as installed."""
     lines = uv("pip", "freeze", "--python", python).stdout.splitlines()
     return ", ".join(line.replace("==", " ") for line in lines if line.startswith(TOLD) and "jaxt" not in line)
-
-
-def show(results: Sequence[Result]) -> None:
-    """The table."""
-    table = Table("case", "Python", "with", "ended", box=None)
-    for result in results:
-        table.add_row(*vars(result).values())
-    Console().print(table)
 
 
 if __name__ == "__main__":

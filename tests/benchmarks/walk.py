@@ -8,13 +8,11 @@ of the angles: of the calibration that was given at the start, of the rig in use
 pairs; processor time a step. A pair takes a second or two to render, and is kept in the user's cache.
 """
 
-import argparse
 import time
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 from stereorecal_field.judges import walked
+from tables import command_line, show, table_of
 
 from stereorecal.online import Config, run
 from stereorecal.synthetic import Drive, photographs
@@ -39,19 +37,19 @@ def followed(drive: Drive) -> tuple[np.ndarray, list[float]]:
 
 def main() -> None:
     """Render, follow, print."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--drives", type=int, default=2)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--frames", type=int, default=200)
     options = parser.parse_args()
-    heads = ("drive", "pairs", "not followed: pitch, yaw, roll", "rig in use", "estimate", "ms a step, median")
-    table = Table(*heads, title="mean |error|, degrees", box=None)
+    heads = "drive | pairs | not followed: pitch, yaw, roll | rig in use | estimate | ms a step, median"
+    table = table_of(heads, title="mean |error|, degrees")
     for seed in range(options.first, options.first + options.drives):
         tour = TOURS[seed % len(TOURS)]
         errors, seconds = followed(walked(tour, seed, options.frames))
         said = [" ".join(f"{one:.4f}" for one in of_rig) for of_rig in errors.mean(axis=0)]
         table.add_row(f"{tour} {seed}", f"{len(errors)}", *said, f"{1000 * np.median(seconds):.0f}")
-    Console(width=150).print(table)
+    show(table)
 
 
 if __name__ == "__main__":

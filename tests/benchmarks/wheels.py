@@ -8,7 +8,6 @@ environment, and there, in an empty folder, follows what a new user does: render
 plug-ins, write a page. It takes some minutes, most of them for what pip fetches.
 """
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -17,6 +16,8 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+
+from tables import command_line
 
 ROOT = Path(__file__).parents[2]
 PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
@@ -49,7 +50,7 @@ COMPARE = """-m stereorecal compare --scene scene --schedule count --scale 0.5 -
 
 def main() -> int:
     """Build, install, run."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--python", default=sys.executable, help="interpreter of the new environment")
     parser.add_argument("--keep", type=Path, help="folder in which all of it stays")
     options = parser.parse_args()

@@ -3,24 +3,19 @@
     python tests/benchmarks/wide.py [--judges hall,rendered,simulated] [--starts N] [--rigs N]
         [--first SEED] [--projections default,pinhole,equirectangular]
 
-hall: the one real fisheye rig at hand, data/mynteye_fisheye/hall (in STEREORECAL_DATA), from its stored calibration and
-    from 2.5° and 2.25 % of the baseline away. Rows of SIFT matches of the raw images, which no repair sees, within the
-    rig's pinhole view; and of all matches, wherever they lie, the angle between a ray and the epipolar plane of its
-    partner, in pixels of the middle of the image.
+hall: the one real fisheye rig at hand, mynteye_fisheye/hall (real_scenes.py), from its stored calibration and from 2.5°
+    and 2.25 % of the baseline away. Rows of SIFT matches of the raw images, which no repair sees.
 rendered: fisheye rigs of 130 and 190 degrees, whose truth is known, from up to 2.5° and 2.25 % away, prior "exact".
 simulated: rigs of 130 and 190 degrees, calibrated with cv2.fisheye on simulated boards, drifted, seen through simulated
     correspondences (`simulated_rigs.py` for the rest): do the stated intervals hold the truth, and what is written?
     Rows of the extrinsics that are written, of what would be if intrinsics were free, and of the best extrinsics that
-    there are for such lenses, the truth known. Harmful: accepted, and rows at 30 baselines are worse by more than 0.02
-    px, or depth there by more than 1 %.
+    there are for such lenses, the truth known. Harmful: as in decisions.py, from 0.02 px on.
 """
 
 import argparse
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 
 import coverage
 import cv2
@@ -29,22 +24,20 @@ import numpy as np
 import scipy.optimize
 import simulated_cameras
 import simulated_rigs
-from accuracy import AXES, errors
-from rich.console import Console
-from rich.table import Table
-from stereorecal_features._matches import matched_pixels
+from accuracy import MOVING, errors
+from real_scenes import real, rig_of
+from recorded import ROWS_CHANGED, simulated_errors
+from sift_rows import sift_matches, sift_rows
+from simulated_rigs import AXES
+from tables import command_line, show, table_of, words
 
 import stereorecal as sr
 from stereorecal.decision import decide
 from stereorecal.estimation import as_prior, estimate, rig_parameters
-from stereorecal.geometry import rectifying_rotations
 
-CHECKOUT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("STEREORECAL_DATA", CHECKOUT / "../shared/data"))
 DEGREES, SHARE = 2.5, 0.0225
 FIELDS = (130.0, 190.0)
 EXTRINSICS = sr.Parameters().names
-KINDS = ("harbour", "coast", "street")
 DRIFTS = (("none", 0.0), ("all", 0.1), ("all", 0.5), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
 TERMS = (-0.02, -0.007, 0.002, -0.0012)  # about those of MYNT EYE's lenses
 
@@ -52,79 +45,39 @@ TERMS = (-0.02, -0.007, 0.002, -0.0012)  # about those of MYNT EYE's lenses
 # --- the real one -------------------------------------------------------------------------------------------
 
 
-def independent(scene: sr.Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels (n, 2) of SIFT features that are each other's best match, without any calibration's say: outliers are told
-    by an essential matrix of their own, two pixels off its planes."""
-    assert scene.rig is not None
-    found, cameras = [], (scene.rig.left, scene.rig.right)
-    for pair in scene.pairs:
-        left, right = matched_pixels(pair.left, pair.right, 8000, 0.02, 0.8)
-        flat = [np.asarray(camera.rays(pixels))[:, :2] for camera, pixels in zip(cameras, (left, right), strict=True)]
-        good = np.all([np.linalg.norm(points, axis=1) < 4.0 for points in flat], axis=0)
-        focal = float(scene.rig.left.focal[0])
-        pinhole, flat = np.diag([focal, focal, 1.0]), [focal * points[good] for points in flat]
-        _, inliers = cv2.findEssentialMat(*flat, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=2.0)
-        found.append([pixels[good][inliers.ravel() > 0] for pixels in (left, right)])
-    left, right = (np.concatenate(side) for side in zip(*found, strict=True))
-    return left, right
-
-
-def rows_of(rig: sr.StereoRig, pixels: tuple[np.ndarray, np.ndarray], view: sr.View) -> tuple[float, float]:
-    """Of matched pixels: median |row difference| [px] of those within a view, and the median angle off the epipolar
-    plane [px of the middle] of all."""
-    rays = [np.asarray(c.directions(p)) for c, p in zip((rig.left, rig.right), pixels, strict=True)]
-    turned = [ray @ turn.T for ray, turn in zip(rays, rectifying_rotations(rig.rotation, rig.translation), strict=True)]
-    (column, row), (_, other) = (view.pixels(ray, side) for side, ray in enumerate(turned))
-    width, height = view.size
-    shown = (column >= 0) & (column <= width - 1) & (row >= 0) & (row <= height - 1)
-    angles = np.subtract(*(np.arctan2(ray[:, 1], ray[:, 2]) for ray in turned))
-    along = np.hypot(turned[0][:, 1], turned[0][:, 2]) / np.linalg.norm(turned[0], axis=1)
-    return float(np.median(np.abs(row - other)[shown])), float(view.focal * np.median(np.abs(angles) * along))
-
-
 def hall(options: argparse.Namespace) -> None:
     """From where it stands, and from some starts."""
-    folder = DATA / "mynteye_fisheye/hall"
-    if not folder.exists():
-        print(f"skipped: {folder} is not there")
-        return
-    scene = sr.io.load_scene(folder)
-    assert scene.rig is not None
-    pixels, view = independent(scene), sr.view(scene.rig, projection="pinhole")
-    table = table_of(
-        f"mynteye_fisheye/hall, {len(pixels[0])} independent matches",
-        ("view", "prior", "start", "verdict", "rows before, px", "after, px", "everywhere before, px", "after, px"),
-        (*(f"{axis}" for axis in AXES), "depth at 30 B, %"),
-    )
-    ends = []
-    for projection, prior in product(options.projections.split(","), ("default", "exact")):
-        for index, start in enumerate([scene.rig, *drifted(scene.rig, options.starts)]):
-            shown = sr.view(start, projection=None if projection == "default" else projection)
-            solution = sr.recalibrate(start, scene.pairs, prior=prior, view=shown)
-            before, after = rows_of(start, pixels, view), rows_of(solution.rig, pixels, view)
-            numbers = (before[0], after[0], before[1], after[1])
-            moved = errors(solution.rig, scene.rig)
-            depth = sr.difference(scene.rig, solution.rig).depth_error_percent[30]
-            name = f"2.5° #{index - 1}" if index else "stored"
-            said = f"{'written' if solution.accepted else 'kept'}: {solution.reason.name}"
-            table.add_row(
-                projection,
-                prior,
-                name,
-                said,
-                *(f"{n:.3f}" for n in numbers),
-                *(f"{m:+.3f}" for m in moved),
-                f"{depth:+.1f}",
-            )
-            ends.append((projection, prior, index, after[0], moved))
-    show(table)
-    for kind in dict.fromkeys(end[:2] for end in ends):
-        rows = np.array([after for *of, index, after, _ in ends if tuple(of) == kind and index])
-        moved = np.array([moved for *of, index, _, moved in ends if tuple(of) == kind and index])
-        if len(rows):
+    for scene in real(["mynteye_fisheye/hall"]):
+        rig, ends = rig_of(scene), []
+        matches = sift_matches(rig, scene.pairs)
+        table = table_of(
+            f"view | prior | start | verdict | rows before, px | after, px | {' | '.join(AXES)} | depth at 30 B, %",
+            title=f"{scene.name}, {len(matches[0])} independent matches",
+            left=4,
+        )
+        for projection, prior in product(words(options.projections), ("default", "exact")):
+            for index, start in enumerate([rig, *drifted(rig, options.starts)]):
+                solution = repaired(start, scene, projection, prior)
+                before, after = sift_rows(start, matches), sift_rows(solution.rig, matches)
+                moved = errors(solution.rig, rig)
+                depth = sr.difference(rig, solution.rig).depth_error_percent[30]
+                said = f"{'written' if solution.accepted else 'kept'}: {solution.reason.name}"
+                name = f"2.5° #{index - 1}" if index else "stored"
+                numbers = (f"{before:.3f}", f"{after:.3f}", *(f"{m:+.3f}" for m in moved), f"{depth:+.1f}")
+                table.add_row(projection, prior, name, said, *numbers)
+                ends += [((projection, prior), after, moved)] if index else []
+        show(table)
+        for kind in dict.fromkeys(kind for kind, *_ in ends):
+            rows, moved = (np.array(some) for some in zip(*(end[1:] for end in ends if end[0] == kind), strict=True))
             apart = ", ".join(f"{a} {m:.3f}" for a, m in zip(AXES, np.ptp(moved, axis=0), strict=True))
             within = f"{(rows <= 0.25).sum()} of {len(rows)} within .25 px, median {np.median(rows):.3f}"
             print(f"{', '.join(kind)}, starts: {within}; ends differ by {apart}")
+
+
+def repaired(start: sr.StereoRig, scene: sr.Scene, projection: str, prior: str) -> sr.Solution:
+    """In a view of a projection."""
+    shown = sr.view(start, projection=None if projection == "default" else projection)
+    return sr.recalibrate(start, scene.pairs, prior=prior, view=shown)
 
 
 # --- rendered ones ------------------------------------------------------------------------------------------
@@ -141,7 +94,7 @@ def fisheye(field: float, draw: np.random.Generator, size: tuple[int, int] = (64
     return sr.Camera(size, matrix, terms, model="equidistant")
 
 
-def rig_of(field: float, draw: np.random.Generator, baseline: float) -> sr.StereoRig:
+def fisheyes(field: float, draw: np.random.Generator, baseline: float) -> sr.StereoRig:
     """Two of them, side by side but for some tenths of a degree."""
     translation = np.array([-1.0, *draw.normal(0.0, 0.005, 2)])
     extrinsics = [*np.radians(draw.normal(0.0, 0.3, 3)), *(baseline * translation / np.linalg.norm(translation))]
@@ -156,41 +109,29 @@ def drifted(rig: sr.StereoRig, number: int, first: int = 0) -> Iterator[sr.Stere
 
 def rendered(options: argparse.Namespace) -> None:
     """Scenes whose truth is known."""
-    table = table_of(
-        "rendered fisheye rigs, prior exact",
-        ("view", "field", "scene", "accepted"),
-        (*(f"{axis}: median, worst" for axis in AXES), "held by the 95 % intervals"),
-    )
-    for projection, field in product(options.projections.split(","), FIELDS):
-        of_field, accepted, held = [], [], []
-        for seed, kind in enumerate(KINDS):
-            rig = rig_of(field, np.random.default_rng([seed, int(field)]), 0.36)
-            scene = sr.synthetic.render(kind, seed, rig=rig)
-            some, taken, inside = [], [], []
+    axes = " | ".join(f"{axis}: median, worst" for axis in AXES)
+    heads = f"view | field | scene | accepted | {axes} | held by the 95 % intervals"
+    table = table_of(heads, title="rendered fisheye rigs, prior exact", left=4)
+    for projection, field in product(words(options.projections), FIELDS):
+        of_field: list[tuple] = []
+        for seed, kind in enumerate(MOVING):
+            rig = fisheyes(field, np.random.default_rng([seed, int(field)]), 0.36)
+            scene, some = sr.synthetic.render(kind, seed, rig=rig), []
             for start in drifted(rig, options.starts, 100 * seed):
-                shown = sr.view(start, projection=None if projection == "default" else projection)
-                solution = sr.recalibrate(start, scene.pairs, prior="exact", view=shown)
-                taken.append(solution.accepted)
-                error = np.abs(errors(solution.candidate, rig))
-                some.append(error)
-                if solution.uncertainty is not None:
-                    inside.append(error <= np.asarray(solution.uncertainty.interval))
-            table.add_row(projection, f"{field:g}°", f"{kind}-{seed}", shares(taken), *middles(some), held_by(inside))
-            of_field, accepted, held = of_field + some, accepted + taken, held + inside
-        table.add_row(projection, f"{field:g}°", "all", shares(accepted), *middles(of_field), held_by(held))
+                solution = repaired(start, scene, projection, "exact")
+                error, known = np.abs(errors(solution.candidate, rig)), solution.uncertainty
+                some.append((solution.accepted, error, [] if known is None else error <= np.asarray(known.interval)))
+            table.add_row(projection, f"{field:g}°", f"{kind}-{seed}", *cells_of(some))
+            of_field += some
+        table.add_row(projection, f"{field:g}°", "all", *cells_of(of_field))
     show(table)
 
 
-def shares(taken: list[bool]) -> str:
-    return f"{sum(taken)} of {len(taken)}"
-
-
-def middles(found: list[np.ndarray]) -> list[str]:
-    return [f"{m:.4f}, {w:.4f}" for m, w in zip(np.median(found, axis=0), np.max(found, axis=0), strict=True)]
-
-
-def held_by(inside: list[np.ndarray]) -> str:
-    return f"{100 * np.mean(inside):.0f} %" if inside else "-"
+def cells_of(found: list[tuple]) -> list[str]:
+    """How many are accepted, their errors, and how many of these are held by intervals."""
+    taken, off, inside = zip(*found, strict=True)
+    errors = [f"{m:.4f}, {w:.4f}" for m, w in zip(np.median(off, axis=0), np.max(off, axis=0), strict=True)]
+    return [f"{sum(taken)} of {len(taken)}", *errors, f"{100 * np.mean(np.concatenate(inside)):.0f} %"]
 
 
 # --- simulated calibrations -----------------------------------------------------------------------------------
@@ -198,19 +139,16 @@ def held_by(inside: list[np.ndarray]) -> str:
 
 def simulated(options: argparse.Namespace) -> None:
     """Calibrated with cv2.fisheye on simulated boards, drifted, seen through simulated correspondences."""
-    heads = ("rigs", "written", "harmful", "depth held, 10 30 B", "pitch yaw roll y z held")
-    rows = ("rows 30 B before, px", "mean's", "used", "with lenses", "best extrinsics'")
-    rows += ("|depth| 30 B before, %", "used", "with lenses")
-    table = table_of("simulated calibrations of fisheye rigs", ("field", "drift"), (*heads, *rows))
+    heads = "field | drift | rigs | written | harmful | depth held, 10 30 B | pitch yaw roll y z held"
+    heads += " | rows 30 B before, px | mean's | used | with lenses | best extrinsics'"
+    heads += " | |depth| 30 B before, % | used | with lenses"
+    table = table_of(heads, title="simulated calibrations of fisheye rigs", left=2)
     for field in FIELDS:
-        of_field = [
-            [judged(one) for one in of_seed(seed, field)]
-            for seed in range(options.first, options.first + 2 * options.rigs, 2)
-        ]
+        seeds = range(options.first, options.first + 2 * options.rigs, 2)
+        of_field = [[judged(one) for one in of_seed(seed, field)] for seed in seeds]
         for (kind, degrees), some in zip(DRIFTS, zip(*of_field, strict=True), strict=True):
             table.add_row(f"{field:g}°", f"{kind} {degrees:g}°" if degrees else kind, *line(list(some)))
-        every = [one for some in of_field for one in some]
-        table.add_row(f"{field:g}°", "every", *line(every))
+        table.add_row(f"{field:g}°", "every", *line([one for some in of_field for one in some]))
     show(table)
 
 
@@ -234,20 +172,12 @@ def line(some: list[dict]) -> list[str]:
 
 def of_seed(seed: int, field: float) -> Iterator[simulated_rigs.Simulated]:
     """The rig of a seed after each kind of drift."""
-    true, given, boards = calibrated(seed, field)
-    eye = np.eye(3)
+    true, given = calibrated(seed, field)
+    eyes = [simulated_cameras.Eye(camera, None, np.eye(3), np.eye(3)) for camera in (true.left, true.right)]
     for index, (kind, degrees) in enumerate(DRIFTS):
-        drift, draw = np.zeros(6), np.random.default_rng([seed, 3, index])
-        if kind == "all":
-            drift[[0, 1, 2]] = np.radians(degrees) * draw.uniform(-1.0, 1.0, 3)
-            drift[4:] = 0.009 * degrees * float(true.baseline) * draw.uniform(-1.0, 1.0, 2)
-        elif kind != "none":
-            drift[("pitch", "yaw", "roll").index(kind)] = np.radians(degrees) * draw.choice([-1.0, 1.0])
+        drift = simulated_rigs.drift_of(kind, degrees, float(true.baseline), np.random.default_rng([seed, 3, index]))
         moved = true.with_extrinsics(true.extrinsics + drift)
-        eyes = [simulated_cameras.Eye(camera, None, eye, eye) for camera in (true.left, true.right)]
-        yield simulated_rigs.Simulated(
-            seed, kind, degrees, given, *eyes, moved.rotation, moved.translation, drift, moved, given, False, (), boards
-        )
+        yield simulated_rigs.Simulated(seed, given, *eyes, moved.rotation, moved.translation, moved, False, ())
 
 
 def richer(field: float, draw: np.random.Generator, size: tuple[int, int] = (640, 480)) -> sr.Camera:
@@ -262,13 +192,13 @@ def richer(field: float, draw: np.random.Generator, size: tuple[int, int] = (640
     return sr.Camera(size, matrix, terms, model="ds")
 
 
-def calibrated(seed: int, field: float) -> tuple[sr.StereoRig, sr.StereoRig, dict]:
+def calibrated(seed: int, field: float) -> tuple[sr.StereoRig, sr.StereoRig]:
     """A true rig, and what cv2.fisheye makes of 6 to 30 views of a board at 1.2 to 12 baselines, whose squares may be
     off by 0.2 %; a quarter of the lenses is not quite as cv2.fisheye has it, and of a tenth something was held that
     should be free, as in `simulated_rigs.py`. Another draw where that fails."""
     for attempt in range(100):
         draw = np.random.default_rng([seed, int(field), attempt])
-        true = rig_of(field, draw, float(np.exp(draw.uniform(np.log(0.06), np.log(0.5)))))
+        true = fisheyes(field, draw, float(np.exp(draw.uniform(np.log(0.06), np.log(0.5)))))
         if draw.random() < 0.25:
             true = replace(true, left=richer(field, draw), right=richer(field, draw))
         views, noise = seen_boards(true, draw, int(draw.integers(6, 31))), float(np.exp(draw.uniform(-3.0, -1.2)))
@@ -285,17 +215,9 @@ def calibrated(seed: int, field: float) -> tuple[sr.StereoRig, sr.StereoRig, dic
             for side, some in enumerate(seen):
                 focal = 0.95 * float((true.left, true.right)[side].focal[0])
                 guess = np.array([[focal, 0, 319.5], [0, focal, 239.5], [0, 0, 1]])
+                options = {"flags": flags | cv2.CALIB_USE_INTRINSIC_GUESS, "criteria": until}
                 pixels = [one[None] for one in some]
-                found = cv2.fisheye.calibrate(
-                    objects,
-                    pixels,
-                    size,
-                    guess,
-                    np.zeros((4, 1)),
-                    flags=flags | cv2.CALIB_USE_INTRINSIC_GUESS,
-                    criteria=until,
-                )
-                monos.append(found[:3])
+                monos.append(cv2.fisheye.calibrate(objects, pixels, size, guess, np.zeros((4, 1)), **options)[:3])
             (_, K1, D1), (_, K2, D2) = monos
             both = [[one[None] for one in some] for some in seen]
             rms, K1, D1, K2, D2, R, T, *_ = cv2.fisheye.stereoCalibrate(
@@ -305,7 +227,7 @@ def calibrated(seed: int, field: float) -> tuple[sr.StereoRig, sr.StereoRig, dic
         except (cv2.error, sr.InputError):
             continue
         if max(rms, monos[0][0], monos[1][0]) < 1.0:
-            return true, given, {"views": len(views), "noise": noise, "rms": rms}
+            return true, given
     raise RuntimeError(f"no calibration of seed {seed} succeeds")
 
 
@@ -342,6 +264,7 @@ def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
     used = seen.chart.rig_at(decision.theta) if written else rig.calibrated
     freed = decide(seen, [name for name in seen.names if name != "baseline"])
     with_lenses = seen.chart.rig_at(freed.theta) if not freed.refused else rig.calibrated
+    before, after = (simulated_errors(rig, one) for one in (rig.calibrated, used))
     at = np.array([30.0])
     of = {"before": rig.calibrated, "used": used, "lenses": with_lenses, "best": best_extrinsics(rig)}
     rows, depth = (
@@ -349,8 +272,7 @@ def judged(rig: simulated_rigs.Simulated) -> dict[str, np.ndarray | float]:
     )
     return {
         "written": written,
-        "harmful": written
-        and (rows["used"] > rows["before"] + 0.02 or abs(depth["used"]) > abs(depth["before"]) + 1.0),
+        "harmful": after.worse_than(before, ROWS_CHANGED),
         "depth held": held["depth"][1:3],
         "axes held": held["axes"],
         "rows mean": held["rows"][2],
@@ -375,28 +297,12 @@ def best_extrinsics(rig: simulated_rigs.Simulated) -> sr.StereoRig:
     return moved(scipy.optimize.least_squares(rows, chart.coordinates_of(true)[free], loss="soft_l1").x)
 
 
-# --- printing -----------------------------------------------------------------------------------------------
-
-
-def table_of(title: str, left: tuple[str, ...], right: tuple[str, ...]) -> Table:
-    table = Table(title=title, title_justify="left", box=None)
-    for head in left:
-        table.add_column(head)
-    for head in right:
-        table.add_column(head, justify="right")
-    return table
-
-
-def show(table: Table) -> None:
-    Console(width=200).print(table)
-
-
 JUDGES = {"hall": hall, "rendered": rendered, "simulated": simulated}
 
 
 def main() -> None:
     """Ask the judges."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--judges", default=",".join(JUDGES), help="comma separated")
     parser.add_argument("--starts", type=int, default=10, help="2.5° off, for each scene")
     parser.add_argument("--rigs", type=int, default=40, help="simulated, of each field")
@@ -404,7 +310,7 @@ def main() -> None:
     parser.add_argument("--projections", default="default", help="of views, of the first two judges; pinhole, …")
     options = parser.parse_args()
     cv2.setNumThreads(1)
-    for judge in options.judges.split(","):
+    for judge in words(options.judges):
         JUDGES[judge](options)
 
 

@@ -1,11 +1,7 @@
 """Ctrl-C that reaches a worker: it passes, it is no internal error, and what is finished is kept."""
 
-import importlib
-import sys
-from collections.abc import Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from multiprocessing import get_context
 from types import ModuleType
 
 import pytest
@@ -35,24 +31,8 @@ class Interrupted(AbstractStrategy):
 
 
 @pytest.fixture(scope="module")
-def module(tmp_path_factory) -> Iterator[ModuleType]:
-    """A module that workers can import."""
-    folder = tmp_path_factory.mktemp("modules")
-    (folder / "interrupted_strategy.py").write_text(INTERRUPTED)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(folder)
-        yield importlib.import_module("interrupted_strategy")
-    del sys.modules["interrupted_strategy"]
-
-
-@pytest.fixture(scope="module", params=["threads", "processes"])
-def pool(request, module) -> Iterator[Executor]:
-    """A pool of the user's own, with one worker."""
-    made = (
-        ThreadPoolExecutor(1) if request.param == "threads" else ProcessPoolExecutor(1, mp_context=get_context("spawn"))
-    )
-    with made:
-        yield made
+def module(planted) -> ModuleType:
+    return planted("interrupted_strategy", INTERRUPTED)
 
 
 class Done(ThreadPoolExecutor):
@@ -75,13 +55,9 @@ def test_nothing_that_is_finished_is_lost(scene, module):
 def test_recalibrate_many(scene, module, pool):
     scenes = [replace(scene(), name=name) for name in ("one", "two")]
     schedule = Schedule.count(module.Interrupted(), 0.5)
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many(scenes, matcher=SAD(num_disparities=24), schedule=schedule, executor=pool)
-
-
-def test_recalibrate_many_without_an_executor(scene, module):
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many([scene()], matcher=SAD(num_disparities=24), schedule=Schedule.count(module.Interrupted()))
+    for executor in (pool, None):
+        with pytest.raises(KeyboardInterrupt):
+            recalibrate_many(scenes, matcher=SAD(num_disparities=24), schedule=schedule, executor=executor)
 
 
 @pytest.mark.slow(after=1)

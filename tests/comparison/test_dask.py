@@ -1,7 +1,5 @@
 """A Dask cluster of two worker processes gives the same rows, whoever dies in the middle."""
 
-import importlib
-import sys
 import time
 from dataclasses import replace
 
@@ -40,14 +38,8 @@ class Deadly(AbstractStrategy):
 
 
 @pytest.fixture(scope="module")
-def deadly(tmp_path_factory):
-    """The class Deadly, in a module that workers can import."""
-    folder = tmp_path_factory.mktemp("modules")
-    (folder / "deadly_strategy.py").write_text(DEADLY)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(folder)
-        yield importlib.import_module("deadly_strategy").Deadly
-    del sys.modules["deadly_strategy"]
+def deadly(planted):
+    return planted("deadly_strategy", DEADLY).Deadly
 
 
 @pytest.fixture(scope="module")

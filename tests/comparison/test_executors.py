@@ -30,15 +30,9 @@ def serial(scene):
     return rows(compare_scenes([scene()], **SMALL))
 
 
-def test_threads(scene, serial):
-    with ThreadPoolExecutor(3) as pool:
-        assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
-
-
-@pytest.mark.slow
-def test_processes(scene, serial):
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
+@pytest.mark.slow(after=1)
+def test_any_pool_gives_the_same_rows(scene, serial, pool):
+    assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
 
 
 class Faulty(ThreadPoolExecutor):

@@ -1,14 +1,12 @@
 """Comparisons in which strategies search intrinsics too: a box with more coordinates, the same contract."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal.comparison import compare
-from stereorecal.geometry import camera_changes, changed_camera
 from stereorecal.objectives import Parameters, reach_chart, rig_count_objective
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
@@ -89,25 +87,3 @@ def test_the_count_of_a_point_is_that_of_its_rig(scene):
     for z in (np.zeros(15), bent):
         assert asked.value(z) == score(chart.rig_at(z), pairs, matcher=matcher, view=sr.view(rig)).count
     assert asked.value(bent) < 0.99 * asked.value(np.zeros(15))
-
-
-CHANGE = st.floats(-0.05, 0.05)
-
-
-@settings(max_examples=30)
-@given(
-    changes=st.dictionaries(st.sampled_from(["f", "aspect", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]), CHANGE),
-    bent=st.booleans(),
-)
-def test_changes_of_a_camera_there_and_back(changes, bent):
-    camera = sr.synthetic.default_rig().left
-    camera = camera if bent else replace(camera, distortion=np.zeros(0), lens_radius=np.float64(np.inf))
-    found = camera_changes(camera, changed_camera(camera, changes))
-    for name, change in found.items():
-        assert change == pytest.approx(changes.get(name, 0.0), abs=1e-9)
-
-
-def test_a_point_and_its_rig():
-    chart = reach_chart(sr.synthetic.default_rig(), sr.Reach(), Parameters(("extrinsics", "baseline", "intrinsics")))
-    z = np.random.default_rng(0).uniform(-1, 1, chart.dim)
-    np.testing.assert_allclose(chart.coordinates_of(chart.rig_at(z)), z, atol=1e-9)

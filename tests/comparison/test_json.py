@@ -13,7 +13,6 @@ from stereorecal.recordings import Scene
 from stereorecal.strategies import AbstractStrategy, Budget, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=10)}
-NUMBERS = {"score_initial", "score_final", "score_reference", "ratio", "evaluations", "cost", "seconds"}
 
 
 @dataclass(frozen=True)
@@ -39,66 +38,41 @@ def content(table, tmp_path_factory):
     return json.loads(path.read_text(), parse_constant=no_constant)
 
 
-def test_top_level(content):
-    assert content["schema"] == "stereorecal.compare/1"
-    assert {"schema", "versions", "settings", "scenes", "trials", "summary"} <= set(content)
-    assert content["interrupted"] is False
-
-
-def test_the_truth_judges_rows_and_depth(content):
-    for trial in content["trials"]:
-        if trial["strategy"] == "compass":
-            assert set(trial["by_truth"]["row_error_px"]) == {"start", "final"}
-            assert set(trial["by_truth"]["depth_error_percent"]["final"]) == {"10", "30"}
-        else:
-            assert trial["by_truth"] is None
-    for row in content["summary"]:
-        assert (row["harmful"] is None) == (row["strategy"] == "crashing")
-
-
-def test_versions(content):
-    assert {"python", "stereorecal", "jax", "numpy"} <= set(content["versions"])
+def test_what_was_compared(content):
+    """(Which keys there are is held against the page on JSON, in tests/cli.)"""
+    settings, (first, second) = content["settings"], content["scenes"]
+    assert (content["schema"], content["interrupted"]) == ("stereorecal.compare/1", False)
     assert content["versions"]["strategy compass"].startswith("stereorecal-compass ")
-
-
-def test_settings_say_everything_that_was_asked(content):
-    settings = content["settings"]
     assert settings["strategies"] == ["compass", "crashing"]
-    assert settings["matcher"]["name"] == "sad"
-    assert settings["matcher"]["block_size"] == 11
+    assert (settings["matcher"]["name"], settings["matcher"]["block_size"]) == ("sad", 11)
     assert settings["decalibrate"] == {"degrees": 0.5, "baseline_fraction": 0.01}
     assert settings["reach"] == {"degrees": 3.0, "baseline_fraction": 0.03}
     assert (settings["draws"], settings["seed"], settings["scale"], settings["schedule"]) == (2, 0, 0.5, "count")
     assert settings["budget"] == {"evaluations": 10, "seconds": None}
-    assert {"ratio", "pitch_roll_deg", "yaw_deg", "flagged_ratio"} <= set(settings["thresholds"])
-
-
-def test_scenes(content):
-    assert [s["name"] for s in content["scenes"]] == ["harbour-0", "street-0"]
-    assert content["scenes"][0]["image_size"] == [160, 120]
-    assert content["scenes"][0]["reference"] == "truth"
-    assert content["scenes"][0]["num_disparities"] == 24
+    assert (first["name"], second["name"]) == ("harbour-0", "street-0")
+    assert (first["image_size"], first["reference"], first["num_disparities"]) == ([160, 120], "truth", 24)
 
 
 def test_trials(content):
+    """A crash is a failed row without numbers, and the others live."""
     trials = content["trials"]
     assert [(t["scene"], t["draw"], t["strategy"]) for t in trials] == [
         (s, d, name) for s in ("harbour-0", "street-0") for d in (0, 1) for name in ("compass", "crashing")
     ]
     for trial in trials:
-        assert {"matcher", "schedule", "status", "message", "accepted", "reason", "reference"} <= set(trial)
-        assert set(trial) >= NUMBERS
-        assert trial["reference"] == "truth"
+        numbers = [trial[key] for key in ("score_initial", "score_final", "score_reference", "ratio", "seconds")]
         if trial["strategy"] == "compass":
-            assert None not in [trial[key] for key in NUMBERS]
-            assert set(trial["rotation_error_deg"]) == {"pitch", "yaw", "roll"}
-            assert set(trial["translation_error_percent"]) == {"y", "z"}
-            assert set(trial["score_at"]) == {"100", "300", "1000"}
+            assert None not in numbers
+            assert trial["status"] == "BUDGET"
             assert trial["ratio"] == pytest.approx(trial["score_final"] / trial["score_reference"])
-            assert trial["evaluations"] == 40
-            assert trial["cost"] == pytest.approx(10)
+            assert (trial["evaluations"], trial["cost"]) == (40, pytest.approx(10))
+            assert set(trial["by_truth"]["row_error_px"]) == {"start", "final"}
         else:
-            assert [trial[key] for key in NUMBERS] == [None] * len(NUMBERS)
+            assert trial["status"] == "FAILED"
+            assert "Crashing" in trial["message"]
+            assert "KeyError('a bug')" in trial["message"]
+            assert not trial["accepted"]
+            assert {*numbers, trial["evaluations"], trial["cost"], trial["by_truth"]} == {None}
             assert trial["rotation_error_deg"] is trial["score_at"] is None
 
 
@@ -106,20 +80,11 @@ def test_summary(content):
     rows = {(row["scene"], row["strategy"]): row for row in content["summary"]}
     assert len(rows) == 4
     good, bad = rows["harbour-0", "compass"], rows["harbour-0", "crashing"]
-    assert {"matcher", "schedule", "draws", "success_rate", "ratio_median", "rotation_error_deg_median"} <= set(good)
-    assert {"evaluations_median", "cost_median", "seconds_median"} <= set(good)
     assert (good["draws"], good["failed"], good["evaluations_median"]) == (2, 0, 40)
-    ratios = [t["ratio"] for t in content["trials"] if (t["scene"], t["strategy"]) == ("harbour-0", "compass")]
+    ratios = {t["ratio"] for t in content["trials"] if (t["scene"], t["strategy"]) == ("harbour-0", "compass")}
+    assert len(ratios) == 2  # each draw is another
     assert good["ratio_median"] == pytest.approx(sum(ratios) / 2)
-    assert (bad["failed"], bad["success_rate"], bad["ratio_median"]) == (2, 0.0, None)
-
-
-def test_a_crash_is_a_failed_row_and_the_others_live(content):
-    failed = [t for t in content["trials"] if t["strategy"] == "crashing"]
-    assert {t["status"] for t in failed} == {"FAILED"}
-    assert all("Crashing" in t["message"] and "KeyError('a bug')" in t["message"] for t in failed)
-    assert not any(t["accepted"] for t in failed)
-    assert all(t["status"] == "BUDGET" for t in content["trials"] if t["strategy"] == "compass")
+    assert (bad["failed"], bad["success_rate"], bad["ratio_median"], bad["harmful"]) == (2, 0.0, None, None)
 
 
 def stripped(table):
@@ -141,33 +106,22 @@ def test_the_same_seed_the_same_json(scene, table):
     assert stripped(other) != stripped(table)
 
 
-def test_every_draw_is_another(table):
-    initial = [t.score_initial for t in table.trials if (t.scene, t.strategy) == ("harbour-0", "compass")]
-    assert len(set(initial)) == 2
-
-
-def test_reach_follows_the_drift(scene):
-    given_scene = scene()
-    found = compare_scenes([given_scene], drift=Drift(5.0, 0.1), **(SMALL | {"draws": 1}))
-    assert found.settings["reach"] == {"degrees": 6.0, "baseline_fraction": pytest.approx(0.12)}
-
-
-def test_an_explicit_reach(scene):
-    given_scene = scene()
-    found = compare_scenes([given_scene], reach=Reach(1.0, 0.02), **(SMALL | {"draws": 1}))
-    assert found.settings["reach"] == {"degrees": 1.0, "baseline_fraction": 0.02}
+@pytest.mark.parametrize(
+    ("reach", "expected"),
+    [(None, {"degrees": 6.0, "baseline_fraction": pytest.approx(0.12)}), (Reach(1.0, 0.02), vars(Reach(1.0, 0.02)))],
+)
+def test_the_reach_follows_the_drift_unless_it_is_given(scene, reach, expected):
+    found = compare_scenes([scene()], drift=Drift(5.0, 0.1), reach=reach, **(SMALL | {"draws": 1}))
+    assert found.settings["reach"] == expected
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"draws": 0}, "nothing to compare"),
-        ({"draws": -3}, "nothing to compare"),
         ({"strategies": []}, "nothing to compare"),
         ({"strategies": ["nonsense"]}, "unknown strategy 'nonsense'"),
-        ({"scale": 0.0}, "scale is 0.0"),
         ({"scale": 1.5}, "scale is 1.5"),
-        ({"scale": float("nan")}, "scale is nan"),
         ({"scale": 0.01}, "at least 16 pixels"),
         ({"matcher": SAD(num_disparities=400)}, "beyond the width of the image"),
     ],
@@ -178,7 +132,7 @@ def test_requests_that_make_no_sense_are_refused_before_anything_runs(scene, cha
         compare(given_scene.rig, given_scene.pairs, **(SMALL | changes))
 
 
-@pytest.mark.parametrize("limits", [(-0.1, 0.01), (17, 0.01), (0.5, 0.5), (float("nan"), 0.0), (0.5, -1.0)])
+@pytest.mark.parametrize("limits", [(17, 0.01), (0.5, 0.5), (float("nan"), 0.0), (0.5, -1.0)])
 def test_drifts_that_make_no_sense(limits):
     with pytest.raises(InputError, match="a drift of"):
         Drift(*limits)

@@ -80,6 +80,39 @@ def test_it_is_well_formed_and_has_every_part(page: str):
         "Terms",
     ]
     assert [text.strip() for text in read.texts["summary"]] == ["6 trials", "Scenes, settings and versions"]
+    ids = [value for name, value in read.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+
+
+def test_it_serves_dark_pages_and_keyboards(page: str):
+    """Figures take the colours of the page, and wide tables are reached."""
+    assert "#010203" not in page
+    assert "fill: currentColor" in page
+    assert "prefers-color-scheme: dark" in page
+    boxes = re.findall(r'<div class="wide"[^>]*>', page)
+    assert len(boxes) == 5
+    assert all('tabindex="0" role="region" aria-label="' in box for box in boxes)
+
+
+def test_it_needs_nothing_else(page: str):
+    read = Reader(page)
+    assert not {"script", "link", "img", "iframe", "object"} & set(read.names)
+    links = [value or "" for name, value in read.attributes if name in ("href", "src", "xlink:href")]
+    assert all(link.startswith("#") for link in links)
+    assert not re.search(r"url\((?!#)|@import", page)
+
+
+def test_foreign_text_is_text(table: Comparison, page: str):
+    """Nor is it a formula in a figure."""
+    assert EVIL not in page
+    assert "<b>harbour" not in page
+    read = Reader(page)
+    assert EVIL in read.texts["td"]
+    assert any(EVIL in item for item in read.texts["li"])
+    assert "data/<b>harbour</b>" in read.texts["h3"]
+    formula = tuple(replace(trial, strategy="a$b_{$c", strategies=("a$b_{$c",)) for trial in table.trials)
+    drawn = Reader(comparison_page(replace(table, trials=formula).as_dict())).texts["text"]
+    assert any("a$b_{$c" in text for text in drawn)
 
 
 def test_numbers_are_those_of_the_comparison(table: Comparison, page: str):
@@ -115,47 +148,6 @@ def test_schedules_side_by_side(table: Comparison):
     assert "count" in drawn
 
 
-def test_it_needs_nothing_else(page: str):
-    read = Reader(page)
-    assert not {"script", "link", "img", "iframe", "object"} & set(read.names)
-    for name, value in read.attributes:
-        if name in ("href", "src", "xlink:href"):
-            assert value is not None
-            assert value.startswith("#")
-    assert not re.search(r"url\((?!#)|@import", page)
-
-
-def test_foreign_text_is_text(page: str):
-    assert EVIL not in page
-    assert "<b>harbour" not in page
-    read = Reader(page)
-    assert any(cell == EVIL for cell in read.texts["td"])
-    assert any(EVIL in item for item in read.texts["li"])
-    assert "data/<b>harbour</b>" in read.texts["h3"]
-
-
-def test_names_in_figures_are_no_formulas(table: Comparison):
-    trials = tuple(replace(trial, strategy="a$b_{$c", strategies=("a$b_{$c",)) for trial in table.trials)
-    page = comparison_page(replace(table, trials=trials).as_dict())
-    assert any("a$b_{$c" in text for text in Reader(page).texts["text"])
-
-
-def test_figures_take_the_colours_of_the_page(page: str):
-    assert "#010203" not in page
-    assert "fill: currentColor" in page
-    assert "prefers-color-scheme: dark" in page
-
-
-def test_ids_are_unique(page: str):
-    ids = [value for name, value in Reader(page).attributes if name == "id"]
-    assert len(ids) == len(set(ids))
-
-
-@pytest.mark.slow
-def test_the_same_comparison_gives_the_same_page(table: Comparison, page: str):
-    assert comparison_page(table.as_dict()) == page
-
-
 def test_a_ratio_above_the_limit_is_flagged(table: Comparison, page: str):
     mark = '<b class="flag" title="above 1.05">!</b>'
     high = [replace(trial, ratio=1.051) if trial.ratio else trial for trial in table.trials]
@@ -169,18 +161,12 @@ def test_interrupted_or_empty(table: Comparison):
     cut = replace(table, trials=table.trials[:1], interrupted=True)
     said = " ".join(Reader(comparison_page(cut.as_dict())).texts["p"])
     assert "Interrupted: 1 trial was finished of 6." in said
+    several_stages = replace(table, trials=tuple(replace(trial, score_at=None) for trial in table.trials))
+    assert "Best score" not in comparison_page(several_stages.as_dict())  # they do not compare
     empty = Reader(comparison_page(replace(cut, trials=()).as_dict()))
     assert "0 trials were finished of 6." in " ".join(empty.texts["p"])
     assert "svg" not in empty.names
     assert empty.opened == []
-
-
-def test_scores_that_do_not_compare_are_left_out(table: Comparison):
-    """As those of a schedule of several stages."""
-    trials = tuple(replace(trial, score_at=None) for trial in table.trials)
-    page = comparison_page(replace(table, trials=trials).as_dict())
-    assert "Best score" not in page
-    assert Reader(page).names.count("svg") == 2
 
 
 @pytest.mark.slow
@@ -255,13 +241,6 @@ def test_curves_of_a_strategy_that_spends_nothing(scene):
     page = comparison_page(comparison.as_dict(), [json_data(asdict(curve))])
     assert any("features, no units spent" in entry for entry in Reader(page).texts["li"])
     assert "level where its trials have ended" in " ".join(Reader(page).texts["p"])
-
-
-def test_wide_tables_are_reached_by_keyboard(page: str):
-    boxes = re.findall(r'<div class="wide"[^>]*>', page)
-    assert len(boxes) == 5
-    for box in boxes:
-        assert 'tabindex="0" role="region" aria-label="' in box
 
 
 def test_when_a_trial_is_solved(table: Comparison):

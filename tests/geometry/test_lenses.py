@@ -10,7 +10,6 @@ from lenses import WIDE_LENSES
 
 from stereorecal import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, camera_changes, changed_camera, intrinsic, pixel_slopes, ray_slopes, reread
-from stereorecal.geometry.lenses import NAMES, LensModel, lens_model
 
 SIZE = (640, 480)
 MATRIX = np.array([[280.0, 0, 322.4], [0, 283.0, 236.1], [0, 0, 1]])
@@ -37,12 +36,6 @@ def lenses_of(model: str):
     if model == "omni":
         return st.tuples(st.floats(0.0, 2.5), st.floats(-0.2, 0.1), *(st.floats(-s, s) for s in (0.03, 1e-3, 1e-3)))
     return st.tuples(st.floats(0.0, 1.0), st.floats(0.3, 3.0))
-
-
-@pytest.mark.parametrize("model", NAMES)
-def test_every_model_offers_what_a_model_offers(model: str):
-    assert isinstance(lens_model(model), LensModel)
-    assert model == lens_model(model).NAME
 
 
 @pytest.mark.parametrize("model", WIDE)
@@ -85,15 +78,6 @@ def test_equidistant_is_opencvs_fisheye(coefficients):
     steep = np.linalg.norm(lens.project(grows) - lens.project(unit), axis=1) / 1e-6 / MATRIX[0, 0]
     angle = np.linalg.norm(np.cross(unit, lens.directions(expected)[met]), axis=1)
     assert (angle * np.minimum(steep, 1.0)).max() < 1e-9
-
-
-def test_maps_are_those_of_opencvs_fisheye():
-    from stereorecal.geometry import pixel_map, rotation_from_vector
-
-    lens, turn = camera("equidistant"), rotation_from_vector(np.array([0.05, -0.04, 0.02]))
-    view = np.array([[200.0, 0, 310.0], [0, 200.0, 245.0], [0, 0, 1]])
-    expected = cv2.fisheye.initUndistortRectifyMap(MATRIX, lens.distortion, turn, view, SIZE, cv2.CV_32FC1)
-    np.testing.assert_allclose(pixel_map(lens, turn, view, SIZE), expected, atol=1e-3)
 
 
 @pytest.mark.parametrize("model", WIDE)

@@ -25,6 +25,8 @@ from stereorecal.geometry.projections import NAMES
 
 SIZE = (640, 480)
 MATRIX = np.array([[195.0, 0, 322.4], [0, 196.0, 236.1], [0, 0, 1]])
+LENS = Camera(SIZE, MATRIX, np.array(WIDE_LENSES["equidistant"]), model="equidistant")
+RIG = StereoRig(LENS, LENS, np.array([0, 0, 0, -0.2, 0, 0.0]))
 FIELDS = {"pinhole": 100.0, "equirectangular": 175.0}
 angle = st.floats(-0.15, 0.15)
 share = st.floats(-0.3, 0.3)
@@ -33,12 +35,9 @@ share = st.floats(-0.3, 0.3)
 @st.composite
 def rigs(draw: st.DrawFn) -> StereoRig:
     """Fisheyes, up to 9 degrees about each axis, a baseline mostly sideways."""
-    cameras = [
-        Camera(SIZE, MATRIX, np.array(WIDE_LENSES[model]), model=model) for model in ("equidistant", "equidistant")
-    ]
     baseline = draw(st.floats(0.01, 2.0))
     translation = [-baseline, draw(share) * baseline, draw(share) * baseline]
-    return StereoRig(*cameras, np.array([draw(angle), draw(angle), draw(angle), *translation]))
+    return StereoRig(LENS, LENS, np.array([draw(angle), draw(angle), draw(angle), *translation]))
 
 
 def directions_of(draw: st.DataObject, farthest: float, count: int = 50) -> np.ndarray:
@@ -126,8 +125,7 @@ def test_maps_follow_the_directions_over_the_whole_field(model: str):
 
 def test_both_images_show_one_point_in_one_row():
     """Through maps of both images, as cv2.remap takes them."""
-    lens = Camera(SIZE, MATRIX, np.array(WIDE_LENSES["equidistant"]), model="equidistant")
-    rig = StereoRig(lens, lens, np.array([0.02, -0.03, 0.01, -0.2, 0.004, -0.01]))
+    rig = RIG.with_extrinsics(np.array([0.02, -0.03, 0.01, -0.2, 0.004, -0.01]))
     shown = view(rig, projection="equirectangular")
     maps = [np.asarray(one) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, shown)]
     assert np.mean([mapped_area(one, SIZE).mean() for one in maps]) > 0.7
@@ -144,9 +142,7 @@ def test_both_images_show_one_point_in_one_row():
 
 
 def test_what_only_a_pinhole_has():
-    lens = Camera(SIZE, MATRIX, np.array(WIDE_LENSES["equidistant"]), model="equidistant")
-    rig = StereoRig(lens, lens, np.array([0, 0, 0, -0.2, 0, 0.0]))
-    made = sr.rectification(rig, view(rig, projection="equirectangular"))
+    made = sr.rectification(RIG, view(RIG, projection="equirectangular"))
     for name in ("P1", "P2", "Q"):
         with pytest.raises(InputError, match=f"{name} is a pinhole's, and this view is equirectangular; use maps"):
             getattr(made, name)
@@ -155,19 +151,15 @@ def test_what_only_a_pinhole_has():
 
 
 def test_fields_and_names_that_are_none():
-    lens = Camera(SIZE, MATRIX, np.array(WIDE_LENSES["equidistant"]), model="equidistant")
-    rig = StereoRig(lens, lens, np.array([0, 0, 0, -0.2, 0, 0.0]))
-    shown = view(rig, projection="equirectangular")
+    shown = view(RIG, projection="equirectangular")
     assert shown.degrees == pytest.approx(160.0)  # the lens has 188
-    assert view(rig, projection="equirectangular", field=180.0).degrees == pytest.approx(180.0)
+    assert view(RIG, projection="equirectangular", field=180.0).degrees == pytest.approx(180.0)
     assert str(shown) == f"640 x 480 pixels, equirectangular, 160 degrees across, focal length {shown.focal:.3f} px"
     for field in (0.0, 180.1, np.nan):
         with pytest.raises(InputError, match="makes no equirectangular view; give more than 0 and at most 180"):
-            view(rig, projection="equirectangular", field=field)
-    for make in (lambda: view(rig, projection="cylinder"), lambda: View(SIZE, 1.0, 0.0, 0.0, 0.0, "cylinder")):
-        with pytest.raises(
-            InputError, match=r"there is no projection 'cylinder'; give one of pinhole, equirectangular\."
-        ):
+            view(RIG, projection="equirectangular", field=field)
+    for make in (lambda: view(RIG, projection="cylinder"), lambda: View(SIZE, 1.0, 0.0, 0.0, 0.0, "cylinder")):
+        with pytest.raises(InputError, match=r"no projection 'cylinder'; give one of pinhole, equirectangular\."):
             make()
 
 

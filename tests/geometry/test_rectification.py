@@ -77,74 +77,7 @@ def test_the_length_of_the_baseline_does_not_matter(values: np.ndarray, scale: f
         np.testing.assert_allclose(a, b, atol=1e-14)
 
 
-@pytest.mark.slow(after=1)
-@pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
-def test_jacobians_of_the_rotations(jacobian):
-    def rotations(values):
-        return jnp.stack(rectifying_rotations(rotation_from_euler(values[:3]), values[3:]))
-
-    def differences(values: np.ndarray, step: float = 1e-7) -> np.ndarray:
-        ends = [
-            np.stack(
-                [np.stack(rectifying_rotations(rotation_from_euler(v[:3]), v[3:])) for v in values + s * np.eye(6)],
-                axis=-1,
-            )
-            for s in (step, -step)
-        ]
-        return (ends[0] - ends[1]) / (2 * step)
-
-    jitted = jax.jit(jacobian(rotations))
-    for values in (IDEAL, np.array([0.1, -0.15, 0.05, -0.2, 0.03, -0.04])):
-        actual = jitted(jnp.asarray(values, jnp.float32))
-        assert np.isfinite(actual).all()
-        np.testing.assert_allclose(actual, differences(values), atol=2e-5)
-
-
 # --- the view -----------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("zero_disparity", [True, False])
-@settings(max_examples=10)
-@given(extrinsics())
-def test_points_lie_in_one_row_at_the_disparity_of_their_depth(zero_disparity: bool, values: np.ndarray):
-    stereo = rig(values)
-    shared = view(stereo, zero_disparity=zero_disparity)
-    first, second = rectifying_rotations(stereo.rotation, stereo.translation)
-    points = np.random.default_rng(0).uniform([-1, -1, 3], [1, 1, 9], (50, 3)) * stereo.baseline
-    left = points @ first.T @ shared.matrix_left.T
-    right = (points @ stereo.rotation.T + stereo.translation) @ second.T @ shared.matrix_right.T
-    left, right = left[:, :2] / left[:, 2:], right[:, :2] / right[:, 2:]
-    np.testing.assert_allclose(left[:, 1], right[:, 1], atol=1e-8)
-    depth = (points @ first.T)[:, 2]
-    at_infinity = shared.centre_left - shared.centre_right
-    np.testing.assert_allclose(
-        left[:, 0] - right[:, 0], shared.focal * stereo.baseline / depth + at_infinity, atol=1e-8
-    )
-    if zero_disparity:
-        assert at_infinity == 0.0
-
-
-@pytest.mark.parametrize("count", FEW)
-@pytest.mark.parametrize("zero_disparity", [True, False])
-def test_maps_rectify_real_projections(count: int, zero_disparity: bool):
-    """Full circle: points are projected through the lenses, and the maps lead back to them."""
-    stereo = rig(np.array([0.03, -0.05, 0.02, -0.12, 0.004, -0.006]), count)
-    shared = view(stereo, zero_disparity=zero_disparity)
-    maps = maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, shared)
-    rotations = rectifying_rotations(stereo.rotation, stereo.translation)
-    points = np.random.default_rng(count).uniform([-0.6, -0.5, 2], [0.6, 0.5, 4], (60, 3))
-    in_cameras = points, points @ stereo.rotation.T + stereo.translation
-    matrices = shared.matrix_left, shared.matrix_right
-    for camera, coordinates, rotation, local, matrix in zip(
-        (stereo.left, stereo.right), maps, rotations, in_cameras, matrices, strict=True
-    ):
-        rectified = local @ rotation.T @ matrix.T
-        rectified = (rectified[:, :2] / rectified[:, 2:]).astype(np.float32)
-        assert ((rectified > 1) & (rectified < np.array(SIZE) - 2)).all()
-        planes = np.moveaxis(np.asarray(coordinates), 0, -1)
-        sampled = cv2.remap(planes, rectified[:, None], None, cv2.INTER_LINEAR)[:, 0]
-        # A 2-D map is read between its pixels, hence the bend of the lens within one pixel.
-        np.testing.assert_allclose(sampled, camera.project(local), atol=0.05)
 
 
 @given(extrinsics(), extrinsics())
@@ -213,16 +146,6 @@ def test_scaling_the_view_is_resizing_its_images(scale: float):
     resized = stereo.left.resized((round(SIZE[0] * scale), round(SIZE[1] * scale)))
     again = np.asarray(map_of(resized, rotation, half.matrix_left, half.size))
     np.testing.assert_allclose(again, (small + 0.5) * scale - 0.5, atol=1e-3)
-
-
-def test_view_is_a_pytree():
-    shared = view(rig())
-    copy = jax.tree.map(lambda leaf: leaf, shared)
-    assert type(copy) is View
-    assert astuple(copy) == astuple(shared)
-    assert len(jax.tree.leaves(shared)) == 4
-    matrix = jax.jit(lambda v: v.matrix_right)(shared)
-    np.testing.assert_allclose(matrix, shared.matrix_right, rtol=1e-6)
 
 
 # --- pixel maps and warps -----------------------------------------------------------------------------------
@@ -324,17 +247,6 @@ def test_mapped_area_is_what_lies_inside(points: list[tuple[float, float]]):
     assert [bool(value) for value in inside] == [0 <= x <= 8 and 0 <= y <= 5 for x, y in np.float32(points)]
 
 
-def test_mapped_area_is_where_no_border_is_repeated():
-    """Brute force: warp an image of ones that is framed in zeros, and look where no zero came in."""
-    stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), 5)
-    frame = np.pad(np.ones(SIZE[::-1], np.float32), 400)
-    for coordinates in maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)):
-        ones = reference_warp(frame, np.asarray(coordinates, float) + 400.0)
-        actual = np.asarray(mapped_area(coordinates, SIZE))
-        np.testing.assert_array_equal(actual, ones == 1.0)
-        assert 0.5 < actual.mean() < 1.0
-
-
 # --- gradients through maps and warps -----------------------------------------------------------------------
 
 SCENE = rig(IDEAL, 5)
@@ -399,19 +311,6 @@ def test_gradients_are_finite_where_rays_lie_in_the_plane_of_the_image():
     value, gradient = jax.jit(jax.value_and_grad(total))(sideways)
     assert np.isfinite(value)
     assert np.isfinite(gradient).all()
-
-
-def test_a_rig_is_an_argument_of_jit():
-    @jax.jit
-    def maps(stereo: StereoRig, shared: View):
-        return rectifying_maps(stereo.left, stereo.right, stereo.rotation, stereo.translation, shared)
-
-    for values in (IDEAL, np.array([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])):
-        stereo = SCENE.with_extrinsics(values)
-        expected = maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, VIEW)
-        for a, b in zip(maps(stereo, VIEW), expected, strict=True):
-            np.testing.assert_allclose(a, b, atol=1e-3)
-    assert maps._cache_size() == 1
 
 
 @pytest.mark.parametrize("focals", [(600.0, 700.0), (700.0, 600.0)])

@@ -65,15 +65,6 @@ def test_both_branches_of_the_series_meet(scale: float):
     np.testing.assert_allclose(vector_from_rotation(rotation), vector, rtol=1e-12, atol=1e-30)
 
 
-@given(vectors())
-def test_exponential_is_a_rotation_and_inverts(vector: np.ndarray):
-    rotation = rotation_from_vector(vector)
-    np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-13)
-    assert np.linalg.det(rotation) == pytest.approx(1.0, abs=1e-13)
-    np.testing.assert_allclose(rotation_from_vector(-vector), rotation.T, atol=1e-14)
-    np.testing.assert_allclose(vector_from_rotation(rotation), vector, atol=1e-11)
-
-
 @given(vectors(1.0), vectors(1.0))
 def test_the_group_is_closed_and_the_angle_is_a_metric(a: np.ndarray, b: np.ndarray):
     first, second = rotation_from_vector(a), rotation_from_vector(b)
@@ -128,12 +119,6 @@ def test_jacobians(jacobian, function):
         actual = jitted(jnp.asarray(point, jnp.float32))
         assert np.isfinite(actual).all()
         np.testing.assert_allclose(actual, differences(function, point), atol=1e-5, err_msg=str(point))
-
-
-@pytest.mark.parametrize("jacobian", [jax.jacfwd, jax.jacrev])
-def test_jacobian_of_the_exponential_at_zero_is_the_generators(jacobian):
-    generators = np.stack([np.cross(axis, np.eye(3)) for axis in np.eye(3)], axis=-1)
-    np.testing.assert_array_equal(jax.jit(jacobian(rotation_from_vector))(jnp.zeros(3)), generators.transpose(1, 0, 2))
 
 
 def test_second_derivatives_are_finite():

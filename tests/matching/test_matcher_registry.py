@@ -38,14 +38,8 @@ def test_nothing_is_sad_and_a_matcher_is_itself():
     [
         ("sgmb", "unknown matcher 'sgmb'; did you mean sgbm?"),
         ("census", "unknown matcher 'census'; installed: bm, sad, sgbm."),
-        ("", "unknown matcher ''; installed: bm, sad, sgbm."),
         (SGBM, "matcher is the class SGBM; make one of it, such as sr.SGBM()."),
-        (BM, "matcher is the class BM; make one of it, such as sr.BM()."),
         (64, "matcher is a int; give a name (bm, sad, sgbm) or a matcher such as sr.SGBM(num_disparities=128)."),
-        (
-            {"num_disparities": 64},
-            "matcher is a dict; give a name (bm, sad, sgbm) or a matcher such as sr.SGBM(num_disparities=128).",
-        ),
     ],
 )
 def test_what_is_none_is_refused_in_a_sentence(given, said):
@@ -53,9 +47,16 @@ def test_what_is_none_is_refused_in_a_sentence(given, said):
         as_matcher(given)
 
 
-def test_all_seven_options_are_looked_at():
-    for cls in CLASSES:
-        assert [snake for snake, _ in CAMEL.values()] == [option.name for option in dataclasses.fields(cls)]
+@pytest.mark.parametrize("cls", CLASSES)
+def test_options_have_names(cls):
+    """OpenCV's order is another for each of its matchers; copies and pickles are as of any dataclass."""
+    assert [snake for snake, _ in CAMEL.values()] == [option.name for option in dataclasses.fields(cls)]
+    with pytest.raises(InputError, match=rf"name the options of {cls.__name__}, as in sr\.{cls.__name__}\(num_disp"):
+        cls(0, 64)
+    matcher = cls(min_disparity=-2, num_disparities=48)
+    assert pickle.loads(pickle.dumps(matcher)) == matcher
+    assert dataclasses.replace(matcher, block_size=7).block_size == 7
+    assert hash(cls(min_disparity=-2, num_disparities=48)) == hash(matcher)
 
 
 @pytest.mark.parametrize("cls", CLASSES)
@@ -71,13 +72,7 @@ def test_opencvs_spelling_is_answered_with_the_right_call(cls, camel):
 
 @pytest.mark.parametrize(
     ("option", "close"),
-    [
-        ("num_disparity", "num_disparities"),
-        ("blocksize", "block_size"),
-        ("min_disp", None),
-        ("P1", None),
-        ("mode", None),
-    ],
+    [("num_disparity", "num_disparities"), ("blocksize", "block_size"), ("P1", None)],
 )
 def test_options_that_it_does_not_have(option, close):
     """Also one beside others that it has, and where it is copied."""
@@ -86,20 +81,3 @@ def test_options_that_it_does_not_have(option, close):
             make(**{option: 5})
         assert str(refusal.value).count(". ") == 0
         assert close is None or make is not SGBM or f"write sr.SGBM({close}=5)." in str(refusal.value)
-
-
-@pytest.mark.parametrize("cls", CLASSES)
-def test_the_check_is_in_nobodys_way(cls):
-    """Copies and pickles are as of any dataclass."""
-    matcher = cls(min_disparity=-2, num_disparities=48)
-    assert (matcher.min_disparity, matcher.num_disparities) == (-2, 48)
-    assert pickle.loads(pickle.dumps(matcher)) == matcher
-    assert dataclasses.replace(matcher, block_size=7).block_size == 7
-    assert hash(cls(min_disparity=-2, num_disparities=48)) == hash(matcher)
-
-
-@pytest.mark.parametrize("cls", CLASSES)
-def test_options_have_names(cls):
-    """OpenCV's order is another for each of its matchers."""
-    with pytest.raises(InputError, match=rf"name the options of {cls.__name__}, as in sr\.{cls.__name__}\(num_disp"):
-        cls(0, 64)

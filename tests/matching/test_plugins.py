@@ -87,24 +87,6 @@ def test_a_name_of_ours_that_somebody_else_claims(installed):
         sr.matcher("sad")
 
 
-@pytest.mark.parametrize(
-    ("value", "said"),
-    [
-        ("no_such_module:Thing", "matcher shaky of plug-in 1.2 cannot be loaded (ModuleNotFoundError"),
-        ("json:JSONDecoder", "the entry point shaky of plug-in 1.2 is not a matcher class."),
-        ("stereorecal.strategies:AbstractStrategy", "the entry point shaky of plug-in 1.2 is not a matcher class."),
-    ],
-)
-def test_a_broken_one_is_told_and_hides_no_other(installed, value, said):
-    installed({"shaky": value})
-    with pytest.raises(sr.MatcherError) as error:
-        sr.matcher("shaky")
-    assert str(error.value).startswith(said)
-    found = overview()
-    assert str(found["shaky"]) == str(error.value)
-    assert isinstance(found["sad"], MatcherInfo)
-
-
 def test_a_plugins_class_is_called_by_its_own_name():
     with pytest.raises(sr.InputError, match=r"'numDisparities'; write Nothing\(num_disparities=9\)"):
         Nothing(numDisparities=9)

@@ -24,22 +24,11 @@ def test_round_trip(z, reach):
     np.testing.assert_allclose(chart.coordinates(extrinsics), z, atol=1e-9)
 
 
-@given(z=points, reach=reaches)
-def test_reach_and_the_fixed_x(z, reach):
-    change = count_chart(RIG, reach).extrinsics(z) - RIG.extrinsics
-    assert change[3] == 0.0
-    assert np.all(np.abs(change[:3]) <= np.radians(reach.degrees) * (1 + 1e-9) + 1e-15)
-    assert np.all(np.abs(change[4:]) <= reach.baseline_fraction * RIG.baseline * (1 + 1e-9) + 1e-15)
-
-
-def test_corner():
-    change = count_chart(RIG, Reach(2.0, 0.01)).extrinsics(np.ones(5)) - RIG.extrinsics
-    shift = 0.01 * RIG.baseline
+def test_centre_and_corner():
+    chart = count_chart(RIG, Reach(2.0, 0.01))
+    assert np.array_equal(chart.extrinsics(np.zeros(5)), RIG.extrinsics)
+    change, shift = chart.extrinsics(np.ones(5)) - RIG.extrinsics, 0.01 * RIG.baseline
     np.testing.assert_allclose(change, [*[np.radians(2.0)] * 3, 0.0, shift, shift], rtol=1e-9)
-
-
-def test_the_centre_is_the_rig_exactly():
-    assert np.array_equal(count_chart(RIG, Reach()).extrinsics(np.zeros(5)), RIG.extrinsics)
 
 
 @given(z=points)
@@ -65,9 +54,7 @@ def test_other_free_axes():
     assert [axis for axis, change in zip(AXES, moved, strict=True) if change] == ["roll", "x"]
 
 
-@pytest.mark.parametrize(
-    "values", [(0, 0.03), (-1, 0.03), (3, 0), (3, -0.1), (21, 0.03), (3, 0.6), (np.nan, 0.1), (3, np.nan)]
-)
+@pytest.mark.parametrize("values", [(0, 0.03), (3, -0.1), (21, 0.03), (3, 0.6), (np.nan, 0.1), (3, np.nan)])
 def test_reaches_that_make_no_sense(values):
     with pytest.raises(InputError, match=r"a reach of .* makes no sense"):
         Reach(*values)

@@ -58,13 +58,6 @@ def test_the_value_is_that_of_all_weighted_rows_and_the_prior(at, z, seed):
     assert traced.shape == (11,)
 
 
-def test_weights_of_zero_leave_the_prior_alone():
-    problem = made([0.5] * 5, precision=0.0, prior=0.25)
-    z = np.array([0.5, -0.25, 0.0, 1.0, -1.0])
-    assert problem.value(z) == pytest.approx(-8.0 * np.sum(z**2), rel=1e-6)
-    assert problem.value(np.zeros(5)) == 0.0
-
-
 def test_an_evaluation_costs_next_to_nothing():
     """However many rows there are: they were summed before."""
     problem = made()

@@ -3,8 +3,11 @@
 from collections.abc import Callable, Iterator
 
 import jax
+import numpy as np
 import pytest
 
+import stereorecal as sr
+from stereorecal.geometry import with_unit_baseline
 from stereorecal.recordings import Scene
 
 _EVENTS = {
@@ -21,6 +24,22 @@ def scene(scene: Callable[..., Scene]) -> Callable[..., Scene]:
         return scene(kind, seed, size, frames)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def small(scene) -> Scene:
+    """160x120, and what the pure face needs of it: `data`, and `truth`, the extrinsics in baselines."""
+    return scene(size=(160, 120))
+
+
+@pytest.fixture(scope="session")
+def data(small) -> sr.ScoringData:
+    return sr.prepare(small.rig, small.pairs)
+
+
+@pytest.fixture(scope="session")
+def truth(small) -> np.ndarray:
+    return with_unit_baseline(small.rig.extrinsics)
 
 
 @pytest.fixture

@@ -79,13 +79,3 @@ def test_errors_come_through(frames):
     with pytest.raises(MatcherError, match="three"):
         counts_one_by_one(frames[4], candidates(6), Watched(fails_at=3))
     assert len(counts_one_by_one(frames[4], candidates(3), Watched())) == 3
-
-
-def test_one_item_and_one_core_need_no_thread(frames):
-    alone, on_one_core, of_frames = Watched(), Watched(), Watched()
-    counts_one_by_one(frames[0], candidates(1), alone)
-    with cores(1):
-        counts_one_by_one(frames[4], candidates(2), on_one_core)
-    counts_one_by_one(frames[4], candidates(1), of_frames)
-    assert {thread for thread, _ in alone.seen + on_one_core.seen} == {MAIN}
-    assert MAIN not in {thread for thread, _ in of_frames.seen}

@@ -109,7 +109,7 @@ def test_cells_lie_on_their_grid_and_tiles_count_them_in_rows(harbour, found):
     np.testing.assert_array_equal(np.bincount(found.tile[0]), np.full(48, 100))
 
 
-@pytest.mark.parametrize("turn", [(0.05, 0.0, 0.0), (0.0, 0.3, -0.05), (-0.08, -0.2, 0.03)])
+@pytest.mark.parametrize("turn", [(0.0, 0.3, -0.05), (-0.08, -0.2, 0.03)])
 def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, found, turn):
     """A rig a little off sees other rows, but the rays that it finds lie in one row at the truth all the same."""
     truth = with_unit_baseline(harbour.rig.extrinsics)

@@ -71,13 +71,6 @@ def test_rows_are_those_of_opencv(true, asked, seed):
     np.testing.assert_allclose(in_float32, actual, atol=2e-3)
 
 
-@given(true=extrinsics, seed=st.integers(0, 99))
-def test_zero_at_the_true_extrinsics(true, seed):
-    found = correspondences_of(points(seed), true)
-    np.testing.assert_allclose(row_differences(found, true), 0.0, atol=1e-9)
-    assert median_row_error(found, true) < 1e-9
-
-
 @given(true=extrinsics, asked=extrinsics, unit=st.floats(1e-3, 1e4))
 def test_the_unit_of_the_baseline_does_not_matter(true, asked, unit):
     found = correspondences_of(points(0), true)

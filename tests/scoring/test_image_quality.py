@@ -45,15 +45,10 @@ def test_a_raw_mosaic_is_not_interlaced():
     assert not image_quality(Pair(mosaic, np.roll(mosaic, 4, axis=1))).interlaced
 
 
-def test_all_of_an_ordinary_image_counts():
+def test_what_is_enough():
+    """An ordinary image, all of which counts; a circle that is large, and has texture."""
     assert image_quality(Pair(TEXTURE.astype(np.float32), TEXTURE.astype(np.float32))).shown == 1.0
-
-
-def test_a_circle_without_texture_is_not_enough():
     assert not image_quality(on_black(110.0, inside=np.full((HEIGHT, WIDTH), 120.0))).enough
-
-
-def test_a_small_circle_is_not_enough():
     assert not image_quality(on_black(40.0)).enough
 
 

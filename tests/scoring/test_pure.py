@@ -1,5 +1,4 @@
-"""The pure face: it composes with JAX, every mode gives the same derivative, and what it cannot take it refuses in a
-sentence."""
+"""The pure face: it composes with JAX, has derivatives, and what it cannot take it refuses in a sentence."""
 
 import jax
 import jax.numpy as jnp
@@ -13,17 +12,6 @@ from stereorecal.scoring import host
 
 MATCHER = sr.SAD(num_disparities=24)
 UNIT = np.array([*np.radians([1.0, 1.0, 1.0]), 0.01, 0.01, 0.01])  # a degree, and a hundredth of the baseline
-
-
-@pytest.fixture(scope="module")
-def data(scene) -> sr.ScoringData:
-    given = scene(size=(160, 120))
-    return sr.prepare(given.rig, given.pairs)
-
-
-@pytest.fixture(scope="module")
-def truth(scene) -> np.ndarray:
-    return with_unit_baseline(scene(size=(160, 120)).rig.extrinsics)
 
 
 @pytest.fixture(scope="module")
@@ -41,22 +29,15 @@ def found(data, truth) -> sr.Correspondences:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("score", [sr.count, sr.soft_count])
-def test_scores_under_jit_and_vmap(data, candidates, score):
-    alone = np.array([float(score(data, e, MATCHER)) for e in candidates])
-    compiled = jax.jit(lambda e: score(data, e, MATCHER))
-    ways = {
-        "jit": [compiled(e) for e in candidates],
-        "vmap": jax.vmap(lambda e: score(data, e, MATCHER))(candidates),
-    }
-    if score is sr.count:  # the rest is JAX's own, and each way is another program
-        passed = jax.jit(lambda d, e: score(d, e, MATCHER))
-        ways["jit, data passed"] = [passed(data, e) for e in candidates]
-        ways["jit of vmap"] = jax.jit(jax.vmap(lambda e: score(data, e, MATCHER)))(candidates)
+def test_soft_counts_under_jit_and_vmap(data, candidates):
+    """(Counts: test_host_and_traced.)"""
+    alone = np.array([float(sr.soft_count(data, e, MATCHER)) for e in candidates])
     assert len(set(alone)) == len(alone)
-    for name, values in ways.items():
-        assert np.asarray(values).shape == (4,), name
-        np.testing.assert_allclose(np.asarray(values, float), alone, rtol=1e-5, err_msg=name)
+    compiled = jax.jit(lambda e: sr.soft_count(data, e, MATCHER))
+    np.testing.assert_allclose([compiled(e) for e in candidates], alone, rtol=1e-5)
+    passed = jax.jit(lambda d, e: sr.soft_count(d, e, MATCHER))
+    np.testing.assert_allclose([passed(data, e) for e in candidates], alone, rtol=1e-5)
+    np.testing.assert_allclose(jax.vmap(lambda e: sr.soft_count(data, e, MATCHER))(candidates), alone, rtol=1e-5)
 
 
 def test_what_the_scores_return(data, truth):
@@ -128,33 +109,6 @@ def soft(data):
     return lambda e: sr.soft_count(data, e, MATCHER)
 
 
-def modes(function, at) -> dict[str, np.ndarray]:
-    """The gradient of a scalar function by every way that JAX has."""
-    jvp = [jax.jvp(function, (at,), (unit,))[1] for unit in jnp.eye(6)]
-    _, pull = jax.vjp(function, at)
-    _, push = jax.linearize(function, at)
-    return {
-        "grad": jax.grad(function)(at),
-        "jvp": np.stack(jvp),
-        "jacfwd": jax.jacfwd(function)(at),
-        "jacrev": jax.jacrev(function)(at),
-        "vjp": pull(jnp.float32(1.0))[0],
-        "linearize": np.stack([push(unit) for unit in jnp.eye(6)]),
-        "value_and_grad": jax.value_and_grad(function)(at)[1],
-    }
-
-
-@pytest.mark.slow
-def test_all_modes_give_one_gradient(data, candidates):
-    at = candidates[1]
-    gradients = modes(soft(data), at)
-    expected = np.asarray(gradients["grad"]) * UNIT
-    assert np.linalg.norm(expected) > 10.0  # pixels for a step of UNIT
-    for name, gradient in gradients.items():
-        assert np.shape(gradient) == (6,), name
-        np.testing.assert_allclose(gradient * UNIT, expected, atol=1e-3 * np.linalg.norm(expected), err_msg=name)
-
-
 def test_the_gradient_is_that_of_finite_differences(data, truth):
     gradient, step = jax.grad(soft(data)), 5e-3
     actual, expected = [], []
@@ -179,31 +133,6 @@ def test_the_count_has_no_slope(data, candidates):
     assert tangent.dtype == jax.dtypes.float0
 
 
-@pytest.mark.slow
-def test_row_differences_have_derivatives_in_every_mode(found, truth):
-    """Against central differences in float64, on the host."""
-    on_host, at = jax.tree.map(lambda leaf: np.asarray(leaf), found), jnp.asarray(truth, jnp.float32)
-    here, step = np.asarray(found.weight) > 0, 1e-6
-    ends = [[sr.row_differences(on_host, truth + s * e)[here] for s in (step, -step)] for e in np.eye(6)]
-    expected = np.stack([(a - b) / (2 * step) for a, b in ends], axis=-1)
-    for mode in (jax.jacfwd, jax.jit, jax.vmap):
-        if mode is jax.jacfwd:
-            jacobian = jax.jacfwd(lambda e: sr.row_differences(found, e))(at)
-        elif mode is jax.jit:
-            jacobian = jax.jit(jax.jacfwd(sr.row_differences, argnums=1))(found, at)
-        else:
-            jacobian = jax.vmap(jax.jacfwd(lambda e: sr.row_differences(found, e)))(at[None])[0]
-        np.testing.assert_allclose(np.asarray(jacobian)[here], expected, atol=2e-3 * np.abs(expected).max())
-
-    def cost(e):
-        return 0.5 * jnp.sum(found.weight * sr.row_differences(found, e) ** 2)
-
-    weighted = np.asarray(found.weight)[here] * sr.row_differences(on_host, truth)[here]
-    slope = weighted @ expected
-    for gradient in modes(cost, at).values():
-        np.testing.assert_allclose(gradient, slope, atol=5e-3 * np.linalg.norm(slope))
-
-
 # --- refusals -----------------------------------------------------------------------------------------------
 
 
@@ -217,16 +146,10 @@ def test_data_have_no_derivative(data, truth, mode, wrapped):
 REFUSED = {
     "bm": (
         sr.BM(num_disparities=32),
-        "needs a matcher in JAX.*use sr\\.SAD\\(\\.\\.\\.\\), or sr\\.score, which takes every .*\\.$",
-    ),
-    "sgbm": (
-        "sgbm",
-        "needs a matcher in JAX.*use sr\\.SAD\\(\\.\\.\\.\\), or sr\\.score, which takes every matcher\\.$",
+        r"needs a matcher in JAX.*use sr\.SAD\(\.\.\.\), or sr\.score, which takes every matcher\.$",
     ),
     "no range": (sr.SAD(), r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"),
-    "no range of a name": ("sad", r"as in sr\.SAD\(num_disparities=96\).*sr\.with_disparity_range"),
     "a typing error": ("sadd", r"unknown matcher 'sadd'; did you mean sad\?"),
-    "another case": ("SAD", "unknown matcher 'SAD'"),
     "a range wider than the image": (sr.SAD(num_disparities=170), "beyond the width of the image"),
 }
 
@@ -259,14 +182,13 @@ def test_a_traced_temperature_is_taken(data, truth):
 
 
 @pytest.mark.slow
-def test_scaled_data_scale_the_range(scene, truth):
+def test_scaled_data_scale_the_range(small, truth):
     """The matcher is always given at full size."""
-    given = scene(size=(160, 120))
-    half = sr.prepare(given.rig, given.pairs, scale=0.5)
+    half = sr.prepare(small.rig, small.pairs, scale=0.5)
     assert half.scale == 0.5
     assert half.left.shape == (1, 60, 80)
-    small, own = [pair.resized((80, 60)) for pair in given.pairs], sr.view(given.rig).scaled(0.5)
-    resized = sr.prepare(given.rig.resized((80, 60)), small, own)
+    pairs, own = [pair.resized((80, 60)) for pair in small.pairs], sr.view(small.rig).scaled(0.5)
+    resized = sr.prepare(small.rig.resized((80, 60)), pairs, own)
     counted = [int(sr.count(data, truth, sr.SAD(num_disparities=n))) for data, n in ((half, 24), (resized, 12))]
     assert counted[0] == counted[1] > 2000
 
@@ -287,21 +209,19 @@ HOST = {
 
 @pytest.mark.parametrize("name", HOST)
 @pytest.mark.parametrize("transform", [jax.jit, jax.vmap, jax.grad, jax.jacfwd])
-def test_host_functions_say_what_to_use_under_a_trace(scene, name, transform):
-    given = scene(size=(160, 120))
+def test_host_functions_say_what_to_use_under_a_trace(small, name, transform):
     function, instead = HOST[name]
-    at = jnp.asarray(given.rig.extrinsics, jnp.float32)
+    at = jnp.asarray(small.rig.extrinsics, jnp.float32)
     at = at[None] if transform is jax.vmap else at
     with pytest.raises(InputError) as refusal:
-        transform(lambda e: function(given.rig.with_extrinsics(e), given.pairs))(at)
+        transform(lambda e: function(small.rig.with_extrinsics(e), small.pairs))(at)
     said = str(refusal.value)
     assert said.startswith(f"{name} works on the host and cannot be traced by jit, vmap or grad; use ")
     assert instead in said
     assert said.count(". ") == 0  # one sentence
 
 
-def test_a_traced_view_is_refused_as_well(scene):
-    given = scene(size=(160, 120))
-    own = sr.view(given.rig)
+def test_a_traced_view_is_refused_as_well(small):
+    own = sr.view(small.rig)
     with pytest.raises(InputError, match=r"sr\.score works on the host"):
-        jax.jit(lambda view: sr.score(given.rig, given.pairs, matcher=MATCHER, view=view).count)(own)
+        jax.jit(lambda view: sr.score(small.rig, small.pairs, matcher=MATCHER, view=view).count)(own)

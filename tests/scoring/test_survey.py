@@ -42,23 +42,14 @@ def test_a_wider_reach_looks_at_yaw_too(scene, kind, signs):
 
 
 def test_a_rig_that_is_right_is_left_alone(scene):
-    given_scene = scene()
-    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH)
-    assert np.abs(found.offset).max() < np.radians(0.8)
-
-
-def test_aligned_takes_the_rig_as_it_is(scene):
-    given_scene = scene()
-    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH, aligned=True)
+    """Or taken as it is, if it is said to be aligned."""
+    images, extrinsics = pyramid(scene().rig, scene().pairs), scene().rig.extrinsics
+    assert np.abs(survey(images, extrinsics, REACH).offset).max() < np.radians(0.8)
+    found = survey(images, extrinsics, REACH, aligned=True)
     assert not found.offset.any()
     assert found.with_range(SAD(), 0.0).num_disparities < found.with_range(SAD(), REACH).num_disparities
     assert found.with_range(SAD(num_disparities=7), REACH).num_disparities == 7
-
-
-def test_a_range_is_never_negative(scene):
-    given_scene = scene()
-    found = survey(pyramid(given_scene.rig, given_scene.pairs), given_scene.rig.extrinsics, REACH)
-    assert found.with_range(SAD(min_disparity=90), 0.0).num_disparities == 16
+    assert found.with_range(SAD(min_disparity=90), 0.0).num_disparities == 16  # never negative
 
 
 def test_a_yaw_that_is_off_does_not_look_like_swapped_sides(scene):

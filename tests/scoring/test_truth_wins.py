@@ -22,16 +22,6 @@ def turned(rig):
     return points
 
 
-@pytest.mark.slow(after=3)
-@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
-@pytest.mark.parametrize("seed", [0, 1, 2])
-def test_synthetic(scene, kind, seed):
-    given_scene = scene(kind, seed)
-    prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
-    found = counts(prepared, turned(given_scene.rig), SAD(num_disparities=48))
-    assert found[1:].max() < found[0]
-
-
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize(
     ("name", "disparities"),

@@ -1,6 +1,7 @@
 """Strategies by name: found lazily, refused with a sentence that helps."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from typing import NamedTuple
 
 import pytest
 
-from stereorecal import InputError, StrategyError
+from stereorecal import InputError, MatcherError, StrategyError, matching
 from stereorecal.strategies import (
     AbstractStrategy,
     describe,
@@ -57,36 +58,21 @@ def test_what_is_installed():
 
 
 @pytest.mark.parametrize(
-    ("name", "said"), [("compas", r"'compas'; did you mean compass\?"), ("xyz", "'xyz'; installed: .*compass")]
-)
-def test_unknown_name(name, said):
-    with pytest.raises(InputError, match=f"unknown strategy {said}"):
-        strategy(name)
-
-
-def test_nothing_installed(installed):
-    installed()
-    assert strategies() == ()
-    with pytest.raises(InputError, match="unknown strategy 'xyz'; installed: none"):
-        strategy("xyz")
-
-
-@pytest.mark.parametrize(
     ("name", "what", "folder"),
     [
         ("compass", r"'stereorecal\[default\]'", "compass"),
-        ("secant", r"'stereorecal\[default\]'", "compass"),
         ("levenberg-marquardt", r"'stereorecal\[default\]'", "levenberg-marquardt"),
         ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
-        ("essential-matrix", "stereorecal-features", "features"),
-        ("features", "stereorecal-features", "features"),
         ("xfeat", "stereorecal-features", "features"),
         ("colmap", "stereorecal-colmap", "colmap"),
     ],
 )
 def test_a_missing_one_of_ours_gives_the_install_line(installed, name: str, what: str, folder: str):
     installed()
+    assert strategies() == ()
+    with pytest.raises(InputError, match="unknown strategy 'xyz'; installed: none"):
+        strategy("xyz")
     with pytest.raises(InputError, match=f"strategy {name} is not installed; run: pip install {what} .*/{folder}"):
         strategy(name)
 
@@ -104,18 +90,61 @@ def test_the_same_distribution_found_twice_is_no_conflict(installed):
     assert type(strategy("compass")).__name__ == "Compass"
 
 
-@pytest.mark.parametrize("value", ["no_such_module:Thing", "stereorecal_compass:NoSuchThing"])
-def test_broken_entry_point(installed, value):
-    installed(Point("shaky", value, "shaky-plugin"))
-    with pytest.raises(StrategyError, match=r"shaky of shaky-plugin 1\.2 cannot be loaded .*reinstall or remove it"):
-        strategy("shaky")
+class Long(type(strategy("compass"))):
+    def __repr__(self):
+        return "Long" + 10_000 * "!"
 
 
-@pytest.mark.parametrize("value", ["json:dumps", "json:JSONDecoder"])
-def test_entry_point_that_is_no_strategy(installed, value):
-    installed(Point("odd", value, "odd-plugin"))
-    with pytest.raises(StrategyError, match=r"entry point odd of odd-plugin 1\.2 is not a strategy class"):
-        strategy("odd")
+RIGHT = "is no name of a strategy; give a string, such as sr.strategy('compass')."
+NO_NAMES = {  # what is refused, and with which sentence
+    "a strategy": (strategy("compass", step=0.25), "this Compass is a strategy already; pass it on as it is."),
+    "a class": (type(strategy("compass")), "Compass is a strategy's class; make a strategy of it with Compass()."),
+    "nothing": (None, f"None {RIGHT}"),
+    "names": (["compass"], f"['compass'] {RIGHT}"),
+    "another class": (
+        object,
+        "<class 'object'> is no name of a strategy; give a string, such as sr.strategy('compass').",
+    ),
+    "a typing error": ("compas", "unknown strategy 'compas'; did you mean compass?"),
+}
+
+
+@pytest.mark.usefixtures("unchecked")
+@pytest.mark.parametrize("function", [strategy, describe])
+@pytest.mark.parametrize(("given", "said"), NO_NAMES.values(), ids=NO_NAMES)
+def test_what_is_no_name_is_refused_with_the_right_call(function, given, said):
+    with pytest.raises(InputError, match=f"^{re.escape(said)}$"):
+        function(given)
+    with pytest.raises(InputError, match=r"^.{1,200}$"):
+        function(Long())
+    with pytest.raises(InputError, match=r"unknown strategy 'xyz'; installed: .*compass"):
+        function("xyz")
+
+
+DOORS = {  # group, one that works, what makes one, what tells of all, and the error
+    "strategy": (GROUP, "stereorecal_compass:Compass", strategy, overview, StrategyError),
+    "matcher": ("stereorecal.matchers", "stereorecal.matching:BM", matching.matcher, matching.overview, MatcherError),
+}
+
+
+@pytest.mark.parametrize("kind", DOORS)
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("no_such_module:Thing", "{} shaky of plug-in 1.2 cannot be loaded (ModuleNotFoundError"),
+        ("stereorecal_compass:NoSuchThing", "{} shaky of plug-in 1.2 cannot be loaded (AttributeError"),
+        ("json:dumps", "the entry point shaky of plug-in 1.2 is not a {} class."),
+        ("json:JSONDecoder", "the entry point shaky of plug-in 1.2 is not a {} class."),
+    ],
+)
+def test_a_broken_one_is_told_and_hides_no_other(nothing_installed, install, kind, value, said):
+    group, own, make, look, error = DOORS[kind]
+    install(group, {"shaky": value, "sound": own})
+    with pytest.raises(error) as refusal:
+        make("shaky")
+    assert str(refusal.value).startswith(said.format(kind))
+    assert str(look()["shaky"]) == str(refusal.value)
+    assert look()["sound"].name == "sound"
 
 
 def test_an_overview_has_each_description_or_its_error(installed, nothing_installed):
@@ -135,11 +164,6 @@ def test_an_overview_has_each_description_or_its_error(installed, nothing_instal
             describe(name)
         assert isinstance(found[name], kind)
         assert str(found[name]) == str(error.value)
-
-
-def test_unknown_option():
-    with pytest.raises(InputError, match=r"strategy compass has no option 'stepp'; it has: step, min_step"):
-        strategy("compass", stepp=1.0)
 
 
 def test_listing_imports_no_plugin():
@@ -179,26 +203,16 @@ def test_names_are_those_of_registered_classes():
     assert [name_of(one) for one in (strategy("compass", step=0.25), Local(), Mine())] == ["compass", "Local", "Mine"]
 
 
-def test_the_name_of_a_class_inside_a_class(installed):
-    installed(Point("local", f"{__name__}:Local"), Point("inner", f"{__name__}:Local.Inner"))
-    assert name_of(Local()) == "local"
-    assert name_of(Local.Inner()) == "inner"
-
-
-def test_the_name_of_a_class_that_is_registered_through_another_module(installed, monkeypatch):
+def test_the_name_of_a_class_that_is_registered_through_another_module_or_twice(installed, monkeypatch):
+    """Of two names it is the first; a class inside a class has its own."""
     facade = ModuleType("facade")
     facade.Exported = Local
     monkeypatch.setitem(sys.modules, "facade", facade)
-    installed(
-        Point("other", "facade:Missing"), Point("exported", "facade:Exported"), Point("deep", "facade:Exported.Inner")
-    )
+    installed(Point("other", "facade:Missing"), Point("zebra", f"{__name__}:Local"))
+    assert name_of(Local()) == "zebra"
+    installed(Point("exported", "facade:Exported"), Point("deep", "facade:Exported.Inner"))
     assert name_of(Local()) == "exported"
     assert name_of(Local.Inner()) == "deep"
-
-
-def test_of_two_names_it_is_the_first(installed):
-    installed(Point("zebra", f"{__name__}:Local"), Point("ant", f"{__name__}:Local"))
-    assert name_of(Local()) == "ant"
 
 
 def test_finding_a_name_imports_nothing(installed, monkeypatch):
@@ -221,55 +235,24 @@ def test_finding_a_name_imports_nothing(installed, monkeypatch):
     assert "this" not in sys.modules
 
 
-@pytest.mark.parametrize(
-    "value", ["", ":", "no colon at all", "a-b:c", __name__, f"{__name__}:", f"{__name__}:Local:Inner"]
-)
+@pytest.mark.parametrize("value", ["", ":", "no colon at all", f"{__name__}:", f"{__name__}:Local:Inner"])
 def test_a_malformed_entry_point_hides_no_name(installed, value):
     installed(Point("bad", value), Point("local", f"{__name__}:Local [extra]"))
     assert name_of(Local()) == "local"
     assert origin_of(Local()) in ("stereorecal-compass 1.2", __name__)
 
 
-WHAT_IS_NO_NAME = """
-from stereorecal.strategies import describe, strategy
-
-class Long(type(strategy("compass"))):
-    def __repr__(self):
-        return "Long" + 10_000 * "!"
-
-compass = strategy("compass", step=0.25)
-for given in (compass, type(compass), None, 5, b"compass", ["compass", "secant"], object, Long()):
-    for function in (strategy, describe):
-        try:
-            function(given)
-        except Exception as error:
-            print(type(error).__name__, error)
-"""
-
-
-def test_what_is_no_name_is_refused_with_the_right_call():
-    """In a process of its own: the type checker of the test suite would be the first to refuse it."""
-    command = [sys.executable, "-c", WHAT_IS_NO_NAME]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    *sentences, long = done.stdout.splitlines()[::2]
-    assert done.stdout.splitlines()[1::2] == [*sentences, long]
-    right = "is no name of a strategy; give a string, such as sr.strategy('compass')."
-    assert sentences == [
-        "InputError this Compass is a strategy already; pass it on as it is.",
-        "InputError Compass is a strategy's class; make a strategy of it with Compass().",
-        f"InputError None {right}",
-        f"InputError 5 {right}",
-        f"InputError b'compass' {right}",
-        f"InputError ['compass', 'secant'] {right}",
-        f"InputError <class 'object'> {right}",
-    ]
-    assert len(long) < 200
-
-
-@pytest.mark.parametrize("options", [{"step": -2.0}, {"min_step": 3.0}], ids=str)
-def test_what_a_strategy_says_of_its_options(options):
-    with pytest.raises(InputError, match=r"^strategy compass: .*[^.]\.$"):
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"step": -2.0}, r": .*[^.]\.$"),
+        ({"stepp": 1.0}, " has no option 'stepp'; it has: step, min_step"),
+        ({"name": "x"}, " has no option 'name'; it has: step"),
+    ],
+    ids=str,
+)
+def test_what_is_said_of_options(options, said):
+    with pytest.raises(InputError, match=f"^strategy compass{said}"):
         strategy("compass", **options)
 
 
@@ -296,12 +279,6 @@ def test_what_a_strategy_does_with_its_options(installed):
         strategy("wanting", step=-1.0)
     with pytest.raises(StrategyError, match=r"strategy wanting of .* cannot be made .*has no len"):
         strategy("wanting", step=1.0)
-
-
-def test_an_option_may_be_called_name(installed):
-    installed(Point("local", f"{__name__}:Local"))
-    with pytest.raises(InputError, match="strategy local has no option 'name'; it has: step"):
-        strategy("local", name="x")
 
 
 def test_metadata_is_read_again_where_something_was_installed_or_removed(tmp_path: Path, nothing_installed):

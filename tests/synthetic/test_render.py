@@ -73,10 +73,9 @@ def test_same_seed_same_pictures(kind):
     assert np.array_equal(first.right, again.right)
 
 
-@pytest.mark.slow
-def test_other_seed_other_pictures():
-    other = render("coast", 4, rig=RIG).pairs[0]
-    assert np.abs(noisy("coast").left - other.left).mean() > 5.0
+def test_kinds_keep_their_positions():
+    """The position is part of the seed: another order would change every image of a kind."""
+    assert KINDS[:4] == ("harbour", "coast", "open-sea", "street")
 
 
 def test_scene_carries_the_truth():
@@ -104,14 +103,6 @@ def test_options_do_what_they_say():
     assert 1.0 < grain.std() < 3.0
     vignetted = render("harbour", 3, rig=RIG, noise=0.0, exposure=0.0, blur=1.0).pairs[0]
     assert vignetted.left[:20, :20].mean() < flat.left[:20, :20].mean()
-
-
-def test_the_default_rig_is_not_ideal():
-    rig = default_rig()
-    assert rig.left.size == rig.right.size == (640, 480)
-    assert abs(rig.baseline - 0.356) < 1e-3
-    assert np.all(np.abs(rig.extrinsics[:3]) > np.radians(0.1))
-    assert np.all(np.abs(rig.extrinsics[4:]) > 1e-3)
 
 
 def test_unknown_kind_names_the_known_ones():
