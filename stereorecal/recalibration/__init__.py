@@ -46,14 +46,14 @@ from stereorecal.recalibration._schedule import (
     Stage as Stage,
     watching_scale as watching_scale,
 )
-from stereorecal.recalibration._search_path import Waypoint as Waypoint
+from stereorecal.recalibration._search import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._settings import (
     HealthOptions as HealthOptions,
     RepairOptions as RepairOptions,
     Settings as Settings,
     as_settings as as_settings,
 )
-from stereorecal.recalibration._slices import Progress as Progress, next_slice as next_slice
 from stereorecal.recalibration._solution import Solution as Solution
+from stereorecal.recalibration._stages import Waypoint as Waypoint
 from stereorecal.recalibration._uncertainty import NORMAL_95 as NORMAL_95, Uncertainty as Uncertainty
 from stereorecal.recalibration._unmatched import is_sparse as is_sparse

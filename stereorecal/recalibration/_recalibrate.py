@@ -9,8 +9,7 @@ from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recalibration._assessment import looked
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._prepared_case import prepared, what_may_change
-from stereorecal.recalibration._search import run_schedule
-from stereorecal.recalibration._search_start import started
+from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of_assessment, solution_of_search

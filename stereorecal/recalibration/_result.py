@@ -20,9 +20,8 @@ from stereorecal.recalibration._mismatch import Mismatch
 from stereorecal.recalibration._prior_use import PriorUse, known_after
 from stereorecal.recalibration._regional_misfit import Misfit
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors
-from stereorecal.recalibration._search_path import Waypoint, path_of
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import StageRun
+from stereorecal.recalibration._stages import StageRun, Waypoint, path_of
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.scoring import Correspondences

@@ -7,8 +7,7 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.geometry import StereoRig, View, rectifying_rotations, with_unit_baseline
 from stereorecal.recalibration._schedule import ScoreKind
-from stereorecal.recalibration._search_path import Waypoint
-from stereorecal.recalibration._stages import StageRun
+from stereorecal.recalibration._stages import StageRun, Waypoint
 from stereorecal.report.repair_report import Climb, Rows
 from stereorecal.scoring import Correspondences, median_row_error, row_differences, with_rays_of
 

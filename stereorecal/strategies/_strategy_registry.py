@@ -18,7 +18,7 @@ _REGISTRY = Registry[AbstractStrategy](
         "compass": ("'stereorecal[default]'", "compass"),
         "gradient-descent": ("'stereorecal[default]'", "compass"),
         "secant": ("'stereorecal[default]'", "compass"),
-        "levenberg-marquardt": ("'stereorecal[default]'", "levenberg-marquardt"),
+        "levenberg-marquardt": ("stereorecal-levenberg-marquardt", "levenberg-marquardt"),
         "optimistix-": ("stereorecal-optimistix", "optimistix"),
         "nlopt-": ("stereorecal-nlopt", "nlopt"),
         "essential-matrix": ("stereorecal-features", "features"),

@@ -61,7 +61,7 @@ def test_what_is_installed():
     ("name", "what", "folder"),
     [
         ("compass", r"'stereorecal\[default\]'", "compass"),
-        ("levenberg-marquardt", r"'stereorecal\[default\]'", "levenberg-marquardt"),
+        ("levenberg-marquardt", "stereorecal-levenberg-marquardt", "levenberg-marquardt"),
         ("optimistix-bfgs", "stereorecal-optimistix", "optimistix"),
         ("nlopt-bobyqa", "stereorecal-nlopt", "nlopt"),
         ("xfeat", "stereorecal-features", "features"),
