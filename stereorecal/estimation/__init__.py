@@ -26,7 +26,6 @@ from stereorecal.estimation._consequences import (
 from stereorecal.estimation._estimate import (
     DISTANCES as DISTANCES,
     Estimate as Estimate,
-    estimate as estimate,
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
@@ -37,6 +36,7 @@ from stereorecal.estimation._jacobian import (
     slopes_by_point as slopes_by_point,
     slopes_of as slopes_of,
 )
+from stereorecal.estimation._least_squares import estimate as estimate
 from stereorecal.estimation._losses import Losses as Losses, Matters as Matters
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (

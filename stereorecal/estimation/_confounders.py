@@ -1,4 +1,4 @@
-"""Rival explanations of misfit: hypotheses beside the rig, each integrated as the rig alone is.
+"""Confounders: hypotheses beside the rig, each integrated as the rig alone is.
 
 Twenty parameters explain half of an image that moved better than five do, and a field of small errors that stay
 together lets them. What belongs to no rig has a cause: a region that moved, a shutter that rolled, an image that is
@@ -49,7 +49,7 @@ _DRIFTING = len(DRIFTING)
 
 
 @dataclass(frozen=True, eq=False)
-class Rival:
+class Confounder:
     """Something besides the rig that moves rows of a frame.
 
     Attributes:
@@ -71,24 +71,16 @@ class Rival:
         return rows.jacobian @ self.of_rig + self.of_groups
 
 
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """What a hypothesis makes of rows: explanations for `mixture`, of which its probability is a part."""
-
-    hypothesis: Hypothesis
-    several: list[Explanation]
-
-
-def fits_with_rivals(
+def hypotheses_with_confounders(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
-) -> list[Fitted]:
-    """θ beside each rival that may have a say.
+) -> list[Hypothesis]:
+    """θ beside each confounder that may have a say.
 
     Args:
         rows: near the rig that was fitted alone.
         chart: the map from θ to rigs.
         prior: of the calibration.
-        alone: the rig alone, which rivals are weighed against.
+        alone: the rig alone, which confounders are weighed against.
     """
     best, kind = best_of(alone)
     searched = _regions(rows, prior, best, kind)
@@ -99,17 +91,18 @@ def fits_with_rivals(
     misfits = [(deviation, best.misfit[1]) for deviation in DEVIATIONS]
     of_all = {misfit: _likelihoods(rows, searched, misfit) for misfit in misfits}
     tried = []
-    for index, rival in enumerate(searched):
+    for index, confounder in enumerate(searched):
         normals = {misfit: of_all[misfit][index] for misfit in misfits}
-        under = _with_rival(normals, rows.likelihoods, rival, prior, [best.prior])
-        tried.append((best_of(under)[0], rival))
-    # Another prior of the calibration may suit a rival better than it suits the rig alone: twice as far, then.
+        under = _explanations_with(normals, rows.likelihoods, confounder, prior, [best.prior])
+        tried.append((best_of(under)[0], confounder))
+    # Another prior of the calibration may suit a confounder better than it suits the rig alone: twice as far, then.
     again = []
-    for one, rival in _within_nats(tried, best, 2.0 * NEGLIGIBLE):
-        normal = of_all[one.misfit][searched.index(rival)]
-        under = _with_rival({one.misfit: normal}, rows.likelihoods, rival, prior, range(len(prior.roots)))
-        again.append((best_of(under)[0], rival))
-    return [_fitted_with_rival(rows, chart, prior, rival, one) for one, rival in _within_nats(again, best, NEGLIGIBLE)]
+    for one, confounder in _within_nats(tried, best, 2.0 * NEGLIGIBLE):
+        normal = of_all[one.misfit][searched.index(confounder)]
+        under = _explanations_with({one.misfit: normal}, rows.likelihoods, confounder, prior, range(len(prior.roots)))
+        again.append((best_of(under)[0], confounder))
+    likely = _within_nats(again, best, NEGLIGIBLE)
+    return [_hypothesis_with(rows, chart, prior, confounder, one) for one, confounder in likely]
 
 
 def _log_evidence(one: Explanation) -> float:
@@ -117,83 +110,83 @@ def _log_evidence(one: Explanation) -> float:
 
 
 def _within_nats(
-    tried: list[tuple[Explanation, Rival]], alone: Explanation, nats: float
-) -> list[tuple[Explanation, Rival]]:
+    tried: list[tuple[Explanation, Confounder]], alone: Explanation, nats: float
+) -> list[tuple[Explanation, Confounder]]:
     """The explanations at most so many nats below the best of all."""
     least = max(_log_evidence(one) for one in (alone, *(one for one, _ in tried))) - nats
-    return [(one, rival) for one, rival in tried if _log_evidence(one) > least]
+    return [(one, confounder) for one, confounder in tried if _log_evidence(one) > least]
 
 
-def _fitted_with_rival(
-    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, rival: Rival, best_with_rival: Explanation
-) -> Fitted:
-    """All explanations beside a rival, linear near its own θ: the rig alone may be far away, and groups that err alone
-    are others."""
-    kind = int(best_with_rival.found.log_evidence.argmax())
-    theta, values = best_with_rival.found.means[kind], best_with_rival.found.nuisance[kind]
+def _hypothesis_with(
+    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, confounder: Confounder, best_beside: Explanation
+) -> Hypothesis:
+    """θ beside a confounder, rows linear near its own: the rig alone may be far away, and groups that err alone are
+    others."""
+    kind = int(best_beside.found.log_evidence.argmax())
+    theta, values = best_beside.found.means[kind], best_beside.found.nuisance[kind]
     rows = linear_groups(rows.groups, chart, theta, prior, rows.measured)
-    moved = replace(rows, at_zero=rows.at_zero + rival.columns(rows) @ values)
-    rows = replace(rows, deviation=moved.robust(sum(best_with_rival.misfit), theta))
-    at, common = DEVIATIONS.index(best_with_rival.misfit[0]), best_with_rival.misfit[1]
-    beside, nuisance = rows.with_columns(rival.columns(rows)), np.diag(rival.sizes)
+    moved = replace(rows, at_zero=rows.at_zero + confounder.columns(rows) @ values)
+    rows = replace(rows, deviation=moved.robust(sum(best_beside.misfit), theta))
+    at, common = DEVIATIONS.index(best_beside.misfit[0]), best_beside.misfit[1]
+    beside, nuisance = rows.with_columns(confounder.columns(rows)), np.diag(confounder.sizes)
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         misfits = [(deviation, common) for deviation in deviations]
-        return explanations(beside, prior, which, misfits, nuisance, rival.log_prior)
+        return explanations(beside, prior, which, misfits, nuisance, confounder.log_prior)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - NEGLIGIBLE
     some = [one.prior for one in found if _log_evidence(one) > least]
     neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
     found += under([DEVIATIONS[index] for index in sorted(neighbouring)], some)
-    return Fitted(Hypothesis(beside, best_of(found)[0].misfit, nuisance, rival.log_prior), found)
+    return Hypothesis(beside, found, best_of(found)[0].misfit, nuisance, confounder.log_prior)
 
 
-def _likelihoods(rows: LinearGroups, rivals: Sequence[Rival], misfit: tuple[float, float]) -> list[Normal]:
-    """Of θ and of the parameters of each rival."""
-    columns = [rival.columns(rows) for rival in rivals]
+def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: tuple[float, float]) -> list[Normal]:
+    """Of θ and of the parameters of each confounder."""
+    columns = [confounder.columns(rows) for confounder in confounders]
     whole = rows.with_columns(np.column_stack(columns)).normal(misfit[0])
     n, found = rows.jacobian.shape[1], []
     ends = n + np.cumsum([0, *(some.shape[1] for some in columns)])
     for start, end in pairwise(ends):
-        where = np.r_[:n, start:end, ends[-1] : len(whole.b)]  # behind the rivals: the field of all frames
+        where = np.r_[:n, start:end, ends[-1] : len(whole.b)]  # behind the confounders: the field of all frames
         found.append(with_common_field(rows, Normal(whole.a[np.ix_(where, where)], whole.b[where], whole.c), misfit[1]))
     return found
 
 
-def _with_rival(
+def _explanations_with(
     normals: Mapping[tuple[float, float], Normal],
     likelihoods: Sequence[tuple[float, Normal]],
-    rival: Rival,
+    confounder: Confounder,
     prior: CalibrationPrior,
     which: Sequence[int],
 ) -> list[Explanation]:
-    """θ beside a rival."""
-    return explained_by(normals, likelihoods, prior, which, np.diag(rival.sizes), rival.log_prior)
+    """θ beside a confounder."""
+    return explained_by(normals, likelihoods, prior, which, np.diag(confounder.sizes), confounder.log_prior)
 
 
-def _rolling(rows: LinearGroups, chart: RigChart) -> list[Rival]:
+def _rolling(rows: LinearGroups, chart: RigChart) -> list[Confounder]:
     """The right image is read row by row while its camera turns (a left one is nearly the negative): rows move as far
     as they lie from the row that was taken with the other image, the first, middle or last. A shutter never moves all
-    rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a rival is fitted
-    anew."""
+    rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a confounder is
+    fitted anew."""
     right, n = chart.rig.right, rows.jacobian.shape[1]
     down = right.project(rows.groups.right)[:, 1:] / right.size[1]
     # By a pixel of the right image, down and across, as lenses bend it.
     moved = -rows.jacobian[:, [chart.names.index(f"right.{centre}") for centre in ("cy", "cx")]]
     log_prior = float(np.log(_ROLLING / len(_TAKEN_TOGETHER)))
     sizes = np.array([MOVED, ACROSS])
-    return [Rival("rolling", np.zeros((n, 2)), moved * (down - row), sizes, log_prior) for row in _TAKEN_TOGETHER]
+    return [Confounder("rolling", np.zeros((n, 2)), moved * (down - row), sizes, log_prior) for row in _TAKEN_TOGETHER]
 
 
-def _late(rows: LinearGroups) -> Rival:
+def _late(rows: LinearGroups) -> Confounder:
     """One image is late and its camera has moved: a drift of another size."""
     angles, (g, n) = 3, rows.jacobian.shape
     sizes = np.r_[np.full(angles, _LATE_ANGLE), np.full(_DRIFTING - angles, _LATE_SHIFT)]
-    return Rival("late", np.eye(n, _DRIFTING), np.zeros((g, _DRIFTING)), sizes, float(np.log(_LATE)))
+    return Confounder("late", np.eye(n, _DRIFTING), np.zeros((g, _DRIFTING)), sizes, float(np.log(_LATE)))
 
 
-def _regions(rows: LinearGroups, prior: CalibrationPrior, best: Explanation, kind: int) -> list[Rival]:
+def _regions(rows: LinearGroups, prior: CalibrationPrior, best: Explanation, kind: int) -> list[Confounder]:
     """Parts of the view that moved as a whole, in all frames by as much, searched under the drift that the rig alone
     has, and without any."""
     n, places = rows.jacobian.shape[1], np.eye(_N)[rows.groups.place]
@@ -205,7 +198,7 @@ def _regions(rows: LinearGroups, prior: CalibrationPrior, best: Explanation, kin
     found = []
     for label, log_prior in outlines(offsets, np.any(places, axis=0)):
         columns, size = label[rows.groups.place][:, None].astype(float), np.array([MOVED])
-        found.append(Rival("region", np.zeros((n, 1)), columns, size, float(np.log(_REGION)) + log_prior))
+        found.append(Confounder("region", np.zeros((n, 1)), columns, size, float(np.log(_REGION)) + log_prior))
     return found
 
 

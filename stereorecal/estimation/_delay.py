@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import NEGLIGIBLE, Fitted
+from stereorecal.estimation._confounders import NEGLIGIBLE
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import Explanation, Hypothesis, best_of, explanations
 from stereorecal.estimation._linear_groups import LinearGroups
@@ -49,33 +49,19 @@ class Delay:
         return self.probability > 0.5
 
 
-@dataclass(frozen=True, eq=False)
-class Late:
-    """θ beside a delay.
-
-    Attributes:
-        fitted: explanations, whose nuisance parameter is the delay in seconds.
-        rows: near the best of them, with that delay.
-    """
-
-    fitted: Fitted
-    rows: LinearGroups
-
-    def delay(self, alone: Sequence[Explanation]) -> Delay:
-        """What they say of it, beside explanations without."""
-        evidence, without = (
-            np.concatenate([e.found.log_evidence for e in some]) for some in (self.fitted.several, alone)
-        )
-        both = np.logaddexp.reduce(np.concatenate([evidence, without]))
-        weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-        values = np.concatenate([one.found.nuisance[:, 0] for one in self.fitted.several])
-        return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
+def delay_of(late: Hypothesis, alone: Sequence[Explanation]) -> Delay:
+    """What a hypothesis whose nuisance parameter is the delay in seconds says of it, beside explanations without."""
+    evidence, without = (np.concatenate([e.found.log_evidence for e in some]) for some in (late.several, alone))
+    both = np.logaddexp.reduce(np.concatenate([evidence, without]))
+    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
+    values = np.concatenate([one.found.nuisance[:, 0] for one in late.several])
+    return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
 
 
-def fit_with_delay(
+def hypothesis_with_delay(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
-) -> Late | None:
-    """The fit of θ with a delay; None where that has no say.
+) -> tuple[Hypothesis, LinearGroups] | None:
+    """θ beside a delay in seconds, and the rows near the best of it, with that delay; None where it has no say.
 
     Args:
         rows: near the rig that was fitted alone, with windows.
@@ -122,8 +108,8 @@ def fit_with_delay(
         if round_ and abs(delay - last) < _SETTLED * size:
             break
     moved = late.at_zero + delay * late.jacobian[:, -1]
-    fitted = Fitted(Hypothesis(late, end.misfit, nuisance, log_prior), found)
-    return Late(fitted, replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation))
+    with_delay = replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation)
+    return Hypothesis(late, found, end.misfit, nuisance, log_prior), with_delay
 
 
 def _rows_and_delay(

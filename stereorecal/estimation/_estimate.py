@@ -13,24 +13,20 @@ from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._candidates import Known, least_loss
 from stereorecal.estimation._consequences import DISTANCES
 from stereorecal.estimation._delay import Delay
-from stereorecal.estimation._explanations import Explanation, Hypothesis
-from stereorecal.estimation._frames import OtherRig, other_rigs
+from stereorecal.estimation._explanations import Hypothesis
+from stereorecal.estimation._frames import OtherRig
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._held_out import HeldOut, rests
-from stereorecal.estimation._least_squares import fit
 from stereorecal.estimation._losses import USUAL, Errors, Losses, Matters, PointwiseLoss, errors_near, losses
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._motion_window import Window
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior, median_and_interval
-from stereorecal.estimation._prior_choice import Prior, as_prior
-from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.estimation._sample_readings import SampleReadings
-from stereorecal.geometry import StereoRig, View
+from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
-from stereorecal.scoring import Correspondences
 
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
 
@@ -224,56 +220,6 @@ class Estimate:
             middle, low, high = median_and_interval(of_samples).tolist()
             found[distance] = (middle, low, high)
         return found
-
-
-@one_blas_thread()
-def estimate(
-    found: Correspondences,
-    rig: StereoRig,
-    prior: Prior = None,
-    start: Float[np.ndarray, "n"] | None = None,
-    ranges: MatchedRanges = NO_RANGES,
-    windows: Windows = NO_WINDOWS,
-    view: View | None = None,
-) -> Estimate:
-    """The estimate of a rig.
-
-    Args:
-        found: correspondences of one or several frames, with the rays that the cameras of `rig` give.
-        rig: the given calibration.
-        prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
-            where a rig is estimated again.
-        start: θ to begin at; default 0.
-        ranges: of what was seen; they tell the length of the baseline, too, which the prior must know
-            (`baseline_observable` of `as_prior`).
-        windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
-        view: in which rows and depth are judged; default the rig's own.
-    """
-    chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, ranges, windows, view)[0]
-
-
-@one_blas_thread()
-def solved(
-    found: Correspondences,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    start: Float[np.ndarray, "n"] | None = None,
-    ranges: MatchedRanges = NO_RANGES,
-    windows: Windows = NO_WINDOWS,
-    view: View | None = None,
-) -> tuple[Estimate, Explanation]:
-    """The estimate, and the most probable one of its explanations."""
-    end = fit(found, chart, prior, start, Measured(ranges, windows))
-    mean, rows = end.posterior.mean, end.rows
-    measured = {"matched_ranges": ranges, "windows": windows, "view": view, "delay": end.delay, "prior": prior}
-    estimated = Estimate(chart, end.posterior, end.misfit, 0, float("nan"), end.prior_variance, **measured)
-    if rows is not None:
-        residual, disagreeing = rows.residual(mean), other_rigs(rows, sum(end.misfit), mean)
-        rms = float(np.sqrt(np.mean(residual**2)))
-        estimated = replace(estimated, groups=len(residual), residual_px=rms, other_rigs=disagreeing, shown=rows.groups)
-        estimated = replace(estimated, hypotheses=end.hypotheses)
-    return estimated, end.best
 
 
 @one_blas_thread()

@@ -52,15 +52,23 @@ class Hypothesis:
 
     Attributes:
         rows: near its most probable θ; columns of nuisance parameters follow those of θ.
+        several: θ under each misfit and prior that was compared; its probability is a part of their evidence. Left out
+            where the hypothesis is kept to be asked of other rows.
         misfit: the most probable one.
         nuisance: a root of the covariance of those parameters.
         log_prior: logarithm of its probability before any image was seen.
     """
 
     rows: LinearGroups
+    several: Sequence[Explanation]
     misfit: tuple[float, float]
     nuisance: Float[np.ndarray, "q q"]
     log_prior: float
+
+    @property
+    def log_evidence(self) -> float:
+        """Logarithm of the evidence of all of it."""
+        return evidence_of(self.several)
 
     def explained(
         self, prior: CalibrationPrior, which: Sequence[int], rows: LinearGroups | None = None

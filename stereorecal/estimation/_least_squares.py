@@ -1,14 +1,16 @@
-"""The one least squares: Gauss-Newton on rows of groups, with the evidence choosing priors and misfit on the way."""
+"""The one least squares: Gauss-Newton on rows of groups, with the evidence choosing priors and misfit on the way; and
+the estimate that it comes to, mixed of all hypotheses."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import Fitted, fits_with_rivals
-from stereorecal.estimation._delay import Delay, fit_with_delay
+from stereorecal.estimation._confounders import hypotheses_with_confounders
+from stereorecal.estimation._delay import delay_of, hypothesis_with_delay
+from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import (
     NOTHING,
@@ -20,12 +22,18 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
+from stereorecal.estimation._frames import other_rigs
 from stereorecal.estimation._groups import grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
+from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._misfit import COMMON, DEVIATIONS
-from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.estimation._one_thread import one_blas_thread
+from stereorecal.estimation._prior_choice import Prior, as_prior
+from stereorecal.estimation._rig_parameters import rig_parameters
+from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
@@ -36,48 +44,112 @@ _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """The solution.
+@one_blas_thread()
+def estimate(
+    found: Correspondences,
+    rig: StereoRig,
+    prior: Prior = None,
+    start: Float[np.ndarray, "n"] | None = None,
+    ranges: MatchedRanges = NO_RANGES,
+    windows: Windows = NO_WINDOWS,
+    view: View | None = None,
+) -> Estimate:
+    """The estimate of a rig.
 
-    Attributes:
-        posterior: of θ.
-        rows: linear near it; None where there are too few.
-        misfit: the most probable deviations of the field of each frame and of the common one, pixels.
-        prior_variance: (n,) of its error, before any image was seen, by the weights that its covariances have after.
-        best: the most probable explanation.
-        delay: of the right shutter; None where motion says nothing of it.
-        hypotheses: those that have a say.
+    Args:
+        found: correspondences of one or several frames, with the rays that the cameras of `rig` give.
+        rig: the given calibration.
+        prior: of what it leaves; default that of a chessboard calibration. `as_prior` of it, made once, saves its time
+            where a rig is estimated again.
+        start: θ to begin at; default 0.
+        ranges: of what was seen; they tell the length of the baseline, too, which the prior must know
+            (`baseline_observable` of `as_prior`).
+        windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
+        view: in which rows and depth are judged; default the rig's own.
     """
-
-    posterior: Posterior
-    rows: LinearGroups | None
-    misfit: tuple[float, float]
-    prior_variance: Float[np.ndarray, "n"]
-    best: Explanation
-    delay: Delay | None = None
-    hypotheses: tuple[Hypothesis, ...] = ()
+    chart = rig_parameters(rig)
+    return solved(found, chart, as_prior(prior, chart), start, ranges, windows, view)[0]
 
 
-def fit(
+@one_blas_thread()
+def solved(
     found: Correspondences,
     chart: RigChart,
     prior: CalibrationPrior,
-    start: Float[np.ndarray, "n"] | None,
+    start: Float[np.ndarray, "n"] | None = None,
+    ranges: MatchedRanges = NO_RANGES,
+    windows: Windows = NO_WINDOWS,
+    view: View | None = None,
+) -> tuple[Estimate, Explanation]:
+    """The estimate, and the most probable one of its explanations. A prior and a misfit for a round are the evidence's
+    best, and all of them are mixed after the last."""
+    measured, delay, hypotheses = Measured(ranges, windows), None, []
+    rows, misfit = _settled(found, chart, prior, np.zeros(chart.dim) if start is None else start, measured)
+    if rows is None:
+        flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
+        likelihoods = measured.likelihoods(chart, np.zeros(chart.dim) if start is None else start, prior)
+        several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
+    else:
+        misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)
+        alone = explanations(rows, prior, range(len(prior.roots)), misfits)
+        hypotheses = [Hypothesis(rows, alone, best_of(alone)[0].misfit, NOTHING, 0.0)]
+        hypotheses += hypotheses_with_confounders(rows, chart, prior, alone)
+        if (late := hypothesis_with_delay(rows, chart, prior, alone)) is not None:
+            delay = delay_of(late[0], [one for some in hypotheses for one in some.several])
+            hypotheses.append(late[0])
+            rows = late[1] if delay.likely else rows
+        several = [one for some in hypotheses for one in some.several]
+    best, posterior = best_of(several)[0], mixture(several)
+    estimated = Estimate(
+        chart,
+        posterior,
+        best.misfit,
+        0,
+        float("nan"),
+        _prior_variance(several, prior),
+        matched_ranges=ranges,
+        windows=windows,
+        view=view,
+        delay=delay,
+        prior=prior,
+    )
+    if rows is None:
+        return estimated, best
+    residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
+    estimated = replace(
+        estimated,
+        groups=len(residual),
+        residual_px=float(np.sqrt(np.mean(residual**2))),
+        other_rigs=other_rigs(rows, sum(best.misfit), posterior.mean),
+        shown=rows.groups,
+        hypotheses=tuple(replace(one, several=()) for one in hypotheses if one.log_evidence > least),
+    )
+    return estimated, best
+
+
+def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> Float[np.ndarray, "n"]:
+    """Of the calibration's error before any image was seen, by the weights that its covariances have after."""
+    evidence = np.array([evidence_of([one]) for one in several])
+    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
+    return weights @ np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
+
+
+def _settled(
+    found: Correspondences,
+    chart: RigChart,
+    prior: CalibrationPrior,
+    theta: Float[np.ndarray, "n"],
     measured: Measured,
-) -> Fit:
-    """Solve: a prior and a misfit for a round are the evidence's best, and all of them are mixed after the last.
+) -> tuple[LinearGroups | None, tuple[float, float]]:
+    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few.
 
     Args:
-        found: with the rays that the cameras of the chart's rig give.
-        start: θ to begin at; None: 0.
-        measured: besides rows.
+        theta: to begin at.
     """
-    theta = np.zeros(chart.dim) if start is None else start
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < _FEWEST:
-        return _fit_without_rows(chart, prior, measured.likelihoods(chart, theta, prior))
+        return None, misfit
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
@@ -94,30 +166,7 @@ def fit(
             groups = grouped(found, chart, theta)
         rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
-    misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)
-    alone = explanations(rows, prior, range(len(prior.roots)), misfits)
-    fitted = [Fitted(Hypothesis(rows, best_of(alone)[0].misfit, NOTHING, 0.0), alone)]
-    fitted += fits_with_rivals(rows, chart, prior, alone)
-    delay = None
-    if (late := fit_with_delay(rows, chart, prior, alone)) is not None:
-        delay = late.delay([one for some in fitted for one in some.several])
-        fitted.append(late.fitted)
-        rows = late.rows if delay.likely else rows
-    several = [one for some in fitted for one in some.several]
-    evidence = np.array([evidence_of([one]) for one in several])
-    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-    variances = np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
-    best, least = best_of(several)[0], np.logaddexp.reduce(evidence) + np.log(_LIKELY)
-    likely = tuple(some.hypothesis for some in fitted if evidence_of(some.several) > least)
-    return Fit(mixture(several), rows, best.misfit, weights @ variances, best, delay, likely)
-
-
-def _fit_without_rows(chart: RigChart, prior: CalibrationPrior, likelihoods: Sequence[tuple[float, Normal]]) -> Fit:
-    """The fit where there are no rows: by the prior, and what is measured besides."""
-    flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
-    several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
-    variances = prior.weights @ np.sum(prior.roots**2, axis=2)
-    return Fit(mixture(several), None, (0.0, 0.0), variances, best_of(several)[0])
+    return rows, misfit
 
 
 def _searched(

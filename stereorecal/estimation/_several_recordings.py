@@ -16,9 +16,10 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._drift import drift_sizes
-from stereorecal.estimation._estimate import Estimate, solved
+from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import Explanation
+from stereorecal.estimation._least_squares import solved
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._prior_conversions import updated
