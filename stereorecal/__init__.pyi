@@ -66,10 +66,10 @@ from .recalibration import (
     Solution as Solution,
     difference as difference,
     health as health,
-    load_prior as load_prior,
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
 )
+from .recalibration._load_prior import load_prior as load_prior
 from .recordings import (
     Log as Log,
     Mission as Mission,

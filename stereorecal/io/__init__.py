@@ -44,7 +44,6 @@ from stereorecal.io.formats._load_and_save import (
     unsaid_unit as unsaid_unit,
 )
 from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
-from stereorecal.io.formats._rig_file import stored_prior as stored_prior
 from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
 from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs

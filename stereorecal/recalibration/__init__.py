@@ -24,7 +24,6 @@ from stereorecal.recalibration._mismatch import Cause as Cause, Mismatch as Mism
 from stereorecal.recalibration._prepared_case import what_may_change as what_may_change
 from stereorecal.recalibration._prior_use import (
     PriorUse as PriorUse,
-    load_prior as load_prior,
     saved_with as saved_with,
 )
 from stereorecal.recalibration._recalibrate import (

@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ from stereorecal.estimation import (
     with_deviations,
 )
 from stereorecal.geometry import StereoRig
-from stereorecal.io import about, load_rig, stored_prior
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recordings import Pair
 
@@ -171,34 +169,13 @@ def saved_with(rig: StereoRig) -> tuple[SavedPrior | None, str | None]:
     Raises:
         InputError: naming the file, if it cannot be read, or is something else.
     """
-    stored = stored_prior(rig)
+    stored = getattr(rig.source, "prior", None)  # of the file that it came from
     if stored is None:
         return None, None
-    if stored.problem is None:
-        with about(stored.place):
-            saved = SavedPrior.from_dict(stored.content)
-        if stored.of(rig):
-            return saved, None
-    else:
-        raise InputError(stored.problem)
+    saved = stored.read(SavedPrior.from_dict)
+    if stored.of(rig):
+        return saved, None
     return None, f"{stored.place} is of other parameters than this calibration has now, and is not used"
-
-
-def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
-    """What was saved with a calibration, as `sr.io.load_rig` finds it; None if nothing was.
-
-    `recalibrate` looks it up by itself, for a rig that `sr.io.load_rig` has read.
-
-    Args:
-        path: of the calibration: a file, two, or a folder that holds one.
-
-    Raises:
-        InputError: naming the file, if it cannot be read, or belongs to other parameters than are in the calibration.
-    """
-    saved, note = saved_with(load_rig(path))
-    if note is not None:
-        raise InputError(f"{note}; recalibrate again.")
-    return saved
 
 
 def fingerprint(pair: Pair) -> str:

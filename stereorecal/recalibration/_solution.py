@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from stereorecal._errors import extra
-from stereorecal.io import write_text
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
@@ -80,6 +79,8 @@ class Solution(AbstractResult):
             InputError: if jinja2 or matplotlib is not installed, the pairs are not those of the solution, a file exists
                 that must stay, or the place cannot be written to.
         """
+        from stereorecal.io import write_text
+
         with extra("figures", "an HTML page"):
             from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_page import repair_page

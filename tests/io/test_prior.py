@@ -13,7 +13,7 @@ from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig, rig_as_data, rig_from_data, same_rig
-from stereorecal.io import calibration_json, load_rig, load_scene, save_rig, save_scene, stored_prior
+from stereorecal.io import calibration_json, load_rig, load_scene, save_rig, save_scene
 
 SIZE = (160, 120)
 FORMS = {
@@ -58,7 +58,7 @@ def beside(folder: Path, name: str) -> Path:
 
 
 def content(rig: StereoRig):
-    stored = stored_prior(rig)
+    stored = rig.source.prior
     return None if stored is None else stored.content
 
 
@@ -86,7 +86,7 @@ def test_it_comes_back_from_every_format(tmp_path: Path, name: str, numbers):
     assert len(list(tmp_path.iterdir())) == len(FORMS[name])
     assert content(load_rig(tmp_path, unit="m")) is None
     save_rig(RIG, places(tmp_path, name), format=name, overwrite=True, prior=known)
-    stored = stored_prior(load_rig(tmp_path, unit="m"))  # the folder: what lies beside is no calibration
+    stored = load_rig(tmp_path, unit="m").source.prior  # the folder: what lies beside is no calibration
     assert stored is not None
     assert stored.content == known.as_dict()
     assert stored.of(load_rig(places(tmp_path, name), unit="m"))
@@ -94,7 +94,7 @@ def test_it_comes_back_from_every_format(tmp_path: Path, name: str, numbers):
     assert "150.1" in path.read_text()
     path.write_text(path.read_text().replace("150.1", "150.2", 1))
     changed = load_rig(tmp_path, unit="m")
-    stored = stored_prior(changed)
+    stored = changed.source.prior
     assert stored is not None
     assert not stored.of(changed)
 
@@ -125,7 +125,7 @@ def test_a_damaged_file_is_named_once_it_is_asked_for(tmp_path: Path, damage: by
     save_rig(RIG, tmp_path / "c.yaml", prior=Known(RIG))
     (tmp_path / "c.yaml.prior.json").write_bytes(damage)
     rig = load_rig(tmp_path / "c.yaml", unit="m")
-    stored = stored_prior(rig)
+    stored = rig.source.prior
     assert stored is not None
     refused(lambda: stored.of(rig), "c.yaml.prior.json: ")
     refused(lambda: save_rig(rig, tmp_path / "new.yaml"), "c.yaml.prior.json: ")  # it would be lost

@@ -50,7 +50,7 @@ def read_files(
     hints = hints or Hints()
     documents, found = _documents_of(paths, format, hints, if_missing)
     rig = rig_in(documents, found, unit, hints)
-    return replace(rig, source=replace(rig.source, stored_prior=read_stored_prior(Path(documents[0].name))))
+    return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:

@@ -5,7 +5,7 @@ The content of a prior is that of `SavedPrior.as_dict`; here it is JSON data, of
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -44,6 +44,17 @@ class StoredPrior:
             content = self.content if isinstance(self.content, dict) else {}
             return same_rig(rig_from_data(content.get("rig")), rig)
 
+    def read(self, reader: Callable[[Any], Any]) -> Any:
+        """The content as a reader has it.
+
+        Raises:
+            InputError: naming the place, if it cannot be read, or the reader says so.
+        """
+        if self.problem is not None:
+            raise InputError(self.problem)
+        with about(self.place):
+            return reader(self.content)
+
 
 @dataclass(frozen=True)
 class RigFile:
@@ -55,7 +66,7 @@ class RigFile:
         hints: with which they were read.
         unit: of lengths in the file.
         inferred: whether the unit was inferred from the baseline.
-        stored_prior: the prior in the file beside it, as `stored_prior` gives it.
+        beside: the prior in the file beside it.
     """
 
     format: str
@@ -63,7 +74,15 @@ class RigFile:
     hints: Hints
     unit: str
     inferred: bool = False
-    stored_prior: StoredPrior | None = None
+    beside: StoredPrior | None = None
+
+    @property
+    def prior(self) -> StoredPrior | None:
+        """The prior that was saved with it, in the file or beside it; None if there is none."""
+        if self.format != NAME:
+            return self.beside
+        content = self.documents[0].content.get(KEY)
+        return None if content is None else StoredPrior(f"{self.documents[0].name}, {KEY!r}", content)
 
 
 def file_of(rig: StereoRig) -> RigFile | None:
@@ -105,18 +124,10 @@ def read_stored_prior(path: Path) -> StoredPrior | None:
         return StoredPrior(str(place), None, str(error))
 
 
-def stored_prior(rig: StereoRig) -> StoredPrior | None:
-    """The prior in the file that a rig came from; None if there is none."""
-    source = file_of(rig)
-    if source is None or source.format != NAME:
-        return None if source is None else source.stored_prior
-    content = source.documents[0].content.get(KEY)
-    return None if content is None else StoredPrior(f"{source.documents[0].name}, {KEY!r}", content)
-
-
 def own_prior(rig: StereoRig) -> dict[str, Any] | None:
     """The stored prior of a rig that is unchanged since it was read; None if there is none."""
-    stored = stored_prior(rig)
+    source = file_of(rig)
+    stored = None if source is None else source.prior
     return stored.content if stored is not None and stored.of(rig) else None
 
 
