@@ -14,6 +14,7 @@ import numpy as np
 
 from stereorecal._errors import InputError, MatcherError
 from stereorecal.decision import Tolerances
+from stereorecal.estimation import Groups, Normal
 from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
@@ -27,7 +28,7 @@ from stereorecal.online._state import State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/11"
+SCHEMA = "stereorecal.state/12"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -36,6 +37,8 @@ _KNOWN: dict[str, Any] = {
         Tolerances,
         FilterEstimate,
         Measurement,
+        Groups,
+        Normal,
         Pace,
         Corners,
         Job,

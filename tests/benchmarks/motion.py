@@ -110,7 +110,7 @@ def on_the_vehicle(folder: Path, console: Console) -> None:
         "in use, px",
         "estimate, px",
         "yaw, deg",
-        "keystone, deg",
+        "what calibration left of yaw, deg",
         "ms a step",
         "condition",
     )
@@ -127,7 +127,7 @@ def on_the_vehicle(folder: Path, console: Console) -> None:
             f"{offset_px(state.rig, scene.rig):+.2f}",
             f"{offset_px(state.rig_at(known.offset), scene.rig):+.2f}",
             f"{known.offset[1]:+.3f} ± {1.96 * known.covariance[1, 1] ** 0.5:.3f}",
-            f"{known.keystone:+.3f}",
+            f"{known.theta[1] - known.offset[1]:+.3f}",
             f"{1000 * np.median(seconds):.0f}",
             sr.online.reading(state).condition.name,
         )
