@@ -11,6 +11,7 @@ _CORNERS = 200
 _FEWEST = 20
 _BESIDE = 10  # pixels, the half width of the windows in which they are followed
 _ROUNDS = 5
+_APART = 0.02  # rad: corners that lie farther apart, most of them, show no turn but another place
 
 Small = UInt8[np.ndarray, "h w"]
 
@@ -40,13 +41,13 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
     if len(wanted) < _FEWEST:
         return None
-    weight, found = np.ones_like(wanted), np.zeros(3)
+    weight, found, spread = np.ones_like(wanted), np.zeros(3), np.inf
     for _ in range(_ROUNDS):
         found = np.linalg.lstsq(design * weight[:, None] ** 0.5, wanted * weight**0.5, rcond=None)[0]
         residuals = wanted - design @ found
         spread = max(1.4826 * float(np.median(np.abs(residuals))), 1e-5)
         weight = 1.0 / (1.0 + (residuals / spread) ** 2)
-    return found
+    return found if spread < _APART else None
 
 
 def _on_plane(
