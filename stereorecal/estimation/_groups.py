@@ -95,13 +95,14 @@ def _by_focal(chart: RigChart) -> Float[np.ndarray, "n"]:
 
 def rows_of_groups(
     found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]
-) -> tuple[LinearRows, Float[np.ndarray, "1 g"]]:
+) -> tuple[LinearRows, Float[np.ndarray, "1 g"]] | None:
     """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
-    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances."""
+    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances; None of too
+    few matches for a group."""
     groups = grouped(found, chart, z)
-    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, _APART)
     if not len(groups):
-        return rows, deviation[None]
+        return None
+    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, _APART)
     away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)
     deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
     share = groups.count / groups.count.mean()

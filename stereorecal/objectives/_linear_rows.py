@@ -1,6 +1,6 @@
 """Row differences, linearised: their values and their Jacobian with respect to the coordinates of the box."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -32,10 +32,6 @@ class LinearRows:
     z: Float[np.ndarray, "n"]
     differences: Float[np.ndarray, "k m"]
     jacobian: Float[np.ndarray, "n k m"]
-
-    def moved(self, found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> "LinearRows":
-        """The same derivatives with the differences at another point, near enough for them."""
-        return replace(self, z=z, differences=differences_at(found, chart, z))
 
 
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:

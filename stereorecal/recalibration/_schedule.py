@@ -159,7 +159,7 @@ def as_schedule(schedule: Any) -> Schedule:
     raise InputError(f"unknown schedule {described}; choose one of: {', '.join(SCHEDULES)}, or give an sr.Schedule.")
 
 
-def as_strategy(strategy: AbstractStrategy | str) -> AbstractStrategy:
+def as_strategy(strategy: AbstractStrategy | str | None) -> AbstractStrategy:
     """The strategy itself, or the one of that name with its default options.
 
     Raises:

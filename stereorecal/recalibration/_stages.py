@@ -23,7 +23,7 @@ from stereorecal.objectives import (
     rig_count_objective,
 )
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
 from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
@@ -117,7 +117,7 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
         return _rig_count_stage(case, stage, start, budget, seed)
     scale, objective = case.scale_of(stage), extrinsics_count_objective(case, stage, budget)
     chart = objective.images.chart
-    run = run_strategy(stage.strategy, objective, chart.inside(np.asarray(start.extrinsics)), seed)
+    run = run_strategy(as_strategy(stage.strategy), objective, chart.inside(np.asarray(start.extrinsics)), seed)
     ended = case.rig.with_extrinsics(chart.extrinsics(run.best))
     return StageRun(stage, scale, start, ended, (run,), _climb(run, chart.extrinsics))
 
@@ -126,7 +126,7 @@ def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget,
     """Over all that is free."""
     chart = reach_chart(case.rig, case.reach, case.free)
     objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
-    run = run_strategy(stage.strategy, objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
+    run = run_strategy(as_strategy(stage.strategy), objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
 
     def extrinsics(points: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m 6"]:
         return np.array([chart.extrinsics(z) for z in points]).reshape(-1, 6)
@@ -167,10 +167,9 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         for _ in range(_REWEIGHTED):
             if (allowed := budget_left()) is None:
                 break
-            rows, precision = rows_of_groups(found, chart, end)
-            if not rows.differences.size:
+            if (rows := rows_of_groups(found, chart, end)) is None:
                 break
-            residuals = linear_residuals(rows, precision, chart.prior)
+            residuals = linear_residuals(*rows, chart.prior)
             if stage.strategy is None:
                 end = residuals.least
             else:

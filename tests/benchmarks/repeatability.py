@@ -22,11 +22,11 @@ from stereorecal_features._matches import matched_pixels, seen_by_both
 from tables import among, command_line, show, table_of, words
 
 import stereorecal as sr
-from stereorecal.objectives import Reach, epipolar_objective, linear_residuals, linearised
+from stereorecal.estimation import rows_of_groups
+from stereorecal.objectives import Reach, linear_residuals
 from stereorecal.recalibration import Case
 from stereorecal.recordings import Scene
-from stereorecal.scoring import TILES, Loss, precisions, pyramid
-from stereorecal.strategies import Budget, run_strategy
+from stereorecal.scoring import TILES, pyramid
 
 SEQUENCES = {"kitti_odometry/suburb_seq": 8, "euroc/vicon_room_seq": 7}
 KNOWN = ("harbour", "coast", "street", "motorcycle_quarter")
@@ -78,10 +78,7 @@ def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
         sample = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)])
         best = chart.coordinates_of(last.ended)
         for _ in range(_ROUNDS):
-            rows = linearised(sample, chart, best)
-            weights = precisions(sample, rows.differences, Loss.WELSCH)
-            asked = epipolar_objective(linear_residuals(rows, weights, chart.prior), Budget(1000))
-            best = run_strategy(last.stage.strategy, asked, rows.z, 0).best
+            best = linear_residuals(*rows_of_groups(sample, chart, best), chart.prior).least
         return chart.rig_at(best)
 
     return solve
