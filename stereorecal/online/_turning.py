@@ -9,7 +9,8 @@ from stereorecal.geometry import Camera
 _WIDTH = 320  # pixels, at which corners are followed
 _CORNERS = 200
 _FEWEST = 20
-_BESIDE = 10  # pixels, the half width of the windows in which they are followed
+_WINDOW = (15, 15)  # pixels, in which they are followed
+_BESIDE = 7  # pixels, its half width
 _ROUNDS = 5
 _APART = 0.02  # rad: corners that lie farther apart, most of them, show no turn but another place
 
@@ -32,7 +33,7 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     corners = cv2.goodFeaturesToTrack(before, _CORNERS, 0.01, 6)
     if corners is None or len(corners) < _FEWEST or before.shape != after.shape:
         return None
-    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners))
+    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners), winSize=_WINDOW)
     tracked = followed.reshape(-1) > 0
     if tracked.sum() < _FEWEST:
         return None
