@@ -42,7 +42,8 @@ _ROUNDS = 6  # of least squares, which converge in two or three
 _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
 _NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
 
-_Features = tuple[Float[np.ndarray, "n 2"], np.ndarray, Bool[np.ndarray, "n"]]
+# Pixels, their descriptors, and which are clear.
+_Features = tuple[Float[np.ndarray, "_ 2"], Float[np.ndarray, "_ c"], Bool[np.ndarray, "_"]]
 
 
 @dataclass(frozen=True)

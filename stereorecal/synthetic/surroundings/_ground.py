@@ -18,7 +18,7 @@ class Octaves:
     """Octaves of a periodic texture on the ground plane.
 
     Attributes:
-        tile: (n + 1, n + 1, c) float32, `wrapped`.
+        tile: (n + 1, n + 1) or (n + 1, n + 1, c) float32, `wrapped`.
         waves: wavelengths across the tile.
         lengths: wavelength [m] of each octave.
         strengths: amplitude of each octave.
@@ -26,7 +26,7 @@ class Octaves:
         offsets: (k, 2) shift of each octave, in tiles.
     """
 
-    tile: Float[np.ndarray, "n n c"]
+    tile: Float[np.ndarray, "n n *c"]
     waves: float
     lengths: tuple[float, ...]
     strengths: tuple[float, ...]
