@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from matplotlib.figure import Figure
 
-from stereorecal.report.disparity_map import draw_disparity, largest_disparity
+from stereorecal.report.disparity_map import colour_range
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
 
     In the overlay of a well rectified pair the red and cyan fringes are displaced horizontally only.
     """
-    largest = largest_disparity((panel.disparity, panel.valid) for panel in panels)
+    _, largest = colour_range((panel.disparity, panel.valid) for panel in panels)
     height, width = panels[0].left.shape
     figure = Figure(figsize=(11.0, 5.3 * len(panels) * height / width + 0.5), layout="constrained")
     axes = figure.subplots(len(panels), 2, squeeze=False)
@@ -42,7 +42,9 @@ def repair_figure(panels: Sequence[Panel]) -> Figure:
     for (overlay, depth), panel in zip(axes, panels, strict=True):
         overlay.imshow(np.stack([panel.left, panel.right, panel.right], axis=-1).clip(0, 255).astype(np.uint8))
         overlay.set_title(f"{panel.title}: left (red), right (cyan)", fontsize=10, loc="left")
-        disparity_image = draw_disparity(depth, panel.disparity, panel.valid, largest)
+        depth.set_facecolor("#202020")  # where nothing matches
+        seen = np.ma.masked_where(~panel.valid, panel.disparity)
+        disparity_image = depth.imshow(seen, cmap="viridis", vmin=0.0, vmax=largest)
         share = 100.0 * float(panel.valid.mean())
         depth.set_title(f"{panel.title}: disparity, {share:.0f} % of the pixels valid", fontsize=10, loc="left")
         for axis in (overlay, depth):

@@ -119,7 +119,9 @@ def _depth_before(solution: AbstractResult) -> Fact:
         return Fact("depth", f"depth was off: {depths(solution.depth_error_percent)}")
     errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))
     ends = {d: dict.fromkeys(change(end, "far") for end in (low, high)) for d, (_, low, high) in errors.items()}
-    return Fact("depth", "depth was off: " + ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items()))
+    sure = any(low > 0.0 or high < 0.0 for _, low, high in errors.values())
+    said = ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items())
+    return Fact("depth", f"depth {'was' if sure else 'may have been'} off: {said}")
 
 
 def changed_axes(solution: AbstractResult) -> list[Change]:

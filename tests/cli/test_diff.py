@@ -21,7 +21,8 @@ def test_scene_folders(command, clean_scene: Path, drifted_scene: Path, rigs):
     assert (answer.code, answer.err) == (0, "")
     *block, legend = answer.out.splitlines()
     assert (
-        legend == "epipolar error and depth: how wrong the first is if the second is right; B: baselines of the second"
+        legend == "epipolar error over the view, depth straight ahead: how wrong the first is if the second is right; "
+        "B: baselines of the second"
     )
     assert block == str(difference(*rigs)).splitlines()
     assert "pitch +0.800, yaw +0.300, roll -0.900" in answer.out
