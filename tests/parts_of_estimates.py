@@ -41,11 +41,13 @@ from stereorecal.estimation._outlines import (
 from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_conversions import updated as updated
 from stereorecal.online._filter import (
+    OF_LENSES as OF_LENSES,
     FilterEstimate as FilterEstimate,
     Measurement as Measurement,
     at_start as at_start,
 )
-from stereorecal.online._sequential_test import SequentialTest as SequentialTest, trial as trial
+from stereorecal.online._row_solution import RowSolution as RowSolution
+from stereorecal.online._sequential_test import SequentialTest as SequentialTest
 from stereorecal.online._turning import small as small, turn as turn
 from stereorecal.scoring._correspondences import _means_of_cells as _means_of_cells
 from stereorecal.scoring._rectify import Rectified as Rectified

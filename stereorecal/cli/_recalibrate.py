@@ -140,11 +140,8 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
             "score": stage.score.name.lower(),
             "scale": stage.scale,
             "strategy": stage.solver,
-            **(
-                {}
-                if stage.strategy is None
-                else {"origin": origin_of(stage.strategy), "options": asdict(stage.strategy)}
-            ),
+            "origin": None if stage.strategy is None else origin_of(stage.strategy),
+            "options": {} if stage.strategy is None else asdict(stage.strategy),
         }
         for stage in settings.schedule.stages
     ]

@@ -23,14 +23,13 @@ from stereorecal.estimation._consequences import (
     points_of_view as points_of_view,
     readings as readings,
 )
-from stereorecal.estimation._delay import of_motion as of_motion
 from stereorecal.estimation._estimate import (
     DISTANCES as DISTANCES,
     Estimate as Estimate,
     with_free_together as with_free_together,
 )
-from stereorecal.estimation._evidence import Normal as Normal, marginal as marginal
-from stereorecal.estimation._groups import PLACES as PLACES, Groups as Groups, rows_of_groups as rows_of_groups
+from stereorecal.estimation._evidence import Normal as Normal
+from stereorecal.estimation._groups import PLACES as PLACES, rows_of_groups as rows_of_groups
 from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
 from stereorecal.estimation._jacobian import (
     pixels_of as pixels_of,
@@ -38,26 +37,13 @@ from stereorecal.estimation._jacobian import (
     slopes_of as slopes_of,
 )
 from stereorecal.estimation._least_squares import estimate as estimate
-from stereorecal.estimation._linear_groups import LinearGroups as LinearGroups, rows_near as rows_near
-from stereorecal.estimation._losses import (
-    Errors as Errors,
-    Losses as Losses,
-    Matters as Matters,
-    PointwiseLoss as PointwiseLoss,
-    errors_near as errors_near,
-)
+from stereorecal.estimation._losses import Losses as Losses, Matters as Matters
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
-from stereorecal.estimation._misfit import DEVIATIONS as DEVIATIONS
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
 )
-from stereorecal.estimation._motion_residuals import Motion as Motion
-from stereorecal.estimation._motion_window import (
-    Window as Window,
-    far_enough as far_enough,
-    window as window,
-)
+from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
 from stereorecal.estimation._posterior import (
     Posterior as Posterior,

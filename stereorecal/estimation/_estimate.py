@@ -46,7 +46,6 @@ class Estimate:
         other_rigs: frames that show another rig than the others, the farthest first.
         matched_ranges: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
-        seen: mean row differences that say where images show something; None: `shown`.
         windows: pairs of pairs that told of the rig's motion.
         matters: what counts as an error, for losses and candidates.
         view: in which rows and depth are judged; None: the rig's own.
@@ -64,7 +63,6 @@ class Estimate:
     other_rigs: tuple[OtherRig, ...] = ()
     matched_ranges: MatchedRanges = NO_RANGES
     shown: Groups | None = None
-    seen: Groups | None = None
     windows: Windows = NO_WINDOWS
     matters: Matters = USUAL
     view: View | None = None
@@ -130,7 +128,7 @@ class Estimate:
     @cached_property
     def _errors(self) -> Errors:
         """Of rigs, if the one at the posterior's mean is true."""
-        return errors_near(self.chart, self.theta, self.matters, self.view, self.seen or self.shown)
+        return errors_near(self.chart, self.theta, self.matters, self.view, self.shown)
 
     @cached_property
     @one_blas_thread()

@@ -65,11 +65,6 @@ class Hypothesis:
     nuisance: Float[np.ndarray, "q q"]
     log_prior: float
 
-    @property
-    def log_evidence(self) -> float:
-        """Logarithm of the evidence of all of it."""
-        return evidence_of(self.several)
-
     def explained(
         self, prior: CalibrationPrior, which: Sequence[int], rows: LinearGroups | None = None
     ) -> list[Explanation]:

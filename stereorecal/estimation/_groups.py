@@ -17,6 +17,7 @@ from stereorecal.scoring import Correspondences, with_rays_of
 PLACES = (14, 9)  # columns and rows of places in the left image
 _DISPARITIES = 3  # near, middle, far: a third of all correspondences each
 _FEWEST = 4  # correspondences in a group
+FEWEST_GROUPS = 6  # from fewer nothing is to be learnt of a rig
 _APART = 0.07  # pixels, beside the deviation of a group: what parameters that are held leave of its rows
 _BOUND = 3.0  # standard deviations: beyond, a group counts for less (Cauchy)
 _FAR_OFF = 3.0  # robust deviations: beyond, a correspondence has no part in the mean of its group
@@ -100,7 +101,7 @@ def rows_of_groups(
     square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances; None of too
     few matches for a group."""
     groups = grouped(found, chart, z)
-    if not len(groups):
+    if len(groups) < FEWEST_GROUPS:
         return None
     rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, _APART)
     away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)

@@ -23,7 +23,7 @@ from stereorecal.estimation._explanations import (
     mixture,
 )
 from stereorecal.estimation._frames import other_rigs
-from stereorecal.estimation._groups import grouped
+from stereorecal.estimation._groups import FEWEST_GROUPS, grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -37,7 +37,6 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
-_FEWEST = 6  # groups: from fewer nothing is to be learnt of twenty parameters
 _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
@@ -122,7 +121,7 @@ def solved(
         residual_px=float(np.sqrt(np.mean(residual**2))),
         other_rigs=other_rigs(rows, sum(best.misfit), posterior.mean),
         shown=rows.groups,
-        hypotheses=tuple(replace(one, several=()) for one in hypotheses if one.log_evidence > least),
+        hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
     )
     return estimated, best
 
@@ -148,7 +147,7 @@ def _settled(
     """
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
-    if len(groups) < _FEWEST:
+    if len(groups) < FEWEST_GROUPS:
         return None, misfit
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)

@@ -8,11 +8,10 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal, normal_of
-from stereorecal.estimation._groups import PLACES, Groups, grouped
+from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._measured import Measured
 from stereorecal.estimation._misfit import covariance_of_rows, unexpected
 from stereorecal.objectives import RigChart
-from stereorecal.scoring import Correspondences
 
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
 
@@ -96,29 +95,10 @@ def linear_groups(
     Args:
         likelihoods: of ranges and windows, as they were near another θ; default anew.
     """
-    likelihoods = measured.likelihoods(chart, theta, prior) if likelihoods is None else likelihoods
-    return _linear(groups, chart, theta, measured, likelihoods)
-
-
-def rows_near(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearGroups:
-    """The rows of correspondences alone, linear near θ.
-
-    Args:
-        found: with the rays that the cameras of the chart's rig give.
-    """
-    return _linear(grouped(found, chart, theta), chart, theta, Measured(), [])
-
-
-def _linear(
-    groups: Groups,
-    chart: RigChart,
-    theta: Float[np.ndarray, "n"],
-    measured: Measured,
-    likelihoods: Sequence[tuple[float, Normal]],
-) -> LinearGroups:
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     at_zero = rows.differences[0] - jacobian @ theta
+    likelihoods = measured.likelihoods(chart, theta, prior) if likelihoods is None else likelihoods
     return LinearGroups(groups, jacobian, at_zero, groups.deviation, _frames(groups), measured, likelihoods)
 
 

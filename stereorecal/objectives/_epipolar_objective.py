@@ -17,8 +17,8 @@ _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a 
 class LinearResiduals:
     """Residuals as a function of a point of the unit box, NumPy or traced: (2 n + 1,).
 
-    First n + 1 residuals with the same normal equations as all row differences over their standard deviations, then
-    the distance from the centre of the box (the initial calibration) over the standard deviation of the drift.
+    First n + 1 residuals with the same normal equations as all (mean) row differences over their standard deviations,
+    then the distance from the centre of the box (the initial calibration) over the standard deviation of the drift.
 
     Attributes:
         jacobian: (2 n + 1, n).

@@ -21,7 +21,8 @@ from stereorecal.scoring import Correspondences, with_rays_of
 
 @dataclass(frozen=True, eq=False)
 class LinearRows:
-    """The row differences of correspondences near a point of the unit box; float64, in pixels of their scale.
+    """Row differences near a point of the unit box; float64: of correspondences, in pixels of their scale, or their
+    means in groups, in pixels of the images.
 
     Attributes:
         z: (n,) the point.

@@ -27,9 +27,9 @@ class Config:
             the bar between the cameras, which is yaw, more than it twists it. How much more or less than this and
             `wander` it is, is learnt from how far looks lie from what was predicted.
         lasting: pairs for which such a rate lasts.
-        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: what
-            rows show of a constant yaw may be of the intrinsics, which the rig's motion tells from a yaw; or "exact":
-            they are right, and rows alone tell the yaw.
+        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows
+            may be bent like a keystone by intrinsics that are not what it says, which the rig's motion tells from a
+            yaw; or "exact": they are right, and rows alone tell the yaw.
         synchronous: a trigger opens both shutters at once, so none is late: what the rig's turn would hide behind a
             delay is known, and y and z are switched, too.
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.

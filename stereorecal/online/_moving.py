@@ -4,11 +4,12 @@ that rows alone do not."""
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
-from stereorecal.estimation import Window, as_prior, one_blas_thread, window
+from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
-from stereorecal.online._filter import LEFT, FilterEstimate, Measurement
-from stereorecal.online._look import Look, way_of
+from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.online._switching import trial_after_motion
 from stereorecal.recordings import Pair
@@ -21,14 +22,14 @@ _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 # Pairs, where their times are not known, and seconds, after which nothing is the same.
 _LONGEST, _SECONDS = 16, 2.0
 # Windows of one place show the same things, and err together: standard deviations in those that each believes.
-_WORSE = 2.0
+_WORSE = 3.0
 # Probabilities that most of what moves is not the rig: of a window after one of its own motion, and after another one,
 # since a boat stays in view for a while. What such windows say is then off by any yaw.
 _COME, _STAY, _OWN_YAW = 0.05, 0.9, 1.0
 _FITS = 1e-3  # chance: two windows that fit less are not of the same yaw
 
 
-def anchored(state: State, pair: Pair, look: Look) -> State:
+def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     """With the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
@@ -54,10 +55,10 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
         return state.replace(corners=None)
     if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
         return state.replace(corners=None)
-    tracks = corner_tracks(before, pair)
+    tracks, chart = corner_tracks(before, pair), rig_parameters(state.rig)
     if pair.readout and state.corners_time is not None and pair.time is not None:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
-    tracked = window(tracks, state.chart, state.estimate.theta)
+    tracked = window(tracks, chart, np.zeros(chart.dim))
     lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
     short_travel = tracked.metres[0] < _AHEAD * float(state.rig.baseline)
     tracking_gap = (
@@ -70,7 +71,8 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
     state = state.replace(corners=None, tracked_pairs=tracking_gap)
     if tracked.motion is None or not tracked.informative:
         return state
-    return _after_window(state, measurement(state, tracked, pairs))
+    turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
+    return _after_window(state, _measurement(state, tracked.normal, turned))
 
 
 def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
@@ -86,14 +88,18 @@ def _longest(state: State) -> int:
     return max(_LONGEST - _LONGEST % state.config.every, 1)
 
 
-def measurement(state: State, tracked: Window, pairs: int) -> Measurement:
-    """What a window of so many pairs says."""
-    motion, chart = tracked.motion, state.chart
-    assert motion is not None
-    way = np.zeros(chart.dim)
-    if not state.config.synchronous:
-        way = way_of(state, np.asarray(vector_from_rotation(motion.rotation)) / pairs, motion.translation / pairs)
-    return Measurement.of(state.corners_frame, tracked.normal, way).weighed(_WORSE**-2.0)
+def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
+    """What a window says of the offset, near the calibration in use.
+
+    Args:
+        turned: rotation vector of the rig from one pair to the next, degrees.
+    """
+    a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
+    offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
+    together = state.config.synchronous
+    turn = np.zeros(SIZE) if together else np.concatenate([turned, np.zeros(SIZE - len(turned))])
+    doubt = 0.0 if is_exact(state.config.prior) else OF_LENSES  # in all windows alike
+    return Measurement(state.corners_frame, offset, a / _WORSE**2, turn, False, doubt, together)
 
 
 def _after_window(state: State, measured: Measurement) -> State:
@@ -116,17 +122,10 @@ def _after_window(state: State, measured: Measurement) -> State:
     state = state.replace(outlier_motion=measured)
     if first is None:
         return state
-    turned = estimate.turned_before().updated(first)
+    turned = estimate.with_yaw_of_others(float(state.prior[1])).updated(first)
     if turned.chance_of(measured) < _FITS:
         return state
     turned = turned.updated(measured)
-    if _asked_of_calibration(state, turned) > _asked_of_calibration(state, estimate):
-        return state  # a boat tells the same yaw twice, too; rows know of none
+    if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
+        return state
     return state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME)
-
-
-def _asked_of_calibration(state: State, estimate: FilterEstimate) -> float:
-    """How much of what a calibration leaves an estimate asks for, squared standard deviations."""
-    left, prior = estimate.mean[LEFT], as_prior(state.config.prior, state.chart)
-    covariance = np.einsum("m,mik,mjk->ij", prior.weights, prior.roots, prior.roots)
-    return float(left @ np.linalg.pinv(covariance, hermitian=True) @ left)

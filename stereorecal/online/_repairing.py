@@ -46,7 +46,7 @@ def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event
     if not solution.accepted or solution.covariance is None:
         return state, [_rejected(state, solution)]
     offset = state.offset_of(_depth_kept(solution))
-    change = dict(zip(EXTRINSICS, (offset - state.using).tolist(), strict=True))
+    change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.reported is Kind.KNOCK else [knock]
     return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.covariance), events

@@ -1,18 +1,17 @@
 """All that is known of a rig on the vehicle."""
 
-from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Groups, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
 from stereorecal.online._events import Kind
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement, likelier_prior
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
 from stereorecal.online._pace import Pace
 from stereorecal.online._sequential_test import SequentialTest
@@ -21,8 +20,6 @@ from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
 _REPAIR_PAIRS = 3  # of a repair after a knock
-
-MISFITS = (0.02, 0.04, 0.07, 0.12, 0.2)  # pixels
 
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
@@ -43,10 +40,6 @@ class State:
         matcher: with its disparity range; None until one is measured.
         seen: informative looks so far.
         row_error: of the last of them, pixels at full size; NaN before.
-        shown: where one of them showed something, which is where rows count most; None before.
-        misfits: (k,) logarithms of the evidence, by the last of them, of how large errors are that stay together in
-            regions and are in no parameter.
-        prior: which of the calibration's priors the estimate rests on; -1: all of them as one.
         last: the last left image, small; None after a pair that cannot be used.
         corners: that are followed until the rig has moved; None where there are none.
         corners_frame: number of the pair that showed them first.
@@ -78,9 +71,6 @@ class State:
     matcher: AbstractMatcher | None = None
     seen: int = 0
     row_error: float = float("nan")
-    shown: Groups | None = None
-    misfits: Float[np.ndarray, "k"] = field(default_factory=lambda: np.zeros(len(MISFITS)))
-    prior: int = -1
     last: Small | None = None
     corners: Corners | None = None
     corners_frame: int = 0
@@ -106,8 +96,8 @@ class State:
 
     @property
     def chart(self) -> RigChart:
-        """θ, changes of all parameters of the rig that was given first, to rigs; an offset is the first five."""
-        return chart_of(self.initial)
+        """Offsets, in half widths of its box, to rigs."""
+        return _chart(self.initial)
 
     @cached_property
     def rig(self) -> StereoRig:
@@ -120,7 +110,13 @@ class State:
 
     def offset_of(self, rig: StereoRig) -> Offset:
         """The inverse."""
-        return self.chart.coordinates(np.asarray(rig.extrinsics))[:SIZE]
+        chart = self.chart
+        return chart.units * chart.coordinates(np.asarray(rig.extrinsics))
+
+    @property
+    def prior(self) -> Offset:
+        """Standard deviations of the drift that is thought possible."""
+        return self.chart.units * self.chart.prior
 
     def with_repair_pair(self, pair: Pair) -> "State":
         """The state with one more pair that a repair may rest on."""
@@ -132,21 +128,13 @@ class State:
         return replace(self, estimate=estimate, pace=self.pace.later(self.config))
 
     def measured(self, measurement: Measurement, together: int = 1) -> "State":
-        """With a measurement, of which so many err together: each counts for that much less."""
+        """With a measurement, of which so many err together."""
         estimate = self.estimate.updated(self.estimate.doubted(measurement).weighed(1.0 / together))
         return replace(self, estimate=estimate, pace=self.pace.updated(measurement.weighed(together**-0.5)))
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
         return replace(self, estimate=estimate, pace=self.pace.again(estimate))
-
-    def with_likelier_prior(self) -> "State":
-        """With the prior of the calibration that the looks so far prefer."""
-        prior, more = likelier_prior(self.estimate, self.config, self.chart, self.prior)
-        if prior == self.prior:
-            return self
-        pace = replace(self.pace, several=tuple(one.with_prior(more) for one in self.pace.several))
-        return replace(self, estimate=self.estimate.with_prior(more), pace=pace, prior=prior)
 
     def configured(self, config: Config) -> "State":
         """With other settings. What was known of a delay is forgotten, where they say otherwise of the shutters."""
@@ -167,11 +155,9 @@ class State:
 
 def rig_with(initial: StereoRig, offset: Offset) -> StereoRig:
     """The rig with an offset from the one that was given first."""
-    chart = chart_of(initial)
-    return chart.rig_at(np.pad(offset, (0, chart.dim - SIZE))) if np.any(offset) else initial
+    chart = _chart(initial)
+    return chart.rig_at(offset / chart.units) if np.any(offset) else initial
 
 
-@lru_cache(maxsize=4)  # each step asks
-def chart_of(initial: StereoRig) -> RigChart:
-    """θ, changes of all parameters of a rig, to rigs."""
-    return rig_parameters(initial)
+def _chart(initial: StereoRig) -> RigChart:
+    return row_chart(initial, Reach())

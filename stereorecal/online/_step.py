@@ -12,14 +12,15 @@ from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, at_start
-from stereorecal.online._look import Look, look
+from stereorecal.online._keystone import left_of_yaw
 from stereorecal.online._moving import anchored, moved
 from stereorecal.online._pace import Pace
+from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
-from stereorecal.online._state import Offset, State, chart_of
+from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import Outcome, nominated, switched, trial_after_look, trial_after_unmatched
 from stereorecal.online._turning import Small, small, turn
-from stereorecal.online._watching import followed
+from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, Pair, check_pairs
 from stereorecal.scoring import image_quality, is_coarse, pyramid
@@ -41,9 +42,16 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
+    first = at_start(np.ones(SIZE), config)
+    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first))
     known = matcher if matcher.num_disparities is not None else None
-    estimate = at_start(chart_of(rig), config)
-    return State(config, rig, as_view(config.view, rig), np.zeros(SIZE), estimate, Pace.at(estimate), matcher=known)
+    prior, keystone_sigma = blank.prior, 0.0
+    if (
+        yaw_deviations := left_of_yaw(rig, config, blank.view)
+    ) is not None:  # a rig that was calibrated: that it has turned, something shows
+        prior[1], keystone_sigma = yaw_deviations
+    estimate = at_start(prior, config, keystone_sigma)
+    return blank.replace(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -120,21 +128,19 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
+    look = estimate_pair(state.rig, pair, state.view, matcher)
+    if look.solution is None:
+        return _unmatched_pair(state, pair, look)
     turned = _turn(state, before, current)
-    found = look(state, state.using, pair, matcher, turned)
-    if found.measured is None:
-        return _unmatched_pair(state, pair, found)
+    measured = measurement(state, look, turned)
     state = state.replace(
         seen=state.seen + 1,
-        row_error=found.row_error(state.using),
-        misfits=found.misfits,
+        row_error=look.rows(state.rig),
         unmatched_in_a_row=0,
         attempt=_FIRST,
     )
-    state = anchored(state, pair, found)
-    state, events = followed(state, found.measured, turn_known=turned is not None)
-    if state.seen < config.together or state.seen % config.together == 0:
-        state = state.with_likelier_prior().replace(shown=found.shown)
+    state = anchored(state, pair, look)
+    state, events = followed(state, measured)
     knocked = any(event.kind is Kind.KNOCK for event in events)
     state = state.with_repair_pair(pair) if knocked or state.outlier is not None else state.replace(repair_pairs=())
     if knocked or state.outlier is not None:
@@ -143,7 +149,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
     # How far a shutter could explain a look is not known where the rig's turn is not.
-    state, more = (state, []) if turned is None else trial_after_look(state, found.measured, found)
+    state, more = (state, []) if turned is None else trial_after_look(state, state.estimate.of_rig(measured), look)
     state, put_up = nominated(state)
     return state, [*events, *more, *put_up]
 
@@ -155,7 +161,7 @@ def _turn(state: State, before: Small | None, current: Small) -> Float[np.ndarra
     return None if before is None else turn(state.initial.left, before, current)
 
 
-def _unmatched_pair(state: State, pair: Pair, found: Look) -> Outcome:
+def _unmatched_pair(state: State, pair: Pair, look: PairEstimate) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
@@ -165,7 +171,9 @@ def _unmatched_pair(state: State, pair: Pair, found: Look) -> Outcome:
     if state.trial is not None:
         offset, matcher = state.trial.offset, state.matcher
         assert matcher is not None
-        return trial_after_unmatched(state, found.covered, lambda: look(state, offset, pair, matcher, None))
+        return trial_after_unmatched(
+            state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher)
+        )
     if state.unmatched_in_a_row < state.attempt:
         return state, []
     return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row), state.repair_pairs)

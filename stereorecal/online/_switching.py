@@ -8,9 +8,10 @@ from jaxtyping import Float
 from stereorecal.decision import chance_of_harm
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, Measurement
-from stereorecal.online._look import Look
-from stereorecal.online._reading import judged, reading
-from stereorecal.online._sequential_test import trial as new_trial
+from stereorecal.online._filter_posterior import known
+from stereorecal.online._pair_estimate import PairEstimate
+from stereorecal.online._reading import reading
+from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._state import Offset, State
 
 Outcome = tuple[State, list[Event]]
@@ -18,7 +19,7 @@ Outcome = tuple[State, list[Event]]
 AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
 
 
-def trial_after_look(state: State, measured: Measurement, look: Look) -> Outcome:
+def trial_after_look(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
     """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.outlier is not None:
@@ -26,8 +27,8 @@ def trial_after_look(state: State, measured: Measurement, look: Look) -> Outcome
     found = reading(state)
     if found.late or (found.shifted and trial.by == "looks"):  # what was measured may be the shutter's
         return state.replace(trial=None), []
-    after = look.row_error(trial.offset)
-    state = state.replace(trial=trial.measured(measured, state.row_error, after))
+    after = look.rows(state.rig_at(trial.offset))
+    state = state.replace(trial=trial.measured(state.using, measured, state.row_error, after))
     return decided(state)
 
 
@@ -36,10 +37,10 @@ def trial_after_motion(state: State, measured: Measurement) -> State:
     trial = state.trial
     if trial is None or measured.frame <= trial.since or state.outlier is not None:
         return state
-    return state.replace(trial=trial.moved(measured))
+    return state.replace(trial=trial.moved(state.using, measured))
 
 
-def trial_after_unmatched(state: State, before: float, look: Callable[[], Look]) -> Outcome:
+def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
     """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
     trial = state.trial
     if trial is None or state.frame <= trial.since:
@@ -47,7 +48,7 @@ def trial_after_unmatched(state: State, before: float, look: Callable[[], Look])
     candidate_look = look()
     return decided(
         state.replace(
-            trial=trial.matched(before, candidate_look.covered if candidate_look.measured is not None else 0.0)
+            trial=trial.matched(before, candidate_look.covered if candidate_look.solution is not None else 0.0)
         )
     )
 
@@ -83,7 +84,7 @@ def _chance_of_harm(state: State, offset: Offset) -> float:
     """Of a switch, by what the filter knows; 1 if that is no number."""
     if not state.estimate.is_finite:
         return 1.0
-    estimate = judged(state).estimate
+    estimate = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
     change = estimate.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
     return chance_of_harm(estimate, change, state.config.tolerances)
 
@@ -117,20 +118,14 @@ def nominated(state: State) -> Outcome:
     found = reading(state)
     if found.late or found.shifted or found.change is None:
         return state, []
-    return _on_trial(state, state.using + found.change, "looks"), []
+    return state.replace(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
 
 
 def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
     estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
-    state = state.standing_at(estimate).replace(trial=None, outlier=None)
-    return _on_trial(state, offset, "repair") if state.config.repair else state
-
-
-def _on_trial(state: State, offset: Offset, by: str) -> State:
-    synchronous = state.config.synchronous
-    trial = new_trial(offset, state.using, by, state.frame, state.estimate, synchronous=synchronous)
-    return state.replace(trial=trial)
+    trial = SequentialTest(offset, "repair", state.frame) if state.config.repair else None
+    return state.standing_at(estimate).replace(trial=trial, outlier=None)
 
 
 def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:

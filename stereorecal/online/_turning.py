@@ -9,10 +9,8 @@ from stereorecal.geometry import Camera
 _WIDTH = 320  # pixels, at which corners are followed
 _CORNERS = 200
 _FEWEST = 20
-_WINDOW = (15, 15)  # pixels, in which they are followed
-_BESIDE = 7  # pixels, its half width
+_BESIDE = 10  # pixels, the half width of the windows in which they are followed
 _ROUNDS = 5
-_APART = 0.02  # rad: corners that lie farther apart, most of them, show no turn but another place
 
 Small = UInt8[np.ndarray, "h w"]
 
@@ -33,7 +31,7 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     corners = cv2.goodFeaturesToTrack(before, _CORNERS, 0.01, 6)
     if corners is None or len(corners) < _FEWEST or before.shape != after.shape:
         return None
-    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners), winSize=_WINDOW)
+    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners))
     tracked = followed.reshape(-1) > 0
     if tracked.sum() < _FEWEST:
         return None
@@ -42,13 +40,13 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
     if len(wanted) < _FEWEST:
         return None
-    weight, found, spread = np.ones_like(wanted), np.zeros(3), np.inf
+    weight, found = np.ones_like(wanted), np.zeros(3)
     for _ in range(_ROUNDS):
         found = np.linalg.lstsq(design * weight[:, None] ** 0.5, wanted * weight**0.5, rcond=None)[0]
         residuals = wanted - design @ found
         spread = max(1.4826 * float(np.median(np.abs(residuals))), 1e-5)
         weight = 1.0 / (1.0 + (residuals / spread) ** 2)
-    return found if spread < _APART else None
+    return found
 
 
 def _on_plane(

@@ -1,8 +1,12 @@
 """From one look to what is known: the estimate is followed, and what does not fit is named."""
 
-from stereorecal.objectives import EXTRINSICS
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.objectives import RigChart
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import Reading, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import Condition
@@ -11,19 +15,34 @@ _AGREE = 1e-3  # chance, of two looks after a knock
 _DISAGREEING = 4  # looks that fit nothing, until it is said
 
 
-def followed(state: State, measured: Measurement, *, turn_known: bool) -> tuple[State, list[Event]]:
-    """The state after an informative look.
+def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
+    """What a look measures of the offset.
 
     Args:
-        turn_known: whether it is known how the rig turned before it; else nobody knows how far a late shutter explains
-            it, and one that does not fit is no sign of anything.
+        turned: rotation of the rig since the last pair [rad], None if it is not known.
     """
+    assert look.solution is not None
+    units = look.chart.units
+    turn = np.zeros(SIZE)
+    if turned is not None:
+        turn[:3] = np.degrees(turned)
+    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.solution.z)))
+    information = _information(look.chart, look.solution.covariance()) / np.outer(units, units)
+    return Measurement(state.frame, offset, information, turn, synchronous=state.config.synchronous)
+
+
+def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
+    """What the look alone knows: the inverse of its covariance less that of the prior, which every look brings anew."""
+    values, axes = np.linalg.eigh(covariance / chart.prior**2)
+    return (axes * np.maximum(1.0 / values - 1.0, 0.0)) @ axes.T / chart.prior**2
+
+
+def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
+    """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
         state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
         return standing(state)
-    if not turn_known:
-        return state, []
     if state.outlier is None:
         return state.replace(outlier=measured), []
     changed = _after_two_outliers(state, state.outlier, measured)
@@ -39,10 +58,8 @@ def followed(state: State, measured: Measurement, *, turn_known: bool) -> tuple[
     state = state.replace(trial=None, ready=0)  # it was fitted to another rig
     if not reading(state.using_now(before.offset)).matters:
         return standing(state)
-    change: dict[str, float] = dict(zip(EXTRINSICS, moved.tolist(), strict=True))
-    return state.replace(reported=Kind.KNOCK), [
-        Event(state.frame, Kind.KNOCK, _change_text(change), {"change": change})
-    ]
+    facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
+    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
 
 
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
@@ -52,7 +69,7 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
         late = _with(state.estimate.late(), state, first)
         if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
             return _with(late, state, second), False
-    knocked = _with(state.estimate.after_knock(), state, first)
+    knocked = _with(state.estimate.after_knock(state.prior), state, first)
     return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
 
 

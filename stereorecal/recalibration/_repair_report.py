@@ -164,7 +164,7 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
             "matcher, with the range that was measured": matcher_as_text(solution.matcher),
             "stages that ran": "; ".join(stages) or "none",
             "cost": f"{solution.cost.total:.1f} units",
-            "versions": {**versions(), "plug-ins": ", ".join(origins)},
+            "versions": {**versions(), "plug-ins": ", ".join(origins) or "none"},
         }
     )
 

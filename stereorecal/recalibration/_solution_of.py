@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal.decision import Reason, Seen, reason_of
+from stereorecal.decision import ENOUGH, Reason, Seen, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate
 from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._assessment import Assessment, assessed, without_mismatch
@@ -38,8 +38,7 @@ def solution_of_search(
         cost: of what came before the stages.
         began: when the clock was started.
     """
-    runs = [run for stage in stages for run in stage.runs]
-    status, message = (runs[-1].status, runs[-1].message) if runs else (Status.NO_SIGNAL, Status.NO_SIGNAL.value)
+    status, message = _ending(stages)
     cut = len(stages) < len(settings.schedule.stages) or any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
@@ -61,6 +60,16 @@ def solution_of_search(
         reason = Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
     found = _solution(case, settings, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
     return replace(found, status=status, message=message)
+
+
+def _ending(stages: tuple[StageRun, ...]) -> tuple[Status, str]:
+    """How the last stage ended, in its strategy's words where it has one."""
+    last = stages[-1] if stages else None
+    if last is not None and last.runs:
+        return last.runs[-1].status, last.runs[-1].message
+    if last is None or last.found is None or last.found.found < ENOUGH.matches:
+        return Status.NO_SIGNAL, Status.NO_SIGNAL.value
+    return Status.CONVERGED, "matches and fit have settled"
 
 
 def solution_of_assessment(

@@ -149,7 +149,8 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     """Match, and fit; match again where the fit ended, until it settles."""
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
-    began, at, runs, rounds, found, cut = time.perf_counter(), chart.coordinates_of(start), [], 0, None, False
+    began, at, runs, rounds, found = time.perf_counter(), chart.coordinates_of(start), [], 0, None
+    cut = False
 
     def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
@@ -163,19 +164,19 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         rounds += 1
         if found.found < ENOUGH.matches:
             break
-        before = end = at
+        before = at
         for _ in range(_REWEIGHTED):
-            if (allowed := budget_left()) is None:
-                break
-            if (rows := rows_of_groups(found, chart, end)) is None:
+            if (rows := rows_of_groups(found, chart, at)) is None:
                 break
             residuals = linear_residuals(*rows, chart.prior)
-            if stage.strategy is None:
-                end = residuals.least
-            else:
-                runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), end, seed))
-                end = runs[-1].best
-        at, cut = end, allowed is None or (stage.strategy is not None and runs[-1].status is Status.BUDGET)
+            if stage.strategy is None:  # costs nothing
+                at = residuals.least
+                continue
+            if (allowed := budget_left()) is None:
+                cut = True
+                break
+            runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), at, seed))
+            at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
         if cut or _moved(found, chart, before, at) < _SETTLED:
             break
     nothing = np.zeros((0, 7))

@@ -26,6 +26,7 @@ from stereorecal.scoring._prepare import (
     prepare as prepare,
     pyramid as pyramid,
 )
+from stereorecal.scoring._robust_weights import Loss as Loss, curvatures as curvatures, precisions as precisions
 from stereorecal.scoring._row_differences import (
     median_row_error as median_row_error,
     row_differences as row_differences,

@@ -80,7 +80,7 @@ def on_the_vehicle() -> None:
         return
     scene = sr.io.load_scene(DATA / DRIVE)
     table = table_of(
-        "intrinsics | motion | condition | in use, px | estimate, px | yaw, deg | calibration, deg | ms a step",
+        "intrinsics | motion | condition | in use, px | estimate, px | yaw, deg | keystone, deg | ms a step",
         title="suburb_drive on the vehicle: disparity at 30 B against the stored rig",
         left=3,
     )
@@ -97,7 +97,7 @@ def on_the_vehicle() -> None:
             f"{offset_px(state.rig, scene.rig):+.2f}",
             f"{offset_px(state.rig_at(known.offset), scene.rig):+.2f}",
             f"{known.offset[1]:+.3f} ± {1.96 * known.covariance[1, 1] ** 0.5:.3f}",
-            f"{known.theta[1] - known.offset[1]:+.3f}",
+            f"{known.keystone:+.3f}",
             f"{1000 * np.median(seconds):.0f}",
         )
     show(table)

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from parts_of_estimates import Measurement
 from parts_of_repairs import _moving
-from rides import BEFORE
 from simulated_tracks import tracks_of
 
-from stereorecal.estimation import Normal, consequences
-from stereorecal.online import FAR, Config, State, run, step
+from stereorecal.estimation import Normal
+from stereorecal.online import State, init, step
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
+from stereorecal.synthetic import default_rig
 
 
 def with_corners(state, pairs=5, since=None):
@@ -63,18 +62,20 @@ def test_corners_that_are_not_seen_again_are_looked_for_sooner(ridden):
     assert (after.corners, after.tracked_pairs) == (None, 2)
 
 
+def test_what_lenses_leave_of_the_yaw_is_in_common_to_all_windows(ridden):
+    """It does not blur each of them by itself, or many would be surer of it."""
+    state, info = ridden[-1].state, np.diag([0.0, 1e6, 0.0, 0.0, 0.0])
+    told = _moving._measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
+    assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
+    assert told.doubt == 0.02
+    exact = state.replace(config=replace(state.config, prior="exact"))
+    assert _moving._measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
+
+
 def told_yaw(state, degrees, sigma=0.02):
-    """By a window that tells depth as if the rig had turned, and nothing else."""
-    depth = consequences(state.chart, np.zeros(state.chart.dim), (FAR,)).mean_nearness[0]
-    like_yaw = depth / depth[1] / sigma
-    away = like_yaw @ state.estimate.theta + degrees / sigma
-    return Measurement.of(state.frame, Normal(np.outer(like_yaw, like_yaw), like_yaw * away, 0.0), 0.0 * depth)
-
-
-def depth_of(state):
-    """The yaw that depth shows."""
-    depth = consequences(state.chart, np.zeros(state.chart.dim), (FAR,)).mean_nearness[0]
-    return float(depth @ state.estimate.theta / depth[1])
+    """By a window whose own deviation is so much, wider than its tracks say by three."""
+    info, yaw = np.diag([0.0, 9.0 * sigma**-2.0, 0.0, 0.0, 0.0]), state.estimate.offset[1] + degrees
+    return _moving._measurement(state, Normal(info, info @ (yaw * np.eye(5)[1] - state.using), 0.0), np.zeros(3))
 
 
 def test_a_boat_that_crosses_the_view_has_no_say(ridden):
@@ -82,21 +83,32 @@ def test_a_boat_that_crosses_the_view_has_no_say(ridden):
     state = ridden[-1].state
     for _ in range(6):
         state = _moving._after_window(state, told_yaw(ridden[-1].state, 0.7))
-    assert depth_of(state) == pytest.approx(depth_of(ridden[-1].state), abs=1e-3)
-    assert state.others > 0.9
+    assert state.estimate.offset[1] == pytest.approx(ridden[-1].state.estimate.offset[1])
 
 
-def test_a_yaw_that_rows_put_down_to_the_calibration_is_believed_to_two_windows(ride):
-    """The rig had turned before it was watched; until it moves, nothing tells."""
-    rig = ride.rig.with_extrinsics(ride.rig.extrinsics - np.radians([0.0, 0.5, 0.0, 0.0, 0.0, 0.0]))
-    *_, last = run(rig, ride.pairs[:BEFORE], Config(motion=False))
-    state = last.state
-    assert abs(state.estimate.offset[1]) < 0.1
-    told = told_yaw(state, 0.5 - depth_of(state), 0.05)
+def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden):
+    state = ridden[-1].state
+    mean = state.estimate.mean.copy()
+    mean[9] = mean[1] + 0.5
+    state = state.standing_at(replace(state.estimate, mean=mean))
+    told = told_yaw(state, 0.5)
     once = _moving._after_window(state, told)
-    assert depth_of(once) == pytest.approx(depth_of(state), abs=0.05)
+    assert once.estimate.offset[1] == pytest.approx(state.estimate.offset[1], abs=1e-3)
     twice = _moving._after_window(once, told)
-    assert depth_of(twice) == pytest.approx(0.5, abs=0.05)
+    assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
+
+
+def test_two_windows_of_a_boat_are_not_believed_either(ridden):
+    """Whatever keystone is known: theirs would be larger."""
+    state = ridden[-1].state
+    for keystone in (0.0, 0.3):
+        mean = state.estimate.mean.copy()
+        mean[9] = keystone
+        start = after = state.standing_at(replace(state.estimate, mean=mean))
+        for _ in range(3):
+            after = _moving._after_window(after, told_yaw(start, -0.7))
+        assert after.estimate.offset[1] == pytest.approx(start.estimate.offset[1], abs=1e-3)
+        assert after.others > 0.9
 
 
 def test_a_rolling_shutter_whose_times_are_not_known_tells_nothing(ridden):
@@ -111,4 +123,12 @@ def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
     sure = state.estimate.moved(state.estimate.offset + np.eye(5)[1], 1e-4 * np.eye(5))
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
     after = _moving.moved(state.standing_at(sure), ride.pairs[-1])
-    np.testing.assert_allclose(after.outlier_motion.way[:3], np.degrees(turn) / 4, atol=0.003)
+    np.testing.assert_allclose(after.outlier_motion.turn[:3], np.degrees(turn) / 4, rtol=0.02)
+
+
+def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_switch():
+    using, further = np.array([0.1, 0.4, -0.2, 1.0, -2.0]), np.array([0.0, 0.05, 0.0, 0.0, 0.0])
+    information = np.diag([1e4, 1e4, 1e4, 1e2, 1e2])
+    told = Normal(information, information @ further, 0.0)
+    measured = _moving._measurement(init(default_rig()).using_now(using), told, np.zeros(3))
+    np.testing.assert_allclose(measured.offset, using + further, atol=1e-9)

@@ -68,7 +68,7 @@ QUICK = Extent(missions=2, images=1, starts=1, sweeps=1, points=11, matchers=(SA
 
 def methods(names: tuple[str, ...], strategy_name: str | None = None) -> tuple[Method, ...]:
     """The methods of these names: "count" (the paper's way: compass on the count at one scale) and "default" (the
-    default schedule). A strategy that is named replaces compass, or Levenberg-Marquardt if it needs residuals.
+    default schedule). A strategy that is named replaces compass, or the fit between matches if it needs residuals.
 
     Raises:
         InputError: if a strategy is not installed.

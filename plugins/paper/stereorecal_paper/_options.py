@@ -54,7 +54,7 @@ class _ReproducedScheduleOptions:
         "count (the paper's way), default (coarse to fine), or both (default: both)", "both", metavar="NAME"
     )
     strategy: str | None = option(
-        "in place of compass, or of Levenberg-Marquardt if it needs residuals", metavar="NAME"
+        "in place of compass, or of the fit between matches if it needs residuals", metavar="NAME"
     )
 
 

@@ -103,7 +103,7 @@ def reproduce(
     Args:
         experiments: of "validity", "repair", "generalise", "ex-nihilo", "sequential".
         schedules: "count" (the paper's way) and "default" (coarse to fine), both or one of them.
-        strategy: takes the place of compass, or of Levenberg-Marquardt if it needs residuals.
+        strategy: takes the place of compass, or of the fit between matches if it needs residuals.
         matcher: counts pixels and repairs; a matcher, or the name of an installed one (default "sad").
         extent: the part of the log that is used; default as much as in the paper.
         reach: default 3 degrees and 3 % of the baseline.

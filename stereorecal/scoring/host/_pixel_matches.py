@@ -14,12 +14,12 @@ from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, wi
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import rectify_frames
+from stereorecal.scoring._robust_weights import SMALLEST_SPREAD
 from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 
 _WINDOW = 5  # pixels to each side: the size of a matcher's window
 _COVERED = 0.1  # of the window
-_SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
 _OUTSIDE = -1e6  # pixels: outside of every view
 _FLAT = 0.3  # pixels of disparity off a plane: at an edge, either side may be meant
 
@@ -104,5 +104,5 @@ def _planes_at(
     residuals = np.where(use, values[0] - np.einsum("nki,ni->nk", places, planes[..., 0]), 0.0)
     number = use.sum(axis=1)
     spread = np.sqrt((residuals**2).sum(axis=1) / np.maximum(number, 1))
-    deviation = np.maximum(spread, _SMALLEST_SPREAD) * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
+    deviation = np.maximum(spread, SMALLEST_SPREAD) * np.sqrt(number * np.linalg.inv(normal)[:, 0, 0])
     return planes[:, 0].T, np.where((number > _COVERED * len(step)) & (spread < _FLAT), deviation, np.nan)

@@ -1,0 +1,48 @@
+"""What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use."""
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation import Estimate, Posterior, consequences, rig_parameters
+from stereorecal.geometry import StereoRig, View
+from stereorecal.objectives import EXTRINSICS, RigChart
+from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
+from stereorecal.online._state import rig_with
+
+_YAW, _PRINCIPAL_POINT = EXTRINSICS.index("yaw"), "right.cx"
+_ROWS_AT, _DEPTH_AT = 10, 30  # baselines, as a keystone is measured
+
+
+def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
+    """The posterior of the rig, as changes of the calibration in use.
+
+    Args:
+        initial: the rig that was given first.
+        using: offset of the calibration in use.
+        filtered: the filter's estimate.
+        view: in which rows and depth are judged.
+    """
+    chart, keystone = _around(initial, using, view)
+    numbers = [*range(SIZE), KEYSTONE]
+    ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])
+    true = rig_with(initial, filtered.offset)
+    mean = chart.coordinates(np.asarray(true.extrinsics, float)) + filtered.keystone * keystone
+    covariance = ways @ filtered.covariance[np.ix_(numbers, numbers)] @ ways.T
+    posterior = Posterior(np.ones(1), mean[None], covariance[None])
+    return Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.diag(covariance), view=view)
+
+
+@lru_cache(maxsize=2)  # the same until another calibration is in use
+def _around(initial: StereoRig, using: tuple[float, ...], view: View) -> tuple[RigChart, Float[np.ndarray, "n"]]:
+    """Changes of the calibration in use; and a degree of keystone in their units, the rows of a yaw that is none of
+    depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
+    (of a lens with distortion, principal points bend them, too)."""
+    chart = rig_parameters(rig_with(initial, np.array(using)))
+    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
+    rows, depth = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1]
+    principal_point, way = chart.names.index(_PRINCIPAL_POINT), np.zeros(chart.dim)
+    way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
+    like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])
+    return chart, way / like_yaw
