@@ -1,5 +1,6 @@
 """The rounds of an epipolar stage: match, fit, until it settles."""
 
+import json
 import time
 from dataclasses import dataclass, replace
 
@@ -9,7 +10,7 @@ from parts_of_repairs import prepared, run_schedule, started
 
 from stereorecal.geometry import AXES
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Schedule, ScoreKind, Stage, as_settings
+from stereorecal.recalibration import Schedule, ScoreKind, Stage, as_settings, recalibrate
 from stereorecal.strategies import AbstractStrategy, Need, Outcome, Status
 
 FITS = 3  # of the rows of one match
@@ -89,3 +90,14 @@ def test_a_budget_that_ends_in_a_round_is_noticed(staged, units, solved, cut):
     stage, _ = staged(Going(), budget=units)
     assert sum(run.status is Status.CONVERGED for run in stage.runs) == solved
     assert stage.cut is cut
+
+
+def test_a_schedule_may_be_the_fit_alone(scene):
+    given = scene("harbour", 0, (160, 120))
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.5, 0.2, -0.4, 0, 0, 0]))
+    schedule = Schedule("fit", (Stage(None, score=ScoreKind.EPIPOLAR, rounds=4),), survey=True)
+    solution = recalibrate(off, given.pairs, matcher=SAD(num_disparities=24), schedule=schedule, prior="exact")
+    assert solution.accepted
+    assert solution.status is Status.CONVERGED
+    assert solution.trace is None
+    json.dumps(solution.to_dict())
