@@ -29,7 +29,7 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
-from stereorecal.estimation._groups import PLACES as PLACES, rows_of_groups as rows_of_groups
+from stereorecal.estimation._groups import PLACES as PLACES
 from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
 from stereorecal.estimation._jacobian import (
     pixels_of as pixels_of,
@@ -37,6 +37,7 @@ from stereorecal.estimation._jacobian import (
     slopes_of as slopes_of,
 )
 from stereorecal.estimation._least_squares import estimate as estimate
+from stereorecal.estimation._linear_groups import rows_of_groups as rows_of_groups
 from stereorecal.estimation._losses import Losses as Losses, Matters as Matters
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (

@@ -27,7 +27,7 @@ from stereorecal.estimation._explanations import (
 )
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
-from stereorecal.estimation._misfit import DEVIATIONS
+from stereorecal.estimation._misfit import DEVIATIONS, USUAL
 from stereorecal.estimation._outlines import Offsets, outlines
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -42,7 +42,6 @@ _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their heig
 # Of the right camera between two exposures, percent of the baseline and degrees: as a vehicle moves in milliseconds,
 # unlike a drift, which turns rather than shifts.
 _LATE_SHIFT, _LATE_ANGLE = 20.0, 0.3
-_SEARCHED_AT = 0.07  # pixels of misfit beside a region, while its outline is searched: that of most good pairs, or more
 NEGLIGIBLE = 12.0  # nats below the best: what has no say
 _N = PLACES[0] * PLACES[1]
 _DRIFTING = len(DRIFTING)
@@ -190,7 +189,7 @@ def _regions(rows: LinearGroups, prior: CalibrationPrior, best: Explanation, kin
     """Parts of the view that moved as a whole, in all frames by as much, searched under the drift that the rig alone
     has, and without any."""
     n, places = rows.jacobian.shape[1], np.eye(_N)[rows.groups.place]
-    of_places = with_common_field(rows, rows.with_columns(places).normal(_SEARCHED_AT), best.misfit[1])
+    of_places = with_common_field(rows, rows.with_columns(places).normal(USUAL), best.misfit[1])
     of_places, sizes = of_places.around(prior.means[best.prior]), drift_sizes()[0]
     offsets = []
     for drift in {tuple(sizes[kind]), tuple(sizes[0])}:

@@ -18,8 +18,6 @@ PLACES = (14, 9)  # columns and rows of places in the left image
 _DISPARITIES = 3  # near, middle, far: a third of all correspondences each
 _FEWEST = 4  # correspondences in a group
 FEWEST_GROUPS = 6  # from fewer nothing is to be learnt of a rig
-_APART = 0.07  # pixels, beside the deviation of a group: what parameters that are held leave of its rows
-_BOUND = 3.0  # standard deviations: beyond, a group counts for less (Cauchy)
 _FAR_OFF = 3.0  # robust deviations: beyond, a correspondence has no part in the mean of its group
 _LEAST_SPREAD = 0.02  # pixels
 _LEAST_WEIGHT = 0.05  # of a mean correspondence
@@ -92,22 +90,6 @@ class Groups:
 def _by_focal(chart: RigChart) -> Float[np.ndarray, "n"]:
     """The logarithm of the mean of both focal lengths, by each parameter: they are in percent."""
     return 0.005 * chart.units * [name.endswith(".f") for name in chart.names]
-
-
-def rows_of_groups(
-    found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]
-) -> tuple[LinearRows, Float[np.ndarray, "1 g"]] | None:
-    """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
-    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances; None of too
-    few matches for a group."""
-    groups = grouped(found, chart, z)
-    if len(groups) < FEWEST_GROUPS:
-        return None
-    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, _APART)
-    away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)
-    deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
-    share = groups.count / groups.count.mean()
-    return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
 
 
 def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:

@@ -82,11 +82,12 @@ def solved(
 ) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations. A prior and a misfit for a round are the evidence's
     best, and all of them are mixed after the last."""
+    start = np.zeros(chart.dim) if start is None else start
     measured, delay, hypotheses = Measured(ranges, windows), None, []
-    rows, misfit = _settled(found, chart, prior, np.zeros(chart.dim) if start is None else start, measured)
+    rows, misfit = _settled(found, chart, prior, start, measured)
     if rows is None:
         flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
-        likelihoods = measured.likelihoods(chart, np.zeros(chart.dim) if start is None else start, prior)
+        likelihoods = measured.likelihoods(chart, start, prior)
         several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
     else:
         misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)

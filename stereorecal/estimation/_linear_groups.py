@@ -8,10 +8,11 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal, normal_of
-from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._measured import Measured
-from stereorecal.estimation._misfit import covariance_of_rows, unexpected
-from stereorecal.objectives import RigChart
+from stereorecal.estimation._misfit import USUAL, covariance_of_rows, unexpected
+from stereorecal.objectives import LinearRows, RigChart
+from stereorecal.scoring import Correspondences
 
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
 
@@ -105,3 +106,19 @@ def linear_groups(
 def _frames(groups: Groups) -> list[Int[np.ndarray, "_"]]:
     """Indices of the groups of each frame."""
     return [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
+
+
+def rows_of_groups(
+    found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]
+) -> tuple[LinearRows, Float[np.ndarray, "1 g"]] | None:
+    """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
+    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances; None, if
+    there are too few groups."""
+    groups = grouped(found, chart, z)
+    if len(groups) < FEWEST_GROUPS:
+        return None
+    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
+    away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)
+    deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
+    share = groups.count / groups.count.mean()
+    return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)

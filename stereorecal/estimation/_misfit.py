@@ -14,6 +14,7 @@ from stereorecal.estimation._groups import PLACES
 
 DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the field of a frame
 COMMON = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2)  # pixels, of the field that all frames have in common
+USUAL = 0.07  # pixels, of the field of a frame: that of most good pairs, or more
 _LENGTH = 1.5  # places
 
 

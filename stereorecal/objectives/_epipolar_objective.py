@@ -37,9 +37,7 @@ class LinearResiduals:
         return np.clip(np.linalg.lstsq(self.jacobian, -np.asarray(self.at_centre), rcond=None)[0], -1.0, 1.0)
 
 
-def linear_residuals(
-    rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float | Float[np.ndarray, "n"]
-) -> LinearResiduals:
+def linear_residuals(rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float) -> LinearResiduals:
     """The residuals of row differences. However many there are, 2 n + 1 numbers say all of them.
 
     Args:

@@ -38,11 +38,9 @@ class StoredPrior:
 
     def of(self, rig: StereoRig) -> bool:
         """Whether it belongs to a rig."""
-        if self.problem is not None:
-            raise InputError(self.problem)
-        with about(self.place):
-            content = self.content if isinstance(self.content, dict) else {}
-            return same_rig(rig_from_data(content.get("rig")), rig)
+        return self.read(
+            lambda content: same_rig(rig_from_data(content.get("rig") if isinstance(content, dict) else None), rig)
+        )
 
     def read(self, reader: Callable[[Any], Any]) -> Any:
         """The content as a reader has it.

@@ -24,26 +24,26 @@ class RigMotion:
     Attributes:
         eye: height [m] of the left camera.
         attitude: (pitch, roll) [rad] of the rig at rest; negative pitch looks down.
-        sway: amplitude [rad] of the oscillation of pitch and of roll.
+        oscillation: amplitude of pitch and of roll [rad].
         speed: distance [m] travelled per frame at the start.
     """
 
     eye: float
     attitude: tuple[float, float]
-    sway: float
+    oscillation: float
     speed: float
 
     def pose(self, frame: int) -> Pose:
         """The pose in a frame; after 3 m the rig stands, so that it runs into nothing in however many frames."""
-        pitch = self.attitude[0] + self.sway * np.sin(1.7 * frame)
-        roll = self.attitude[1] + self.sway * np.sin(1.1 * frame)
+        pitch = self.attitude[0] + self.oscillation * np.sin(1.7 * frame)
+        roll = self.attitude[1] + self.oscillation * np.sin(1.1 * frame)
         centre = np.array([0.1 * np.sin(0.5 * frame), self.eye, 3.0 * np.tanh(self.speed * frame / 3.0)])
         return centre, _to_world(pitch, 0.0, roll)
 
 
-def drawn_motion(rng: np.random.Generator, eye: float, sway: float, speed: float) -> RigMotion:
+def drawn_motion(rng: np.random.Generator, eye: float, oscillation: float, speed: float) -> RigMotion:
     """The motion of a rig that looks slightly down at rest, which is drawn."""
-    return RigMotion(eye, (rng.uniform(-0.05, 0.0), rng.uniform(-0.03, 0.03)), sway, speed)
+    return RigMotion(eye, (rng.uniform(-0.05, 0.0), rng.uniform(-0.03, 0.03)), oscillation, speed)
 
 
 @dataclass(frozen=True)
@@ -53,14 +53,14 @@ class Course:
     Attributes:
         eye: height [m] of the left camera.
         speed: metres a frame.
-        sway: amplitude of pitch and of roll [rad].
+        oscillation: amplitude of pitch and of roll [rad].
         rates: of turning, pitching and rolling, radians of phase a frame.
         phases: likewise.
     """
 
     eye: float
     speed: float
-    sway: float
+    oscillation: float
     rates: tuple[float, float, float]
     phases: tuple[float, float, float]
 
@@ -68,15 +68,17 @@ class Course:
         """At a time in frames since the place was reached."""
         yaw, pitch, roll = (
             size * np.sin(rate * time + phase)
-            for size, rate, phase in zip((_TURN, self.sway, self.sway), self.rates, self.phases, strict=True)
+            for size, rate, phase in zip(
+                (_TURN, self.oscillation, self.oscillation), self.rates, self.phases, strict=True
+            )
         )
         return np.array([0.1 * np.sin(0.05 * time), self.eye, self.speed * time]), _to_world(pitch, yaw, roll)
 
 
-def drawn_course(rng: np.random.Generator, eye: float, speed: float, sway: float) -> Course:
+def drawn_course(rng: np.random.Generator, eye: float, speed: float, oscillation: float) -> Course:
     """A course whose turns and oscillations are drawn."""
     rates = rng.uniform(0.05, 0.12), rng.uniform(0.1, 0.25), rng.uniform(0.1, 0.25)
-    return Course(eye, speed, sway, rates, tuple(rng.uniform(0.0, 2.0 * np.pi, 3).tolist()))
+    return Course(eye, speed, oscillation, rates, tuple(rng.uniform(0.0, 2.0 * np.pi, 3).tolist()))
 
 
 def _to_world(pitch: float, yaw: float, roll: float) -> Float[np.ndarray, "3 3"]:
