@@ -29,7 +29,4 @@ def run(options: DiffOptions) -> int:
 def _show(found: Difference, options: DiffOptions) -> None:
     if options.prints:
         print(found)
-        print(
-            "epipolar error over the view, depth straight ahead: how wrong the first is if the second is right; "
-            "B: baselines of the second"
-        )
+        print("epipolar error over the view, depth straight ahead: how wrong the first is if the second is right")

@@ -11,7 +11,7 @@ from stereorecal.estimation import check_prior
 from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import Parameters, as_parameters
-from stereorecal.recalibration import HealthOptions
+from stereorecal.recalibration import HealthOptions, as_distances
 
 
 def health_options(options: DecisionOptions) -> HealthOptions:
@@ -27,21 +27,31 @@ def health_options(options: DecisionOptions) -> HealthOptions:
         "prior": options.prior,
         "motion": {"auto": None, "on": True, "off": False}[options.motion],
         "tolerances": tolerances(options),
+        "distances": distances(options.distances),
     }
 
 
+def distances(text: str | None) -> str | None:
+    """Those of --distances, checked.
+
+    Raises:
+        InputError: if one is no distance.
+    """
+    as_distances(text)
+    return text
+
+
 def tolerances(options: ToleranceOptions) -> Tolerances:
-    """Those of --tolerances and --distances.
+    """Those of --tolerances.
 
     Raises:
         InputError: if a name is unknown, or a value makes no sense.
     """
     found: dict[str, object] = {}
-    for name, value, part in _assigned(options.tolerances, LIMITS, "tolerance"):
-        found[name] = _number(value, f"--tolerances has {part}; give NAME=NUMBER, such as harm=0.01.")
-    if options.distances is not None:
-        refusal = f"--distances is {shortened(options.distances)}; give baselines, such as 5,10,30."
-        found["distances"] = tuple(_number(part, refusal) for part in options.distances.split(","))
+    for name, value, part in _assigned(options.tolerances, (*LIMITS, "distances"), "tolerance"):
+        refusal = f"--tolerances has {part}; give NAME=NUMBER, such as harm=0.01, or distances=5:10:30 in baselines."
+        several = name == "distances"
+        found[name] = tuple(_number(n, refusal) for n in value.split(":")) if several else _number(value, refusal)
     return as_tolerances(found)
 
 

@@ -88,14 +88,13 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
 
 
 def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
-    limits = tolerances(options)
     settings = {
         "pairs": options.pairs,
         "fix": options.fix,
         "motion": options.motion,
         "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
         "view": options.view,
-        "thresholds": {**HEALTH_LIMITS, **limits.limits},
-        "distances": limits.distances,
+        "thresholds": {**HEALTH_LIMITS, **asdict(tolerances(options))},
+        "distances": options.distances,
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": settings}

@@ -211,12 +211,9 @@ class ToleranceOptions:
     """What counts as better, as worse and as good."""
 
     title = "the decision"
-    distances: str | None = option(
-        "in baselines, at which errors are evaluated; depth at the farthest (default: 5,10,30)", metavar="B,B"
-    )
     tolerances: str | None = option(
         "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, leaves, better, harm, predicts, good_rows_px, "
-        "good_surely",
+        "good_surely; distances=5:10:30 in baselines",
         metavar="NAME=N,…",
     )
 
@@ -246,7 +243,19 @@ class MotionOptions:
 
 
 @option_group
-class DecisionOptions(PriorOptions, MotionOptions, ToleranceOptions, ViewOptions):
+class DistanceOptions:
+    """Where errors of depth are reported."""
+
+    title = WRITES
+    distances: str | None = option(
+        "at which errors of depth are reported, such as 2m,50cm, or baselines, such as 30 (default: near, middle and "
+        "far of what the images show)",
+        metavar="LENGTH,…",
+    )
+
+
+@option_group
+class DecisionOptions(DistanceOptions, PriorOptions, MotionOptions, ToleranceOptions, ViewOptions):
     """What `sr.health` takes, and `sr.recalibrate` as well."""
 
 

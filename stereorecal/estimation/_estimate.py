@@ -199,12 +199,15 @@ class Estimate:
         """What rigs of the posterior read, at all distances at which something is said."""
         return SampleReadings(self.chart, self.posterior, DISTANCES, self.view)
 
-    def depth_error_percent(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
+    def depth_error_percent(
+        self, used: Float[np.ndarray, "n"], distances: Sequence[float] = DISTANCES
+    ) -> dict[float, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        nearness = self._readings.rows_and_nearness(used)[1]
+        usual = tuple(distances) == self._readings.distances
+        read = self._readings if usual else replace(self._readings, distances=tuple(distances))
         found = {}
-        for distance, of_samples in zip(DISTANCES, nearness.T, strict=False):
+        for distance, of_samples in zip(distances, read.rows_and_nearness(used)[1].T, strict=True):
             middle, high, low = (
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
                 for value in (1.0 + median_and_interval(of_samples)).tolist()

@@ -139,5 +139,7 @@ def _decided(
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)
     shifted = beyond and not decide(estimate, EXTRINSICS, limits).refused
-    depth = {at: Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()}
+    depth = {
+        int(at): Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()
+    }
     return found, shifted, None if change is None else change[:SIZE], depth

@@ -3,6 +3,7 @@
 from stereorecal.decision import Reason as Reason
 from stereorecal.recalibration._case import Case as Case
 from stereorecal.recalibration._cost import Cost as Cost
+from stereorecal.recalibration._depth_errors import DepthError as DepthError, as_distances as as_distances
 from stereorecal.recalibration._difference import Difference as Difference, difference as difference
 from stereorecal.recalibration._expected import Interval as Interval
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames

@@ -54,6 +54,10 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
             "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
             "expected": solution.expected.as_dict() if expected and solution.expected else None,
             "depth_error_percent": dict(solution.depth_error_percent),
+            "depth": [
+                {"distance_m": before.distance, "before": before.as_dict(), "used": used.as_dict()}
+                for before, used in zip(solution.depth_before, solution.depth, strict=True)
+            ],
             "estimate": solution.estimate and _estimate(solution.estimate),
             "motion": motion_as_dict(solution.estimate) if solution.estimate and solution.estimate.windows else None,
             "view": solution.view.as_dict(),

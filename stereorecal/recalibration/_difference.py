@@ -20,7 +20,7 @@ from stereorecal.geometry import (
     same_camera,
 )
 from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
-from stereorecal.report.number_text import change, depths
+from stereorecal.report.number_text import change, distance, offset
 
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
 
@@ -38,6 +38,7 @@ class Difference:
             `AxisErrors`.
         baseline_percent: by how much the baseline is longer.
         same_intrinsics: whether the cameras are the same.
+        baseline: of `after`, metres.
         depth_error_percent: of `before`, in percent, at 5, 10, 30 and 100 baselines; positive: too far; infinite where
             the rays of a point do not meet.
         columns, rows: of the grid of points, in pixels of the view of `before`.
@@ -51,6 +52,7 @@ class Difference:
     translation_percent: Mapping[str, float]
     baseline_percent: float
     same_intrinsics: bool
+    baseline: float
     depth_error_percent: Mapping[int, float]
     columns: Float[np.ndarray, "w"]
     rows: Float[np.ndarray, "h"]
@@ -71,6 +73,15 @@ class Difference:
     def row_error_worst(self) -> float:
         """Largest |row difference|, in pixels; NaN if nothing is seen."""
         return float(np.max(self._row_errors)) if self._row_errors.size else float("nan")
+
+    @property
+    def depth_text(self) -> str:
+        """The errors of depth, by distance."""
+        said = []
+        for baselines, percent in self.depth_error_percent.items():
+            metres = baselines * self.baseline
+            said.append(f"{offset(0.01 * percent * metres)} ({change(percent, 'far')}) at {distance(metres)}")
+        return ", ".join(said)
 
     @property
     def _row_errors(self) -> Float[np.ndarray, "m"]:
@@ -103,7 +114,7 @@ class Difference:
             f"rotation  {self.angle_deg:.3f} deg: {angles}",
             f"baseline  {shifts}, length {change(self.baseline_percent, 'long')}",
             f"epipolar  {rows}",
-            f"depth     {depths(self.depth_error_percent)}",
+            f"depth     {self.depth_text}",
         ]
         return "\n".join(lines if self.same_intrinsics else [*lines, "cameras   the intrinsics differ too"])
 
@@ -130,6 +141,7 @@ def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> 
         translation_percent={name: changes[name] for name in ("y", "z")},
         baseline_percent=float(100.0 * (after.baseline / before.baseline - 1.0)),
         same_intrinsics=same_camera(before.left, after.left) and same_camera(before.right, after.right),
+        baseline=float(after.baseline),
         depth_error_percent=depth_errors(before, after),
         columns=columns,
         rows=rows,

@@ -11,7 +11,6 @@ from stereorecal._arrays import central_differences, json_data
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.recalibration._rig_errors import STEP, row_errors_of
-from stereorecal.report.number_text import change
 
 _GRID = (17, 13)  # points of the view
 _ROWS_AT = 10.0  # baselines
@@ -48,18 +47,10 @@ class Expected:
     rows_px: float
     depth_percent: Mapping[int, Interval]
 
-    def __str__(self) -> str:
-        depths = ", ".join(f"{distance} B {_from_to(self.depth_percent[distance])}" for distance in (10, 30))
-        return f"epipolar error {self.rows_px:.2f} px where the images show something; depth at {depths}"
-
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         depth = {distance: error.as_dict() for distance, error in self.depth_percent.items()}
         return json_data({"rows_px": self.rows_px, "depth_error_percent": depth})
-
-
-def _from_to(error: Interval) -> str:
-    return f"{change(error.low, 'far')} to {change(error.high, 'far')}"
 
 
 def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
@@ -82,4 +73,4 @@ def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float
 
 def depth_error_intervals(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
     """The error of depth of the rig at θ = used."""
-    return {distance: Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}
+    return {int(distance): Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

@@ -10,10 +10,10 @@ from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._calibration_warnings import doubts
+from stereorecal.recalibration._matcher_loss import matcher_loss
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
-from stereorecal.report.number_text import change, depths
 from stereorecal.report.repair_report import Change
 from stereorecal.report.short_list import short_list
 
@@ -45,6 +45,8 @@ class Fact:
 def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     """All remarks, in the order in which a text has them."""
     estimate, use, known = solution.estimate, solution.prior_use, solution.uncertainty
+    yield from _matchers(solution)
+    yield from _depth(solution)
     if solution.view.projection != PINHOLE:
         yield Fact("view", str(solution.view), "view")
     for doubt in doubts(solution.initial):
@@ -55,6 +57,8 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
+        if solution.intrinsics.changed:
+            text = f"{text}; use all new values together, or keep the intrinsics with --free extrinsics"
         yield Fact("intrinsics", text, sentence=_sentence(text))
     if solution.ranges is not None:
         yield Fact("ranges", str(solution.ranges), "ranges", f"Of the ranges {solution.ranges}.")
@@ -75,12 +79,9 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
         assumed = "Their values are mostly assumed: that they changed little."
         yield Fact("undetermined", text, sentence=f"{_sentence(text)} {assumed}")
     if solution.expected is not None:
-        yield Fact("expected", str(solution.expected), "expect")
         yield from _corners(solution)
     if solution.leaves_epipolar_error:
         yield Fact("error left", _EPIPOLAR_ERROR_LEFT, "check", _sentence(_EPIPOLAR_ERROR_LEFT))
-    if solution.accepted:
-        yield _depth_before(solution)
 
 
 def _sentence(text: str) -> str:
@@ -105,23 +106,30 @@ def _corners(solution: AbstractResult) -> Iterator[Fact]:
         return
     shown, view = (px[int(solution.accepted), 0] for px in (solution.decision.rows_px, solution.decision.view_px))
     if view > max(2.0 * shown, solution.settings.tolerances.good_rows_px):
-        text = f"row error {view:.2f} px over the whole view, most of it where nothing matched"
+        text = f"epipolar error {view:.2f} px over the whole view, most of it where nothing matched"
         yield Fact("corners", text, "corners")
 
 
-def _depth_before(solution: AbstractResult) -> Fact:
-    """What the repair says of the depth of the initial calibration."""
-    estimate = solution.estimate
+def _depth(solution: AbstractResult) -> Iterator[Fact]:
+    """The errors of depth, before a repair and after."""
+    for before, after in zip(solution.depth_before, solution.depth, strict=True):
+        change = f"{before}, now {after}" if solution.accepted else str(after)
+        yield Fact("depth", f"error at {after.where} {change}", "depth")
+    if not solution.accepted:
+        return
     if solution.decision is not None and solution.decision.depth_corrected < 1.0:
-        how = "is corrected as far as is safe" if solution.decision.depth_corrected else "stays as it was calibrated"
-        return Fact("depth", f"{how}; frames in motion, or ranges, determine it", "depth")
-    if estimate is None:
-        return Fact("depth", f"depth was off: {depths(solution.depth_error_percent)}")
-    errors = estimate.depth_error_percent(np.zeros(len(estimate.names)))
-    ends = {d: dict.fromkeys(change(end, "far") for end in (low, high)) for d, (_, low, high) in errors.items()}
-    sure = any(low > 0.0 or high < 0.0 for _, low, high in errors.values())
-    said = ", ".join(f"{' to '.join(both)} at {d} B" for d, both in ends.items())
-    return Fact("depth", f"depth {'was' if sure else 'may have been'} off: {said}")
+        how = "corrected as far as is safe" if solution.decision.depth_corrected else "kept as it was calibrated"
+        yield Fact("depth kept", f"{how}; frames in motion, or ranges, determine it", "depth")
+    if solution.estimate is None:
+        yield Fact("depth", f"was off: {solution.difference.depth_text}", "depth")
+
+
+def _matchers(solution: AbstractResult) -> Iterator[Fact]:
+    """What the epipolar error means to matchers."""
+    if solution.decision is None or not solution.reason.healthy:
+        return
+    both = solution.decision.rows_px[: 1 + solution.accepted, 0]
+    yield Fact("matchers", "; now ".join(dict.fromkeys(map(matcher_loss, both))), "matchers")
 
 
 def changed_axes(solution: AbstractResult) -> list[Change]:

@@ -2,7 +2,10 @@
 
 import enum
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Unpack
+
+import numpy as np
 
 from stereorecal._arrays import json_data, refuse_tracers
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
@@ -14,8 +17,10 @@ from stereorecal.recalibration._assessment import looked, without_mismatch
 from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._correction import Correction
+from stereorecal.recalibration._depth_errors import DepthError, Distance, reported_depths
 from stereorecal.recalibration._expected import Interval
 from stereorecal.recalibration._frame_choice import selected_frames
+from stereorecal.recalibration._matcher_loss import matcher_loss
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import check_motion, following
 from stereorecal.recalibration._prepared_case import what_may_change
@@ -24,7 +29,6 @@ from stereorecal.recalibration._row_residuals import row_residuals
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._verdict_text import verdict_of
 from stereorecal.recordings import Pairs
-from stereorecal.report.number_text import change
 from stereorecal.scoring import ImageQuality, Pyramid, host, pyramid
 from stereorecal.scoring.host import Score, with_measured_range
 
@@ -41,7 +45,7 @@ class Condition(enum.Enum):
     CANNOT_TELL = "cannot tell"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Health:
     """How well the images fit together under a calibration, and the correction that they ask for.
 
@@ -61,6 +65,7 @@ class Health:
         doubts: sentences on values of the calibration that hardly any rig has.
         view: that was looked through.
         pairs: how many were looked at: of many those that `recalibrate` selects.
+        distances: at which errors of depth are reported; none: those that the images show.
     """
 
     score: Score
@@ -74,6 +79,7 @@ class Health:
     doubts: tuple[str, ...] = ()
     view: View | None = None
     pairs: int = 1
+    distances: tuple[Distance, ...] = ()
 
     @property
     def condition(self) -> Condition:
@@ -100,7 +106,16 @@ class Health:
         if self.mismatch is None and self.reason is Reason.NO_MATCHES:
             return f"Repair it: {self.reason.value}."
         decision = None if self.correction is None else self.correction.decision
-        return verdict_of(self.reason, decision, self.pairs, self.mismatch, self.shown.problem, repaired=False)
+        off, problem = any(one.significant for one in self.depth), self.shown.problem
+        return verdict_of(self.reason, decision, self.pairs, self.mismatch, problem, off, repaired=False)
+
+    @cached_property
+    def depth(self) -> tuple[DepthError, ...]:
+        """The errors of depth of the calibration; none where hardly anything matches."""
+        if self.correction is None:
+            return ()
+        estimated = self.correction.estimate
+        return reported_depths(estimated, np.zeros(len(estimated.names)), self.distances)
 
     @property
     def advice(self) -> str:
@@ -142,27 +157,29 @@ class Health:
                 "rows_apart_px": correction and correction.rows_px.as_dict(),
                 "depth_error_percent": correction
                 and {distance: error.as_dict() for distance, error in correction.depth_percent.items()},
+                "depth": [{"distance_m": error.distance, **error.as_dict()} for error in self.depth],
             }
         )
 
     def __str__(self) -> str:
         lines = [self.verdict, self.advice, *(f"check      {doubt}" for doubt in self.doubts)]
-        lines.append(f"matched    {self.score}")
+        found = self.correction
+        differ = "; their rows differ by {:.2f} px in the median, {:.2f} px if corrected"
+        rows = "" if found is None else differ.format(self.row_error, found.row_error)
+        lines.append(f"matched    {self.score}{rows}")
         if self.view is not None and self.view.projection != PINHOLE:
             lines.append(f"view       {self.view}")
-        found = self.correction
         if found is None:
             sure = f"matches that passed all checks cover {100 * self.covered:.0f} % of the image"
-            return "\n".join([*lines, f"row error  not measured: {sure} (chance matches count as matched)"])
+            return "\n".join([*lines, f"epipolar   not measured: {sure} (chance matches count as matched)"])
         rows, axes = found.rows_px, found.axes
         angles = ", ".join(f"{name} {_plus_minus(axes[name], 3)}" for name in _ANGLES)
         shifts = ", ".join(f"{name} {_plus_minus(axes[name], 2)}" for name in _SHIFTS)
-        depth = "; ".join(f"{_range(error)} at {distance} B" for distance, error in found.depth_percent.items())
         lines += [
-            f"row error  {self.row_error:.2f} px; {found.row_error:.2f} px if corrected",
+            f"epipolar   {rows.value:.2f} px ({rows.low:.2f} to {rows.high:.2f}) where the images show something",
+            f"matchers   {matcher_loss(rows.value)}",
+            *(f"depth      error at {error.where} {error}" for error in self.depth),
             f"correction {angles} deg; {shifts} % of the baseline",
-            f"systematic {rows.value:.2f} px where the images show something ({rows.low:.2f} to {rows.high:.2f} px)",
-            f"depth      {depth}",
         ]
         return "\n".join(lines)
 
@@ -171,18 +188,14 @@ def _plus_minus(found: Interval, digits: int) -> str:
     return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
 
 
-def _range(error: Interval) -> str:
-    return f"{change(error.value, 'far')} ({change(error.low, 'far')} to {change(error.high, 'far')})"
-
-
 def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Health:
     """Match the pairs under the rig's calibration, and estimate once the correction that they ask for.
 
     `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
 
     Args:
-        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances`. Pairs that a saved prior
-            rests on count, for nothing is learnt here.
+        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
+            saved prior rests on count, for nothing is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
@@ -217,6 +230,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> He
         doubts=doubtful,
         view=images.view,
         pairs=len(images.pairs),
+        distances=settings.distances,
     )
     if assessment is None:
         return replace(nothing, mismatch=mismatch_of(images, matcher, covered))

@@ -23,7 +23,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
         rig: the calibration to start from.
         pairs: one or several frames, used jointly; a pair may be a tuple of two arrays.
         options: those of `RepairOptions`, by name: `matcher, schedule, reach, budget, view, seed, free, ranges, prior,
-            motion, tolerances, odometer`.
+            motion, tolerances, distances, odometer`.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes

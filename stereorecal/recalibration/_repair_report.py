@@ -72,7 +72,7 @@ def report_of(
         rows=rows,
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
-        expected_said=expected and str(expected),
+        expected_said=expected and _expected_text(solution, expected.rows_px),
         axes=changed_axes(solution) if telling else (),
         intrinsics=changed_intrinsics(solution) if telling else (),
         depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
@@ -126,6 +126,11 @@ def _depths(solution: AbstractResult) -> list[Depth]:
         )
         for distance, error in solution.depth_error_percent.items()
     ]
+
+
+def _expected_text(solution: AbstractResult, rows_px: float) -> str:
+    depths = ", ".join(f"{error} at {error.where}" for error in solution.depth)
+    return f"epipolar error {rows_px:.2f} px where the images show something; depth {depths}"
 
 
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:

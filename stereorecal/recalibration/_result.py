@@ -12,6 +12,7 @@ from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._depth_errors import DepthError, reported_depths
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import Expected, expected_of
 from stereorecal.recalibration._freed_intrinsics import Intrinsics
@@ -70,17 +71,15 @@ class AbstractResult:
     def verdict(self) -> str:
         """In one short sentence."""
         pairs, problem = len(self.used) + len(self.left_out), self.seen and self.seen.problem
-        return verdict_of(self.reason, self.decision, pairs, self.mismatch, problem, repaired=True)
+        depth_off = any(one.significant for one in self.depth_before)
+        return verdict_of(self.reason, self.decision, pairs, self.mismatch, problem, depth_off, repaired=True)
 
     @property
     def advice(self) -> str:
         """What to do."""
         if self.mismatch is not None:
             return self.mismatch.advice
-        if self.intrinsics is None or not self.intrinsics.changed:
-            return self.reason.advice
-        keep = "The intrinsics change too; to keep them, free the extrinsics alone (--free extrinsics)."
-        return f"{self.reason.advice} {keep}"
+        return self.reason.advice
 
     @property
     def rig(self) -> StereoRig:
@@ -168,6 +167,22 @@ class AbstractResult:
     def difference(self) -> Difference:
         """What the candidate changes against the initial calibration: axes, rows over the view, depth."""
         return difference(self.initial, self.candidate, view=self.view)
+
+    @cached_property
+    def depth_before(self) -> tuple[DepthError, ...]:
+        """The errors of depth of the initial calibration, at the distances of the settings; none where the rig is not
+        known well enough to tell."""
+        return self._depth_errors(self.initial)
+
+    @cached_property
+    def depth(self) -> tuple[DepthError, ...]:
+        """The same of the calibration to use."""
+        return self._depth_errors(self.rig)
+
+    def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
+        if self.expected is None or self.estimate is None:
+            return ()
+        return reported_depths(self.estimate, self.estimate.chart.coordinates_of(used), self.settings.distances)
 
     @property
     def depth_error_percent(self) -> Mapping[int, float]:

@@ -11,6 +11,7 @@ from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import AnyView
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
+from stereorecal.recalibration._depth_errors import Distance, as_distances, distance_text
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
 from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recordings import Odometer, Range
@@ -33,6 +34,9 @@ class HealthOptions(TypedDict, total=False):
             None uses it where pairs know their times, at most half a second apart; False never.
         tolerances: what is asked of a change, and the distances at which it is judged: a `Tolerances`, or some of its
             values by name, such as {"distances": (3, 8), "harm": 0.001}.
+        distances: at which errors of depth are reported, such as ("2m", "50cm", 30), or "2m,50cm,30"; a number alone is
+            in baselines. Default near, middle and far of what the images show. Those at which it is decided are in
+            `tolerances`.
     """
 
     matcher: AbstractMatcher | str | None
@@ -40,6 +44,7 @@ class HealthOptions(TypedDict, total=False):
     prior: Prior
     motion: bool | None
     tolerances: Tolerances | Mapping[str, object] | None
+    distances: str | float | Sequence[str | float] | None
 
 
 class RepairOptions(HealthOptions, total=False):
@@ -79,6 +84,7 @@ class Settings:
     Attributes:
         matcher: without its disparity range, if that is to be measured.
         free: with the length of the baseline, if ranges or an odometer free it.
+        distances: at which errors of depth are reported; none: those that the images show.
         ranges, view, prior, motion, odometer: as they were given.
     """
 
@@ -93,12 +99,14 @@ class Settings:
     prior: Prior
     motion: bool | None
     tolerances: Tolerances
+    distances: tuple[Distance, ...]
     odometer: Odometer | None
 
     @property
     def options(self) -> dict[str, Any]:
         """By name, as `recalibrate` takes them."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        options = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {**options, "distances": distance_text(self.distances) or None}
 
 
 def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptions.__optional_keys__) -> Settings:
@@ -134,5 +142,6 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
         prior=prior,
         motion=options.get("motion"),
         tolerances=as_tolerances(options.get("tolerances")),
+        distances=as_distances(options.get("distances")),
         odometer=odometer,
     )

@@ -12,6 +12,7 @@ def verdict_of(
     pairs: int,
     mismatch: Mismatch | None,
     problem: str | None,
+    depth_off: bool,
     *,
     repaired: bool,
 ) -> str:
@@ -22,6 +23,7 @@ def verdict_of(
         pairs: that were looked at.
         mismatch: why these cannot be images of this rig, or None.
         problem: why images of too little texture match elsewhere than their scene does, or None.
+        depth_off: whether depth was significantly wrong, at a distance that is reported.
         repaired: by a repair, not a look.
     """
     begins = "Repaired" if repaired else "Repair it"
@@ -36,11 +38,12 @@ def verdict_of(
     if reason is Reason.IMPROVED:
         share = decision.depth_corrected
         depth = "corrected" if share == 1.0 else "corrected in part" if share else "kept as calibrated"
-        return f"{begins}: row error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
+        depth = depth if depth_off or share < 1.0 else "not measurably off"
+        return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
     if reason is Reason.ALREADY_GOOD:
-        return f"Good. Row error {before[0]:.2f} px where the images show something."
+        return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
     if reason is Reason.CANNOT_TELL:
         number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
         which = f"from {number} pair{'' if pairs == 1 else 's'}"
-        return f"Cannot tell {which}: row error {before[1]:.2f} to {before[2]:.2f} px."
+        return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
     return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."

@@ -1,7 +1,6 @@
 """Numbers as people read them, in table cells and in text; a missing value (None) is a dash."""
 
 import math
-from collections.abc import Mapping
 
 
 def number(value: float | None, digits: int) -> str:
@@ -32,6 +31,44 @@ def change(percent: float, word: str) -> str:
     return f"{number(factor, 1) if factor < 9.95 else count(factor)} times as {word}"
 
 
-def depths(errors: Mapping[int, float]) -> str:
-    """Errors of depth in percent, by distance in baselines, on one line."""
-    return ", ".join(f"{change(percent, 'far')} at {distance} B" for distance, percent in errors.items())
+def distance(metres: float) -> str:
+    """A distance to two digits, in the unit that fits: "85 mm", "40 cm", "2.5 m"."""
+    unit = _unit(metres)
+    return f"{float(f'{metres / _METRES[unit]:.2g}'):g} {unit}"
+
+
+def offset(metres: float) -> str:
+    """By how much a depth is wrong: "38 mm too far", "14 cm too near"."""
+    return between(metres, metres)
+
+
+def between(low: float, high: float) -> str:
+    """The same of an interval: "12 to 64 mm too far", "-12 to +64 mm" where it holds 0."""
+    if math.isnan(low) or math.isnan(high):
+        return "unknown"
+    largest = max((abs(end) for end in (low, high) if math.isfinite(end)), default=0.0)
+    if largest < 5e-5 and math.isfinite(low + high):
+        return "0 mm"
+    unit = _unit(largest)
+    digits = 1 if largest / _METRES[unit] < 9.95 else 0
+
+    def text(end: float, sign: str) -> str:
+        return "beyond infinity" if math.isinf(end) else f"{end / _METRES[unit]:{sign}z,.{digits}f}".replace(",", " ")
+
+    if low <= 0.0 <= high:
+        ends, side = dict.fromkeys(text(end, "+") for end in (low, high)), ""
+    else:
+        near = high < 0.0
+        ends = dict.fromkeys(text(end, "") for end in ((-high, -low) if near else (low, high)))
+        side = " too near" if near else " too far"
+    if math.isinf(high):
+        return " to ".join([f"{next(iter(ends))} {unit}{side}", "beyond infinity"] if math.isfinite(low) else ends)
+    return f"{' to '.join(ends)} {unit}{side}"
+
+
+_METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+
+
+def _unit(metres: float) -> str:
+    size = abs(metres)
+    return "mm" if size < 0.0995 else "cm" if size < 0.995 else "m"

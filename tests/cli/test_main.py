@@ -119,7 +119,7 @@ def test_help_begins_with_what_is_typed(command, monkeypatch: pytest.MonkeyPatch
         ("which pairs", "--pairs"),
         ("the rig, and what may move", "--free"),
         ("depth, from motion and ranges", "--motion"),
-        ("the decision", "--distances"),
+        ("the decision", "--tolerances"),
         ("matching and search", "--view"),
         ("running", "-h,"),
     ]

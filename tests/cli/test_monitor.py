@@ -46,7 +46,7 @@ def test_a_knock_is_repaired_and_written_where_told(command, scene: Path, drive:
 
 def test_options_are_kept_with_the_state(command, scene: Path, tmp_path: Path):
     """Cameras with a trigger have no delay; tolerances are those of the decision."""
-    options = ("--synchronous", "--distances", "3,8", "--limit", "2", "--quiet")
+    options = ("--synchronous", "--tolerances", "distances=3:8", "--limit", "2", "--quiet")
     assert command("monitor", scene, *options, "--state", tmp_path / "state").code in (0, 1, 4)
     state = load(tmp_path / "state")
     assert state.config.synchronous

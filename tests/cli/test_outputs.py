@@ -93,7 +93,7 @@ MEANWHILE = {  # and what is printed in its place
     ("diff", "--json"): '"stereorecal.difference/1"',
     ("recalibrate", "--output"): '"K_left"',
     ("compare", "--html"): "compass",
-    ("recalibrate", "--html"): "before  ",
+    ("recalibrate", "--html"): "matched  ",
 }
 
 

@@ -39,11 +39,11 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     found = health(scene.rig, scene.pairs)
     assert answer.out == f"{found}\n"
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
-    assert f"row error  {found.row_error:.2f} px; " in answer.out
+    assert f"rows differ by {found.row_error:.2f} px in the median, " in answer.out
     content = json.loads(target.read_text())
     assert content["schema"] == "stereorecal.health/2"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
-    assert content["settings"]["thresholds"] == HEALTH_LIMITS
+    assert content["settings"]["thresholds"] == {**HEALTH_LIMITS, "distances": [5.0, 10.0, 30.0]}
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
@@ -121,10 +121,24 @@ def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: 
 
 
 def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
-    answer = command("score", drifted_scene, "--json", "-", "--distances", "8,3", "--tolerances", "harm=0.001")
+    answer = command("score", drifted_scene, "--json", "-", "--tolerances", "harm=0.001,distances=8:3")
     settings = json.loads(answer.out)["settings"]
     assert settings["thresholds"]["harm"] == 0.001
-    assert settings["distances"] == [3.0, 8.0]
+    assert settings["thresholds"]["distances"] == [3.0, 8.0]
+
+
+def test_depth_is_reported_where_it_is_asked_for(command, drifted_scene: Path):
+    answer = command("score", drifted_scene, "--json", "-", "--distances", "2m,40cm,30")
+    (scene,) = json.loads(answer.out)["scenes"]
+    baseline = load_scene(drifted_scene).rig.baseline
+    assert [one["distance_m"] for one in scene["depth"]] == pytest.approx([2.0, 0.4, 30 * baseline])
+    for one in scene["depth"]:
+        assert one["metres"]["low"] == pytest.approx(0.01 * one["percent"]["low"] * one["distance_m"])
+    text = command("score", drifted_scene, "--distances", "2m,40cm").out
+    assert [line.split()[:5] for line in text.splitlines() if line.startswith("depth ")] == [
+        ["depth", "error", "at", "2", "m"],
+        ["depth", "error", "at", "40", "cm"],
+    ]
 
 
 @pytest.mark.slow(after=3)

@@ -59,10 +59,10 @@ def test_text(solution):
     lines = text.splitlines()
     assert lines[0] == "Repaired: another calibration matches more pixels."
     assert f"{solution.evaluations} evaluations" in text
-    assert f"before   {solution.score_before}" in lines
-    assert f"after    {solution.score_after}" in lines
-    assert [line.split()[0] for line in lines[-7:]] == ["pitch", "yaw", "roll", "x", "y", "z", "depth"]
-    assert lines[-7].split()[-1] == f"{np.degrees(solution.change[0]):+.3f}"
+    counts = [f"{score.count:,}".replace(",", " ") for score in (solution.score_before, solution.score_after)]
+    assert lines[2].startswith(f"matched  {' -> '.join(counts)} of ")
+    assert [line.split()[0] for line in lines[3:]] == ["depth", "pitch", "yaw", "roll", "x", "y", "z", "search"]
+    assert lines[4].split()[-1] == f"{np.degrees(solution.change[0]):+.3f}"
     assert lines[-3].split()[-1] == f"{1e3 * solution.change[4]:+.3f}"
 
 

@@ -5,7 +5,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.report.number_text import change, depths
+from stereorecal.report.number_text import between, change, distance, offset
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,34 @@ def test_no_percentage_beyond_a_hundred(percent: float):
     assert value <= 100.0 if "%" in change(percent, "long") else value >= 2.0
 
 
-def test_depths():
-    assert depths({5: 8.31, 30: 210.0, 100: float("inf")}) == (
-        "+8.3 % at 5 B, 3.1 times as far at 30 B, beyond infinity at 100 B"
-    )
+@pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [
+        (0.012, 0.064, "12 to 64 mm too far"),
+        (-0.17, -0.144, "14 to 17 cm too near"),
+        (-0.0031, 0.0069, "-3.1 to +6.9 mm"),
+        (-1.23, 1.68, "-1.2 to +1.7 m"),
+        (-0.2, -0.2, "20 cm too near"),
+        (0.0, 0.0, "0 mm"),
+        (1.0, float("inf"), "1.0 m too far to beyond infinity"),
+        (float("inf"), float("inf"), "beyond infinity"),
+        (31.0, 4300.0, "31 to 4 300 m too far"),
+        (float("nan"), 1.0, "unknown"),
+    ],
+)
+def test_errors_of_depth(low: float, high: float, text: str):
+    assert between(low, high) == text
+
+
+@given(st.floats(-1e4, 1e4), st.floats(0.0, 1e4))
+def test_an_interval_that_holds_0_has_signs_and_others_a_side(low: float, width: float):
+    text = between(low, low + width)
+    holds = low <= 0.0 <= low + width or max(abs(low), abs(low + width)) < 5e-5
+    assert holds == ("too" not in text)
+    assert "-" not in text or holds
+
+
+@pytest.mark.parametrize(("metres", "text"), [(0.0849, "85 mm"), (0.4, "40 cm"), (2.53, "2.5 m"), (53.0, "53 m")])
+def test_distances(metres: float, text: str):
+    assert distance(metres) == text
+    assert offset(metres).endswith(" too far")
