@@ -37,8 +37,8 @@ def verdict_of(
     before, after = decision.rows_px
     if reason is Reason.IMPROVED:
         share = decision.depth_corrected
-        depth = "corrected" if share == 1.0 else "corrected in part" if share else "kept as calibrated"
-        depth = depth if depth_off or share < 1.0 else "not measurably off"
+        corrected = "corrected" if share == 1.0 else "corrected in part"
+        depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
         return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
     if reason is Reason.ALREADY_GOOD:
         return f"Good. Epipolar error {before[0]:.2f} px where the images show something."

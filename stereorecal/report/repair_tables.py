@@ -1,5 +1,6 @@
 """Terminal tables of `recalibrate` and `score`, one row for each recording, from the plain data of their JSON."""
 
+import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stereorecal.report._table_width import first_that_fits, width_of
-from stereorecal.report.number_text import change, number, percent
+from stereorecal.report.number_text import between, distance, number, percent
 
 _AXES = {"rotation_deg": ("pitch", "yaw", "roll"), "translation_percent": ("y", "z")}
 # Characters of a line of a name and of other words, from the widest layout to the narrowest.
@@ -52,29 +53,30 @@ def _repairs_table(repairs: Rows, parts: Sequence["_Part"], folds: tuple[int, in
 
 
 def scores_table(scenes: Rows, width: int) -> Table:
-    """One row for each recording: matched pixels, row error, yaw correction, error of depth, verdict; words are folded
-    until `width` columns hold them."""
+    """One row for each recording: matched pixels, epipolar error, error of depth, verdict; words are folded until they
+    fit into `width` columns."""
     [table] = first_that_fits([partial(_scores_table, scenes, folds) for folds in _FOLDS], width)
     return table
 
 
 def _scores_table(scenes: Rows, folds: tuple[int, int]) -> list[Table]:
-    heads = [_folded(head, folds[1]) for head in ("matched", "row error px", "yaw correction °", "depth at 30 B")]
+    heads = [_folded(head, folds[1]) for head in ("matched", "epipolar px", "depth error")]
     table = _table(("scene",), heads, ("verdict",))
     for scene in scenes:
         name = _wrapped_name(scene["scene"], folds[0])
-        found = ("-", "-", "-", "-", "cannot be used") if scene["error"] is not None else _score(scene)
+        found = ("-", "-", "-", "cannot be used") if scene["error"] is not None else _score(scene)
         table.add_row(*map(Text, (name, *(_folded(cell, folds[1]) for cell in found))))
     return [table]
 
 
 def _score(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    rows, correction, yaw, depth = number(scene["row_error_px"], 2), scene["correction"], "-", "-"
-    if correction is not None:
-        turn, error = correction["rotation_deg"]["yaw"], scene["depth_error_percent"]["30"]["value"]
-        yaw = f"{turn['value']:+z.2f} ± {turn['high'] - turn['value']:.2f}"
-        depth = change(float("inf") if error is None else error, "far")
-    return percent(scene["fraction"]), rows, yaw, depth, scene["verdict"]
+    rows, depth = scene["rows_apart_px"], "-"
+    if depths := scene["depth"]:
+        middle = depths[len(depths) // 2]
+        ends = (middle["metres"][end] for end in ("low", "high"))
+        error = between(*(math.inf if end is None else end for end in ends))
+        depth = f"{error} at {distance(middle['distance_m'])}"
+    return percent(scene["fraction"]), number(rows and rows["value"], 2), depth, scene["verdict"]
 
 
 def _folded(text: str, letters: int) -> str:

@@ -118,7 +118,7 @@ def test_what_is_refused_stays_bit_for_bit(repaired, reason):
     found = replace(repaired, reason=reason)
     assert found.rig is repaired.initial
     assert found.to_dict()["extrinsics"]["used"] == found.to_dict()["extrinsics"]["before"]
-    assert ("depth " in str(found)) == reason.healthy
+    assert ("\ndepth " in str(found)) == reason.healthy
     assert "±" not in str(found)
 
 
