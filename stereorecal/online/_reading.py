@@ -138,7 +138,10 @@ def _decided(
         change = trial.theta if trial.loss[1] < trial.loss[0] - 1.0 and trial.worse <= harm else None
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)
-    shifted = beyond and not decide(estimate, EXTRINSICS, limits).refused
+    posterior = estimate.posterior
+    if not found.refused:  # what the rotation alone repairs is no shift
+        posterior = replace(posterior, means=posterior.means - found.theta)
+    shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, limits).refused
     depth = {
         int(at): Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()
     }

@@ -10,8 +10,9 @@ from rides import Ride
 
 from stereorecal.decision import Tolerances
 from stereorecal.estimation import points_of_view, readings
-from stereorecal.online import FAR, Event, Kind, Reading, State, Stepped, reading, step
+from stereorecal.online import FAR, Event, Kind, Reading, State, Stepped, init, reading, step
 from stereorecal.recalibration import Condition
+from stereorecal.synthetic import default_rig
 
 TURNED = (0.2, 0.0, 0.0, 0.0, 0.0)
 SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
@@ -165,6 +166,17 @@ def test_a_shift_beside_a_turn(healthy, y, z, shifted):
     found = read(healthy, 0.3, 0.0, 0.0, y, z)
     assert found.condition is Condition.REPAIR
     assert found.shifted is shifted
+
+
+def test_what_a_turn_alone_repairs_is_no_shift():
+    """Though y and z, hardly known, leave the epipolar error above that of a good calibration."""
+    state = init(default_rig())
+    deviations = np.full(len(state.estimate.mean), 1e-3)
+    deviations[:5], deviations[9] = [0.01, 0.02, 0.006, 0.7, 0.7], 0.2  # and the keystone
+    estimate = replace(state.estimate, mean=np.eye(len(deviations))[1], covariance=np.diag(deviations**2))
+    found = reading(state.replace(estimate=estimate))
+    assert found.decision.rows_px[1, 0] > found.decision.tolerances.good_rows_px
+    assert (found.repairs, found.shifted) == (True, False)
 
 
 def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):
