@@ -30,7 +30,7 @@ def listed() -> dict[str, set[str]]:
 
 
 def paths(content: Any, at: str = "") -> Iterator[str]:
-    """The path of each value that is neither an object nor a list of objects; a name with a dot (`left.f`) is one part."""
+    """Paths of all values that are neither objects nor lists of objects; a name with a dot (`left.f`) is one part."""
     if isinstance(content, dict) and content:
         for key, value in content.items():
             yield from paths(value, f"{at}.{key.replace('.', '_')}" if at else key)
