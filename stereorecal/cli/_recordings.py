@@ -1,4 +1,4 @@
-"""The recordings that a command is about: scene folders, or images, videos and bags that lie anywhere."""
+"""Recordings that a command reads: scene folders, or images, videos and bags from anywhere."""
 
 from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, replace
@@ -16,8 +16,8 @@ from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
-_LONG = 100  # pairs: more of image files are treated like a video's, which are not all looked at
-_FEW = 10  # frames without partner that are named; of more, the number is said
+_LONG = 100  # pairs; of a longer recording not all are looked at, as of a video
+_FEW = 10  # frames without partner that are named; of more, their number is stated
 _BY_ORDER = "in order, since no name on the left has a partner on the right"
 
 _Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  # as `_selected`
@@ -25,12 +25,12 @@ _Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  #
 
 @dataclass(frozen=True)
 class Recordings:
-    """What was asked for.
+    """The recordings of a command.
 
     Attributes:
         scenes: each with a rig.
-        absent: frames, by name or how many, that are not among their pairs, and why.
-        pairing: what told which images belong together, if that was not their names or times.
+        absent: (frames, reason): frames that are in no pair, by name or number, and why.
+        pairing: how images were paired, if not by their names or times.
     """
 
     scenes: list[Scene]
@@ -39,10 +39,10 @@ class Recordings:
 
 
 def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False) -> Recordings:
-    """The scenes that were asked for; frames without partner are told on stderr.
+    """The scenes of the command line; frames without partner are named on stderr.
 
     Args:
-        few: of many frames, only those with the most texture are kept.
+        few: keep only those of many frames that have the most texture.
 
     Raises:
         InputError: if one cannot be used.
@@ -68,7 +68,7 @@ def _fixed(scene: Scene, cause: str) -> Scene:
 
 
 def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
-    """The one scene that was asked for, with its first pair; and all its pairs, to be read one after the other.
+    """The one scene of the command line, with its first pair only; and all its pairs, which are read one by one.
 
     Raises:
         InputError: as `recordings`, or if there are several.
@@ -103,7 +103,7 @@ def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str], ...]:
-    """What to say of pairs that are not among those that are kept."""
+    """(frames, reason) of the pairs that are left out."""
     number = len(found) - len(used)
     return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
 
@@ -130,10 +130,10 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
 
 
 def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
-    """The folders of a recording as one scene, with the calibration of the first.
+    """One scene of all folders of a recording.
 
     Raises:
-        InputError: if another one has another calibration.
+        InputError: if their calibrations differ.
     """
     first = parts[0]
     if len(parts) == 1:
@@ -176,7 +176,7 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
 def _selected(
     pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str, few: bool = False
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
-    """The pairs that --pairs and --limit leave, read; and what to say of the others."""
+    """The pairs that --pairs and --limit select, read; and (frames, reason) of the others."""
     wanted = _wanted(pairs, options, about)
     limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
@@ -189,7 +189,7 @@ def _selected(
 
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
-    """The pairs that --pairs leaves, not read yet."""
+    """The pairs that --pairs selects, not read yet."""
     wanted = pairs[options.stretch()]
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --pairs {options.pairs} leaves none; change it.")
@@ -197,7 +197,7 @@ def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPair
 
 
 def _unpaired_frames(unpaired: Sequence[str]) -> list[tuple[str, str]]:
-    """What to say of frames without partner; also on stderr."""
+    """(frames, reason) of the frames without partner, which are also named on stderr."""
     if not unpaired:
         return []
     why = "no partner in the other camera"

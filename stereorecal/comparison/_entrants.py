@@ -1,4 +1,4 @@
-"""Who takes part in a comparison: a strategy in a schedule."""
+"""The entrants of a comparison: strategies in schedules."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from stereorecal._errors import InputError, StrategyError
 from stereorecal.recalibration import SCHEDULES, Schedule
 from stereorecal.strategies import AbstractStrategy, Objective, Outcome, name_of, strategy
 
-_PAPERS = "compass"  # what the paper found to work best (section 3.3)
+_PAPERS = "compass"  # the paper's best strategy (section 3.3)
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Entrant:
     """A strategy in a schedule.
 
     Attributes:
-        name: of the strategy that was asked for.
+        name: of the strategy.
         schedule: with it in the stages of its kind.
         running: every strategy that the schedule runs, by name, in the order of its stages.
     """
@@ -34,10 +34,10 @@ class Entrant:
 
 
 def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, ...]:
-    """The entrants that the arguments of `compare` ask for, those of the default schedule first.
+    """The entrants that the arguments of `compare` name, those of the default schedule first.
 
     Raises:
-        InputError: if a name is unknown, or something else stands where a name belongs.
+        InputError: if a name is unknown, or is no text.
     """
     named = _by_name(strategies)
     return tuple(
@@ -74,7 +74,7 @@ def _schedules(schedule: Any, *, given: bool) -> Sequence[str]:
 
 
 def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, own_strategies: bool) -> Entrant:
-    """The entrant of a schedule; a schedule that is `own_strategies` runs the strategies that it comes with."""
+    """The entrant of a schedule, which with `own_strategies` runs the strategies that it comes with."""
     if kind == "count":
         return Entrant(name, Schedule.count(plugin, scale), {name: plugin})
     schedule = Schedule.default() if own_strategies else Schedule.default().using(plugin)
@@ -85,7 +85,7 @@ def _entrant(name: str, plugin: AbstractStrategy, kind: str, scale: float, *, ow
 
 @dataclass(frozen=True)
 class _Unloadable(AbstractStrategy):
-    """Stands for a strategy that is installed but broken, so that its rows are FAILED and the others live."""
+    """A stand-in for a strategy that is installed but broken: its rows are FAILED, and the others run."""
 
     message: str = ""
 

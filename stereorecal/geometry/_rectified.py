@@ -1,4 +1,4 @@
-"""Rectification as OpenCV's users know it: R1 R2 P1 P2 Q, maps for `cv2.remap`, depth and points."""
+"""Rectification for users of OpenCV: R1 R2 P1 P2 Q, maps for `cv2.remap`, depth and points."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -21,16 +21,16 @@ Plane = Float[np.ndarray, "h w"]
 
 @dataclass(frozen=True, eq=False)
 class Rectification:
-    """What `cv2.stereoRectify` and `cv2.initUndistortRectifyMap` return, in the units of the rig: metres and pixels.
+    """The results of `cv2.stereoRectify` and `cv2.initUndistortRectifyMap`, in metres and pixels.
 
-    P1, P2 and Q are those of a pinhole, and of another view there are none: its disparities do not tell depth alone,
-    but with their columns. `depth` and `points` are of any view.
+    P1, P2 and Q exist for a pinhole only: in another view depth depends on disparity and column. `depth` and `points`
+    work in any view.
 
     Attributes:
         view: the rectified cameras.
         baseline: of the rig, metres.
         R1, R2: (3, 3) left and right camera frame to the rectified frame.
-        maps: of the left and the right image, each (map_x, map_y) of (h, w) float32: for
+        maps: of the left and the right image, each (map_x, map_y) of (h, w) float32, for
             `cv2.remap(image, *maps[0], cv2.INTER_LINEAR)`. Pixels that no ray of the lens reaches are at (-1, -1).
     """
 
@@ -59,7 +59,7 @@ class Rectification:
 
     @property
     def Q(self) -> Float[np.ndarray, "4 4"]:
-        """(4, 4), takes (column, row, disparity, 1) to homogeneous points in the left rectified frame."""
+        """(4, 4), maps (column, row, disparity, 1) to homogeneous points in the left rectified frame."""
         left, found = self._matrix("Q", self.view.matrix_left), np.eye(4)
         found[:3, 3] = -left[0, 2], -left[1, 2], float(self.view.focal)
         found[2, 2] = 0.0
@@ -75,17 +75,17 @@ class Rectification:
         return np.asarray(matrix, float)
 
     def depth(self, disparity: Num[np.ndarray, "*n"] | Any) -> Float[np.ndarray, "*n"]:
-        """Depth z in the rectified frame [m] of disparities in pixels (x_left - x_right); inf where there is none: at
-        infinity, behind it, and NaN stays NaN.
+        """Depth z in the rectified frame [m] of disparities in pixels (x_left - x_right); inf for the disparity of
+        infinity or beyond; NaN stays NaN.
 
         `cv2.StereoSGBM` and `StereoBM` compute int16 in sixteenths of a pixel: divide by 16.0.
 
         Args:
-            disparity: of a pinhole of any shape, else a disparity image; or an `sr.Disparity`, NaN where it is not
+            disparity: for a pinhole of any shape, else an image; or an `sr.Disparity`, which gives NaN where it is not
                 valid.
 
         Raises:
-            InputError: if the disparities are integers, or those of a view that is no pinhole are no image of its size.
+            InputError: if the disparities are integers, or, for a view other than a pinhole, no image of its size.
         """
         disparity = _checked(disparity)
         if self.view.projection == PINHOLE:
@@ -94,13 +94,13 @@ class Rectification:
         return np.where(np.isinf(distance), np.inf, distance * self._directions()[..., 2])
 
     def points(self, disparity: Num[np.ndarray, "h w"] | Any) -> Float[np.ndarray, "h w 3"]:
-        """Points (x, y, z) [m] of a disparity image, in the frame of the left camera as it stands on the rig; NaN where
-        the disparity is NaN or shows nothing before infinity; of an `sr.Disparity` also where it is not valid.
+        """Points (x, y, z) [m] of a disparity image, in the frame of the left camera, not rectified; NaN where the
+        disparity is NaN, or that of infinity or beyond, and where an `sr.Disparity` is not valid.
 
         `cv2.reprojectImageTo3D(disparity, Q)` gives the same points turned by R1.
 
         Raises:
-            InputError: if the disparities are integers, or the image has another size than the rectified ones.
+            InputError: if the disparities are integers, or their image has not the size of the view.
         """
         distance = self._over(self._nearness(_checked(disparity)))
         return (self._directions() * np.where(np.isfinite(distance), distance, np.nan)[..., None]) @ np.asarray(self.R1)
@@ -124,7 +124,7 @@ class Rectification:
 
 
 def _checked(disparity: Any) -> Float[np.ndarray, "*n"]:
-    valid = getattr(disparity, "valid", None)  # of a Disparity, of which packages above this one know
+    valid = getattr(disparity, "valid", None)  # only a Disparity has it, which is of a package above this one
     if valid is not None:
         return np.where(np.asarray(valid), np.asarray(disparity.values, float), np.nan)
     if np.ndim(disparity) and np.asarray(disparity).dtype.kind in "iu":
@@ -136,11 +136,11 @@ def _checked(disparity: Any) -> Float[np.ndarray, "*n"]:
 
 
 def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
-    """Everything that OpenCV's users rectify with, in one call.
+    """Rectification for users of OpenCV, in one call.
 
     Args:
-        view: default: `sr.view(rig)`, which has a focal length of its own, and is no pinhole where lenses are wider;
-            `solution.view` for that of a repair; also the arguments of `sr.view` by name.
+        view: default `sr.view(rig)`, which is no pinhole for wide lenses; `solution.view` is that of a repair; or the
+            arguments of `sr.view` by name.
     """
     rig = checked_rig(rig)
     view = as_view(view, rig)
@@ -157,7 +157,7 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
 
 
 def _of_image_taken(one: Float[np.ndarray, "2 h w"], size: tuple[int, int], turn: int) -> tuple[Plane, Plane]:
-    """A map of the turned image, as one of the image as it was taken."""
+    """The map of a turned image, changed to one of the image as it was taken."""
     if turn:
         mapped = (one != -1.0).any(axis=0)
         back = np.moveaxis(turned_pixels(np.moveaxis(one, 0, -1), size, -turn), -1, 0)

@@ -14,8 +14,8 @@ from stereorecal.objectives._parameter_names import EXTRINSICS
 
 @dataclass(frozen=True)
 class Reach:
-    """How far the rig may have drifted: the half widths of the box in which the count is searched. Epipolar stages,
-    which a prior of a third of the reach holds back, may go to twice as far.
+    """How far the rig may have drifted: the half widths of the box in which the count is searched. Epipolar stages have
+    a prior with a standard deviation of a third of the reach, and may go to twice the reach.
 
     Attributes:
         degrees: on pitch, yaw and roll.
@@ -37,10 +37,10 @@ class Reach:
 
 
 def as_reach(reach: Any) -> Reach:
-    """The reach itself, one of (degrees, fraction of the baseline), or the default for None.
+    """The given reach, the reach of (degrees, fraction of the baseline), or the default for None.
 
     Raises:
-        InputError: if it is something else.
+        InputError: if it is none of these.
     """
     if reach is None or isinstance(reach, Reach):
         return reach or Reach()

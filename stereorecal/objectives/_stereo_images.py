@@ -1,4 +1,4 @@
-"""The images behind an objective, for strategies that work on images instead of a score (Need.IMAGES)."""
+"""The images of an objective, for strategies that work on images instead of a score (Need.IMAGES)."""
 
 from dataclasses import dataclass
 

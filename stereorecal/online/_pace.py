@@ -1,8 +1,7 @@
-"""How fast a rig drifts, learnt while it drives.
+"""The speed at which a rig drifts, learnt while it drives.
 
-Several filters that differ in nothing but how far the angles may go from one pair to the next (multiple-model
-estimation, Magill 1965): the one whose predictions the measurements fit best has most to say of how far they go. What
-it was like long ago is forgotten.
+Multiple-model estimation (Magill 1965): several filters differ only in how far the angles may move from one pair to the
+next. A filter whose predictions fit the measurements gets more weight. Old measurements are forgotten.
 """
 
 from dataclasses import dataclass, replace
@@ -13,19 +12,19 @@ from jaxtyping import Float
 from stereorecal.online._config import Config
 from stereorecal.online._filter import FilterEstimate, Measurement
 
-# Of `Config.wander`, and of `Config.heating`: calm, warm, hot; shaken.
+# Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
 _TIMES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
 _USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
 _MEMORY = 100.0  # measurements
-_MOST = 25.0  # squared standard deviations of one: what is wrong says nothing of how fast anything is
+_MOST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
 
 
 @dataclass(frozen=True, eq=False)
 class Pace:
-    """The filters, and what each has to say.
+    """The filters and their evidence.
 
     Attributes:
-        several: one for each of the paces.
+        several: a filter for each pace.
         logs: (k,) logarithms of the evidence of each.
     """
 
@@ -34,20 +33,20 @@ class Pace:
 
     @staticmethod
     def at(estimate: FilterEstimate) -> "Pace":
-        """Nothing learnt yet."""
+        """Filters before anything is learnt."""
         return Pace((estimate,) * len(_TIMES), _USUAL)
 
     def again(self, estimate: FilterEstimate) -> "Pace":
-        """From another estimate; how fast the rig drifts is as before."""
+        """The filters from another estimate on, with their evidence."""
         return replace(self, several=(estimate,) * len(self.several))
 
     def config(self, config: Config) -> Config:
-        """With the wander and the heating that were learnt."""
+        """The configuration with the learnt wander and heating."""
         weights = np.exp(self.logs - np.logaddexp.reduce(self.logs))
         return _scaled_rates(config, np.sqrt(weights @ _TIMES**2))
 
     def later(self, config: Config) -> "Pace":
-        """A frame later."""
+        """The filters a frame later."""
         return replace(
             self,
             several=tuple(
@@ -56,7 +55,7 @@ class Pace:
         )
 
     def updated(self, measured: Measurement) -> "Pace":
-        """With one more measurement."""
+        """The filters after one more measurement."""
         logs = np.array([one.log_likelihood(measured, _MOST) for one in self.several])
         logs = _USUAL + (1.0 - 1.0 / _MEMORY) * (self.logs - _USUAL) + logs
         return Pace(tuple(one.updated(one.doubted(measured)) for one in self.several), logs - logs.max())

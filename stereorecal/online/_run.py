@@ -15,12 +15,12 @@ from stereorecal.recordings import Images, LazyPairs, Pair
 
 @dataclass(frozen=True, eq=False)
 class Stepped:
-    """What a step left.
+    """The result of a step.
 
     Attributes:
-        pair: that came; None for one of a recording whose files cannot be read.
-        state: after it.
-        events: that happened.
+        pair: the pair; None if its files cannot be read.
+        state: after the step.
+        events: of the step.
     """
 
     pair: Pair | Images | None
@@ -34,12 +34,12 @@ def run(
     config: Config = Config(),  # noqa: B008
     seconds: float | None = math.inf,
 ) -> Iterator[Stepped]:
-    """A step for each pair, as they come.
+    """The results of steps, one for each pair, as the pairs come.
 
     Args:
-        rig: the calibration to start from, or a state to go on from (whose own config counts).
-        pairs: any iterable: a recording, of which damaged files are events, a drive, a camera.
-        seconds: of each step, for a repair, as `step` has it; default all that it takes.
+        rig: the calibration to start from, or a state to continue from, with its own config.
+        pairs: any iterable, such as a recording (damaged files become events), a drive or a camera.
+        seconds: time for a repair in each step (`step`); by default a repair is finished within the step.
     """
     state = rig if isinstance(rig, State) else init(rig, config)
     for pair in _read(pairs):
@@ -52,7 +52,7 @@ def run(
 
 
 def _read(pairs: Iterable[Pair | Images]) -> Iterator[Pair | Images | InputError]:
-    """The pairs; of a recording that is read as it is used, also why one cannot be read."""
+    """The pairs, or the error in place of a pair that cannot be read."""
     if not isinstance(pairs, LazyPairs):
         yield from pairs
         return

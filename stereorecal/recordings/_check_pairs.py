@@ -9,11 +9,10 @@ from stereorecal.recordings._pair import Pair
 
 
 def check_pairs(rig: StereoRig, pairs: Pairs) -> tuple[Pair, ...]:
-    """The pairs as a tuple, turned as the rig says, if there is at least one, all have the size that the calibration
-    says, and none is one image twice.
+    """The pairs as a tuple, turned as the rig says.
 
     Raises:
-        InputError: otherwise.
+        InputError: if there are none, if one has another size than the calibration, or is the same image twice.
     """
     if checked_rig(rig) is not rig:
         raise InputError(f"{described_turns(rig.turns_wanted)}; give rig.side_by_side(), which turns pairs, too.")
@@ -42,10 +41,10 @@ def _fitting(rig: StereoRig, pair: Pair) -> Pair:
 
 
 def check_two_images(pair: Pair) -> None:
-    """Refuse a pair that is one image twice.
+    """Refuse a pair that is the same image twice.
 
     Raises:
-        InputError: about the pair.
+        InputError: if it is.
     """
     if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
         raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")

@@ -1,7 +1,7 @@
-"""OpenCV, or one sentence on what is wrong with it.
+"""OpenCV, or one sentence that says why it cannot be used.
 
 Four distributions (`opencv-python`, `-headless`, `-contrib`, `-contrib-headless`) install the one package `cv2` over
-each other: the last one counts, and removing any of them leaves an empty folder.
+each other: the one installed last works, and removing any of them leaves an empty folder.
 """
 
 _LEAST = (4, 13)

@@ -17,11 +17,11 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Line:
-    """How a curve is drawn.
+    """The look of a curve.
 
     Attributes:
         name: of the strategy or schedule.
-        colour: as CSS has it.
+        colour: a CSS colour.
         dashes: lengths of strokes and gaps in widths of the line; empty for a whole line.
     """
 
@@ -31,19 +31,19 @@ class Line:
 
 
 def lines_of(names: Sequence[str]) -> list[Line]:
-    """A line for each name: no two of the first twelve look alike."""
+    """A line for each name; the first twelve look different."""
     return [
         Line(name, _COLOURS[index % len(_COLOURS)], _DASHES[index % len(_DASHES)]) for index, name in enumerate(names)
     ]
 
 
 def curve_figures(rows: Sequence[Row], lines: Sequence[Line]) -> list[str]:
-    """The best score, the rotation error (medians and quartiles) and the share of solved trials over cost, a figure
-    each, without legend.
+    """The best score, the rotation error (medians and quartiles) and the share of solved trials over cost, one
+    figure each, without legend.
 
     Args:
         rows: the curves of a scene.
-        lines: of those.
+        lines: their lines.
     """
     panels = [("rotation error [°]", "rotation_error_deg"), ("share of trials solved", "share")]
     if all(row["score"] is not None for row in rows):

@@ -1,4 +1,4 @@
-"""The figures of a page about a repair, as SVG; each fits a telephone."""
+"""Figures of the page of a repair, as SVG; each fits a telephone."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -24,10 +24,10 @@ _LEAST_SCALE = 0.5  # pixels: smaller errors look pale
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
 _MOST = 0.95  # of the view: the corners would otherwise fill the scale
-_OVER = 0.8  # how much colours hide of the image below
+_OVER = 0.8  # opacity of colours over the image
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
-_SMOOTH = 0.9 / np.log(10.0)  # of the linear part of a logarithmic axis: it goes over without a jump in its density
+_SMOOTH = 0.9 / np.log(10.0)  # width of the linear part of a logarithmic axis, for a continuous scale
 _LARGER, _UNMEASURED = "////", "..."  # hatches
 
 Map = Float[np.ndarray, "h w"]
@@ -37,10 +37,10 @@ Grey = Float[np.ndarray, "height width"]
 def field_figures(
     rows: Rows, image: Grey, names: tuple[str, str], misaligned: tuple[Sequence[int], Sequence[int]]
 ) -> list[str]:
-    """Row differences over the view, over the image, before and after, on one scale that holds both.
+    """Maps of epipolar errors over the image, before and after, on one scale.
 
     Args:
-        misaligned: places with misaligned rows, which are outlined.
+        misaligned: places with misaligned rows, to be outlined.
     """
     largest = _scale(rows.field_before, rows.field_after)
     norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
@@ -55,7 +55,7 @@ def field_figures(
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
-    """The density of row differences of all matches, before and after; logarithmic far from zero."""
+    """The density of the epipolar errors of all matches, before and after; logarithmic far from zero."""
     largest = _scale(rows.all_before, rows.all_after)
     bins = _bins(largest)
     with style(("histogram", largest, rows.all_before.size)):
@@ -64,7 +64,7 @@ def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
         for name, values, colour in zip(names, (rows.all_before, rows.all_after), COLOURS[1::-1], strict=True):
             label = f"{name}: {percent(float(np.mean(np.abs(values) <= LIMIT)))} within {LIMIT} px"
             axis.stairs(density(values, bins), bins, color=colour, alpha=0.6, fill=True, label=label)
-            axis.stairs(density(values, bins), bins, color=colour, lw=1.0)  # seen where it is low
+            axis.stairs(density(values, bins), bins, color=colour, lw=1.0)  # visible where it is low
         axis.axvspan(-LIMIT, LIMIT, color=COLOURS[2], alpha=0.2, lw=0.0)
         axis.set_xscale("symlog", linthresh=LIMIT, linscale=_SMOOTH)
         axis.set_xticks(_ticks(largest), [f"{tick:g}" for tick in _ticks(largest)])
@@ -78,24 +78,24 @@ def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
 
 
 def density(values: Float[np.ndarray, "m"], bins: Float[np.ndarray, "b1"]) -> Float[np.ndarray, "b"]:
-    """The share of the values in each bin, over its width: in wide bins far from zero, the same number would make a
-    peak of what is spread. What rounding puts beyond the outermost bins is in those."""
+    """The share of the values in each bin, over its width, so that wide bins far from zero make no false peak. Values
+    that rounding puts outside are in the outermost bins."""
     counts = np.histogram(values.clip(bins[0], bins[-1]), bins)[0]
     return counts / max(values.size, 1) / np.diff(bins)
 
 
 def _bins(largest: float) -> Float[np.ndarray, "b1"]:
-    """Edges that lie evenly on an axis that is linear near zero and logarithmic far from it."""
+    """Edges at equal distances on an axis that is linear near zero and logarithmic far from it."""
     scale = SymmetricalLogTransform(10.0, LIMIT, _SMOOTH)
     end = float(scale.transform(np.array([largest]))[0])
     return scale.inverted().transform(np.linspace(-end, end, 61))
 
 
 def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasured: Sequence[int]) -> str:
-    """Row errors to expect over the view.
+    """Map of the epipolar errors to expect over the view.
 
     Args:
-        larger, unmeasured: places where the measured row error is larger, and where none was measured.
+        larger, unmeasured: places where the measured epipolar error is larger, and where none was measured.
     """
     largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
     marks = {
@@ -119,7 +119,7 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
 
 
 def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
-    """Scores, and the row error, over cost; of those that there is something to draw for."""
+    """Curves of the scores and of the row error over cost, those that have more than one point."""
     found = []
     for curve in [*climbs, way]:
         if curve is None or len(curve.cost) < 2:  # one point is no curve
@@ -147,7 +147,7 @@ def _map(
     ticks: Sequence[float] | None = None,
     extend: str = "neither",
 ) -> tuple[Figure, Axes]:
-    """Values in colours over the image in grey; no colour where there is none."""
+    """A map of values in colours over the grey image, without colour where there is no value."""
     figure = Figure(figsize=(_WIDTH, 0.82 * _WIDTH * _aspect(image) + 0.4), layout="constrained")
     axis = figure.subplots()
     height, width = image.shape
@@ -159,7 +159,7 @@ def _map(
     axis.set_box_aspect(_aspect(image))
     axis.set_xticks([])
     axis.set_yticks([])
-    # Of its own: that of the map would be as translucent as the map.
+    # A colour bar of its own: the map's would be as translucent as the map.
     bar = figure.colorbar(ScalarMappable(norm, colours), ax=axis, label=label, fraction=0.05, extend=extend)
     if ticks is not None:
         bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks], minor=False)
@@ -168,7 +168,8 @@ def _map(
 
 
 def outline(places: Sequence[int]) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """The edges of regions of the view that no two of them share: from where to where, over the width and height."""
+    """The outline of regions of the view, the edges that no two of them share: (start, end) in shares of width and
+    height."""
     edges = Counter()
     for place in places:
         y, x = divmod(place, GRID[0])
@@ -182,12 +183,12 @@ def outline(places: Sequence[int]) -> list[tuple[tuple[float, float], tuple[floa
 
 
 def _aspect(image: Grey) -> float:
-    """Height over width, of what is drawn: very tall views are squeezed, lest the page grows."""
+    """Height over width of a drawing: very tall views are squeezed."""
     return min(image.shape[0] / image.shape[1], _TALLEST)
 
 
 def _scale(*values: Float[np.ndarray, "..."]) -> float:
-    """Pixels at the ends of a scale that holds all row differences before and after."""
+    """The limit, in pixels, of a scale for all epipolar errors before and after."""
     return max(float(np.nanmax(np.abs(some), initial=_LEAST_SCALE)) for some in values)
 
 

@@ -18,8 +18,8 @@ from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
 from stereorecal.scoring._rectify import Rectified, rectify_frames
 
-TEMPERATURE = 0.1  # default width of the gates: at a tenth, the gradient is of use some pixels of drift away
-_BORDER = 5.0  # pixels for a temperature of 1
+TEMPERATURE = 0.1  # default width of the gates: its gradient is useful up to some pixels of epipolar error
+_BORDER = 5.0  # pixels at a temperature of 1
 
 
 def soft_count(
@@ -32,12 +32,12 @@ def soft_count(
     texture, and the area that the images cover.
 
     Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
-    `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with respect to the extrinsics: a derivative takes six forward derivatives
-    side by side, and keeps no tape. Second derivatives mean nothing: which disparity wins is decided hard. As the
-    temperature goes to 0 it becomes the count, but for the rounding of the images, which it does not do.
+    `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with respect to the extrinsics: a derivative computes six forward
+    derivatives together, and keeps no tape. Second derivatives mean nothing, since the best disparity is a hard choice.
+    As the temperature goes to 0 it becomes the count of images that are not rounded.
 
     Args:
-        data: what `prepare` made; it counts as constant, and cannot be differentiated.
+        data: from `prepare`; constant, cannot be differentiated.
         extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
         matcher: a smooth one (SAD), with `num_disparities` (in full-size pixels).
         temperature: width of the gates, dimensionless (`SAD.soft_match`); a border is 5 temperature pixels wide.
@@ -51,10 +51,10 @@ def soft_count(
 
 
 def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
-    """The temperature; where its value is known, it must be positive.
+    """The temperature.
 
     Raises:
-        InputError: if it is not.
+        InputError: if its value is known, and not positive.
     """
     if isinstance(temperature, Tracer):
         return temperature

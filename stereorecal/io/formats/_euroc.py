@@ -10,7 +10,7 @@ from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, 
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._splice import Values
 
-# The name in EuRoC's files, and those of Kalibr and ROS for the same model: OpenCV's k1 k2 p1 p2.
+# Names of OpenCV's k1 k2 p1 p2: in EuRoC's files, and in those of Kalibr and ROS.
 _RADIAL_TANGENTIAL = ("radial-tangential", "radtan", "plumb_bob")
 _EQUIDISTANT = "equidistant"
 _BLANK = """\
@@ -31,7 +31,7 @@ distortion_coefficients: [0.0, 0.0, 0.0, 0.0]
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of two files, each with the pose T_BS of its camera, x_body = R_i x_i + T_i: left to right is
+    """The rig of two files. T_BS is the pose of a camera on the body, x_body = R_i x_i + T_i, so left to right is
     inv(T_BS1) T_BS0."""
     (left, left_pose), (right, right_pose) = (_camera(document) for document in documents)
     with about(f"{documents[0].name} and {documents[1].name}"):
@@ -51,7 +51,7 @@ def _camera(document: Document) -> tuple[Camera, Pose]:
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
-    """Both files; the left camera is the body."""
+    """Two blank files, with the left camera as the body."""
     texts = []
     for camera in (rig.left, rig.right):
         check_held(camera, (Camera.model, _EQUIDISTANT), "EuRoC's layout")
@@ -61,7 +61,7 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:
-    """The right camera's pose on the body changes, the left one's stays."""
+    """The new values: the right camera's pose on the body changes, the left one's stays."""
     left, right = (document.content for document in target.documents)
     moved = numbers(left, "T_BS", (4, 4)) @ inverse(left_to_right(rig))
     values = [{}, matrix_values(right, ("T_BS",), moved)]

@@ -1,4 +1,4 @@
-"""What `rs-enumerate-devices -c` prints of a RealSense camera, saved as a text: both infrared or fisheye cameras."""
+"""The output of `rs-enumerate-devices -c`, saved as a text: both infrared or fisheye cameras of a RealSense."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,7 +19,7 @@ _RECTIFIED = "Y8"  # the format of rectified images; those for a calibration are
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig at the resolution of the images: "Extrinsic from A To B" takes points of A to B, in metres."""
+    """The rig at the resolution of the images. "Extrinsic from A To B" maps points of A to B, in metres."""
     content = documents[0].content
     stated = {each["name"] for each in content["intrinsics"]}
     names = next((pair for pair in _PAIRS if set(pair) <= stated), None)
@@ -35,7 +35,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 
 
 def _modes(intrinsics: Sequence[Mapping[str, Any]], name: str) -> dict[tuple[int, int], list[Mapping[str, Any]]]:
-    """What is printed of a camera, by image size."""
+    """The printed intrinsics of a camera, by image size."""
     modes: dict[tuple[int, int], list[Mapping[str, Any]]] = {}
     for stated in intrinsics:
         if stated["name"] == name:

@@ -40,7 +40,7 @@ def expose(
 
 def tone(radiance: Texture) -> Texture:
     """Tone curve from radiance to grey (1 is white): a shoulder that compresses highlights, gamma, a mild S-curve."""
-    # Reinhard's operator with white at a light of sqrt(3), gamma 2; the factors are chosen to look right.
+    # Reinhard's operator with white at a light of sqrt(3), gamma 2; the factors are chosen by eye.
     light = np.maximum(radiance, 0.0) * np.float32(1.15)
     grey = np.minimum(light * (1.0 + light / 3.0) / (1.0 + light), 1.0) ** np.float32(1.0 / 2.0)
     curved = grey * grey * (3.0 - 2.0 * grey)

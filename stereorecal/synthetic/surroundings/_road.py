@@ -1,4 +1,4 @@
-"""Road: asphalt with markings, between two pavements. Albedos and widths are chosen to look right."""
+"""Road: asphalt with markings, between two pavements. Albedos and widths are chosen by eye."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class Road:
     def radiance(
         self, x: Texture, z: Texture, directions: Float[np.ndarray, "h w 3"], distance, spread, time, sky: Sky
     ) -> Texture:
-        """Radiance at ground points x, z [m] seen along unit `directions`; `time` and `sky` matter to water only."""
+        """Radiance at ground points x, z [m] seen along unit `directions`; `time` and `sky` affect water only."""
         grazing = np.maximum(-directions[..., 1], np.float32(1e-4))
         footprint = np.float32(spread) * distance / np.sqrt(grazing)
         grain, wear = np.zeros_like(x), np.zeros_like(x)
@@ -79,7 +79,7 @@ def _lines(value: Texture, period: float, width: float, edge: Texture) -> Textur
 
 
 def make_road(rng: np.random.Generator, half_width: float, middle: float, light: float, shade: Texture) -> Road:
-    """Draw the grain of a road from `rng`."""
+    """A road with a grain drawn from `rng`."""
     tile = periodic(rng, 256, lambda kx, ky: np.exp(-0.5 * (np.log((np.hypot(kx, ky) + 1e-9) / _GRAINS) / 0.5) ** 2))
     strengths = (0.16, 0.14, 0.14, 0.14, 0.16, 0.2, 0.24, 0.24)
     return Road(octaves(rng, tile, _GRAINS, 4.0, strengths, 3.1), half_width, middle, light, shade)

@@ -1,6 +1,5 @@
-"""Texts of calibration files: parsed, and changed in place. One module per syntax, which knows nothing of the keys.
+"""Texts of calibration files: parsed, and changed in place. One module per syntax, which knows no keys.
 
-Each has `parsed(text)`, the keys and plain values (matrices as the file has them), and `with_values(text, values)`, the
-same text with other values: `{("cam1", "T_cn_cnm1"): [[…], …]}`. Keys that are not named keep theirs, comments and
-order included where the syntax has them.
+Each has `parsed(text)`, the keys and plain values (matrices as in the file), and `with_values(text, values)`, the text
+with new values such as `{("cam1", "T_cn_cnm1"): [[…], …]}`. All other values, comments and the order stay.
 """
