@@ -26,6 +26,7 @@ _TALLEST = 1.5  # height over width
 _MOST = 0.95  # of the view: the corners would otherwise fill the scale
 _OVER = 0.8  # how much colours hide of the image below
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
+ROW_COLOURS = "RdBu_r"
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
 _SMOOTH = 0.9 / np.log(10.0)  # of the linear part of a logarithmic axis: it goes over without a jump in its density
 _LARGER, _UNMEASURED = "////", "..."  # hatches
@@ -42,16 +43,22 @@ def field_figures(
     Args:
         misaligned: places with misaligned rows, which are outlined.
     """
-    largest = _scale(rows.field_before, rows.field_after)
-    norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
+    norm = row_scale(rows)
+    largest = float(norm.vmax)
     found = []
     for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
         with style(("field", name, largest, image.shape)):
-            figure, axis = _map(field, image, "RdBu_r", norm, "row difference [px]", _ticks(largest))
+            figure, axis = _map(field, image, ROW_COLOURS, norm, "row difference [px]", _ticks(largest))
             axis.set_title(name, loc="left")
             axis.add_collection(LineCollection(outline(places), colors="k", linewidths=1.8), autolim=False)
             found.append(svg(figure, f"Map over the view: median row differences of matches, {name}."))
     return found
+
+
+def row_scale(rows: Rows) -> SymLogNorm:
+    """The scale of the colours of row differences over the view, which holds both maps."""
+    largest = _scale(rows.field_before, rows.field_after)
+    return SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:

@@ -1,0 +1,61 @@
+"""Where a Rerun recording goes: into memory, for a file, or to the viewer.
+
+Needs rerun-sdk: pip install 'stereorecal[rerun]'.
+"""
+
+import os
+import sys
+
+from rerun import MemoryRecording, RecordingStream
+from rerun.blueprint import Blueprint
+
+from stereorecal._errors import InputError
+
+_APPLICATION = "stereorecal"
+
+
+def memory_stream(layout: Blueprint, name: str) -> tuple[RecordingStream, MemoryRecording]:
+    """A recording in memory, and what gives its bytes, those of an .rrd file: `drain_as_bytes()`.
+
+    Args:
+        layout: what the viewer shows at first.
+        name: of what is recorded.
+    """
+    stream = RecordingStream(_APPLICATION)
+    memory = stream.memory_recording()
+    _describe(stream, layout, name)
+    return stream, memory
+
+
+def viewer_stream(layout: Blueprint, name: str) -> RecordingStream:
+    """A recording that Rerun's viewer shows as it grows; the viewer is started, and stays when the program ends.
+
+    Raises:
+        InputError: if there is no screen, or the viewer does not start.
+    """
+    check_screen()
+    stream = RecordingStream(_APPLICATION)
+    try:
+        stream.spawn(hide_welcome_screen=True)
+    except RuntimeError as error:
+        raise InputError(f"Rerun's viewer does not start ({error}); write an .rrd file, and open that.") from error
+    _describe(stream, layout, name)
+    return stream
+
+
+def check_screen() -> None:
+    """Refuse a session that has no screen.
+
+    Raises:
+        InputError: says what to do instead.
+    """
+    if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError(
+            "there is no screen for Rerun's viewer (DISPLAY is not set); write an .rrd file, and open it where there "
+            "is one: rerun FILE"
+        )
+
+
+def _describe(stream: RecordingStream, layout: Blueprint, name: str) -> None:
+    stream.send_recording_name(name or _APPLICATION)
+    stream.send_blueprint(layout)
