@@ -24,7 +24,7 @@ _LEAST_SCALE = 0.5  # pixels: smaller errors look pale
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
 _MOST = 0.95  # of the view: the corners would otherwise fill the scale
-_OVER = 0.8  # how much colours hide of the image below
+OVER = 0.8  # how much colours hide of the image below
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 ROW_COLOURS = "RdBu_r"
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
@@ -162,7 +162,7 @@ def _map(
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
     over = np.ma.masked_invalid(values)
-    axis.imshow(over, cmap=colours, norm=norm, alpha=_OVER, extent=_EXTENT, aspect="auto")
+    axis.imshow(over, cmap=colours, norm=norm, alpha=OVER, extent=_EXTENT, aspect="auto")
     axis.set_box_aspect(_aspect(image))
     axis.set_xticks([])
     axis.set_yticks([])

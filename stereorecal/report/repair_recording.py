@@ -10,18 +10,17 @@ import matplotlib
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
-from jaxtyping import Float, UInt8
+from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
 from stereorecal.report._headlines import headline, where
-from stereorecal.report._repair_figures import ROW_COLOURS, row_scale
+from stereorecal.report._repair_figures import OVER, ROW_COLOURS, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent
 from stereorecal.report.repair_report import RepairReport, Sight
 
-_QUALITY = 95
+_QUALITY = cv2.IMWRITE_JPEG_QUALITY, 95
 _LINE = 0.75  # half a line's width, in points of the screen
-_OVER = 204  # of 255: how much colours hide of the image below
 _UNMATCHED = (32, 32, 32, 255)
 _STATES = ("before", "after")
 
@@ -39,10 +38,9 @@ def log_repair(stream: rr.RecordingStream, report: RepairReport) -> None:
         classes = rr.AnnotationContext([(0, "no match", _UNMATCHED), (1, "matched", (0, 0, 0, 0))])
         matched = rr.SegmentationImage(sight.valid.astype(np.uint8), opacity=1.0, draw_order=1.0)
         stream.log(f"{state}/disparity/matched", classes, matched, static=True)
-    for state, colours in zip(_STATES, row_colours(report), strict=False):
-        below = rr.EncodedImage(contents=_jpeg(report.after.left), media_type="image/jpeg", draw_order=0.0)
-        stream.log(f"{state}/row_error/left", below, static=True)
-        stream.log(f"{state}/row_error/map", rr.Image(colours, color_model="RGBA", draw_order=1.0), static=True)
+    for state, picture in zip(_STATES, row_pictures(report), strict=False):
+        shown = rr.EncodedImage(contents=_jpeg(picture), media_type="image/jpeg")
+        stream.log(f"{state}/row_error", shown, static=True)
     stream.log("verdict", rr.TextDocument(verdict_text(report), media_type="text/markdown"), static=True)
 
 
@@ -64,17 +62,19 @@ def repair_layout(report: RepairReport) -> rrb.Blueprint:
     return rrb.Blueprint(rrb.Horizontal(*columns, verdict, column_shares=[3, 3, 2]), collapse_panels=True)
 
 
-def row_colours(report: RepairReport) -> list[UInt8[np.ndarray, "h w 4"]]:
-    """The row error over the view in the colours of the page, before and after, as large as the left image; transparent
-    where nothing matched. Empty if none was measured."""
+def row_pictures(report: RepairReport) -> list[UInt8[np.ndarray, "h w 3"]]:
+    """The row error over the view in the colours of the page, over the left image, before and after; no colour where
+    nothing matched. Empty if none was measured."""
     if report.rows is None:
         return []
-    norm, size = row_scale(report.rows), report.after.left.shape[::-1]
+    norm, image = row_scale(report.rows), report.after.left
     found = []
     for field in (report.rows.field_before, report.rows.field_after):
-        colours = matplotlib.colormaps[ROW_COLOURS](norm(np.nan_to_num(field)), bytes=True)
-        colours[..., 3] = np.where(np.isfinite(field), _OVER, 0)
-        found.append(cv2.resize(colours, size, interpolation=cv2.INTER_NEAREST))
+        colours = 255.0 * matplotlib.colormaps[ROW_COLOURS](norm(np.nan_to_num(field)))[..., :3]
+        layers = (colours, np.where(np.isfinite(field), OVER, 0.0)[..., None])
+        over, share = (cv2.resize(one, image.shape[::-1], interpolation=cv2.INTER_NEAREST) for one in layers)
+        blended = share[..., None] * over + (1.0 - share[..., None]) * image[..., None]
+        found.append(blended.clip(0, 255).round().astype(np.uint8))
     return found
 
 
@@ -104,7 +104,7 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def _log_pair(stream: rr.RecordingStream, state: str, sight: Sight) -> None:
-    both = np.concatenate([sight.left, sight.right], axis=1)
+    both = np.concatenate([sight.left, sight.right], axis=1).clip(0, 255).astype(np.uint8)
     picture = rr.EncodedImage(contents=_jpeg(both), media_type="image/jpeg", draw_order=0.0)
     stream.log(f"{state}/pair", picture, static=True)
     height, width = both.shape
@@ -118,6 +118,6 @@ def _log_pair(stream: rr.RecordingStream, state: str, sight: Sight) -> None:
     stream.log(f"{state}/pair/epipolar_lines", lines, static=True)
 
 
-def _jpeg(image: Float[np.ndarray, "h w"]) -> bytes:
-    grey = image.clip(0, 255).astype(np.uint8)
-    return cv2.imencode(".jpg", grey, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])[1].tobytes()
+def _jpeg(picture: UInt8[np.ndarray, "h w *rgb"]) -> bytes:
+    """Of a grey or RGB picture."""
+    return cv2.imencode(".jpg", picture[..., ::-1] if picture.ndim == 3 else picture, _QUALITY)[1].tobytes()
