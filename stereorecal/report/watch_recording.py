@@ -20,7 +20,11 @@ def watch_layout(curves: Mapping[str, str]) -> rrb.Blueprint:
     Args:
         curves: titles by entity.
     """
-    views = [rrb.TimeSeriesView(origin=f"/{entity}", name=title) for entity, title in curves.items()]
+    hidden = rrb.PlotLegend(visible=False)
+    views = [
+        rrb.TimeSeriesView(origin=f"/{entity}", name=f"{title}, with its 95 % interval", plot_legend=hidden)
+        for entity, title in curves.items()
+    ]
     events = rrb.TextLogView(origin="/events", name="events")
     return rrb.Blueprint(
         rrb.Vertical(rrb.Grid(*views, grid_columns=_ACROSS), events, row_shares=[4, 1]),
