@@ -47,7 +47,10 @@ def check_rerun(options: RerunOptions, module: str) -> None:
     if options.rrd == "-":
         raise InputError("--rrd - has no meaning; give a file.")
     if options.show:
-        streams.check_screen()
+        try:
+            streams.check_screen()
+        except streams.NoViewer as error:
+            raise InputError(str(error)) from error
 
 
 def write_report(

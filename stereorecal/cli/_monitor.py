@@ -40,10 +40,10 @@ _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL:
 
 def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
-    check_rerun(options, "stereorecal.report.watch_recording")
     goes_on = options.state is not None and Path(options.state).exists()
     appended = goes_on and _is_log(options.json)
     places = _check_places(options, appended)
+    check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
     refuse_replacing_inputs(places, {*read, *image_inputs(options), *named_inputs(options.camera)})

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from stereorecal._errors import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.cli._live_view import AXIS_UNITS
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import write_bytes
@@ -22,7 +22,7 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
     if options.rrd is None and not options.show:
         return lambda stepped: None, lambda: None
     with extra("rerun", "a Rerun recording"):
-        from stereorecal.report.rerun_streams import memory_stream, viewer_stream
+        from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
         from stereorecal.report.watch_recording import log_curve_styles, log_reading, watch_layout
     layout = watch_layout(_CURVES)
     memory, streams = None, []
@@ -30,7 +30,10 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
         stream, memory = memory_stream(layout, name)
         streams.append(stream)
     if options.show:
-        streams.append(viewer_stream(layout, name))
+        try:
+            streams.append(viewer_stream(layout, name))
+        except NoViewer as error:
+            raise InputError(str(error)) from error
     for stream in streams:
         log_curve_styles(stream, _CURVES)
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
@@ -108,11 +108,14 @@ class Solution(AbstractResult):
         with extra("rerun", "a Rerun recording"):
             from stereorecal.recalibration._repair_report import report_of
             from stereorecal.report.repair_recording import log_repair, repair_layout
-            from stereorecal.report.rerun_streams import memory_stream, viewer_stream
+            from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
         report = report_of(self, as_pairs(pairs), name, None, {}, ())
         layout = repair_layout(report)
         if path is None:
-            stream = viewer_stream(layout, name)
+            try:
+                stream = viewer_stream(layout, name)
+            except NoViewer as error:
+                raise InputError(str(error)) from error
             log_repair(stream, report)
             stream.flush()
             return

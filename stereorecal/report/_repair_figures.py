@@ -43,8 +43,7 @@ def field_figures(
     Args:
         misaligned: places with misaligned rows, which are outlined.
     """
-    norm = row_scale(rows)
-    largest = float(norm.vmax)
+    norm, largest = row_scale(rows), largest_row(rows)
     found = []
     for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
         with style(("field", name, largest, image.shape)):
@@ -57,8 +56,13 @@ def field_figures(
 
 def row_scale(rows: Rows) -> SymLogNorm:
     """The scale of the colours of row differences over the view, which holds both maps."""
-    largest = _scale(rows.field_before, rows.field_after)
+    largest = largest_row(rows)
     return SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
+
+
+def largest_row(rows: Rows) -> float:
+    """Pixels at the ends of that scale."""
+    return _scale(rows.field_before, rows.field_after)
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:

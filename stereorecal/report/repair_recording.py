@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 import cv2
 import matplotlib
 import numpy as np
-import rerun as rr
-import rerun.blueprint as rrb
+import rerun as rr  # pyright: ignore[reportMissingImports]: an extra
+import rerun.blueprint as rrb  # pyright: ignore[reportMissingImports]: an extra
 from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
 from stereorecal.report._headlines import headline, where
-from stereorecal.report._repair_figures import OVER, ROW_COLOURS, row_scale
+from stereorecal.report._repair_figures import OVER, ROW_COLOURS, largest_row, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent
 from stereorecal.report.repair_report import RepairReport, Sight
@@ -92,7 +92,7 @@ def verdict_text(report: RepairReport) -> str:
     )
     if report.rows is not None:
         parts.append(
-            f"**Row error**: white is aligned, full colour {row_scale(report.rows).vmax:.2g} px, on a scale that is "
+            f"**Row error**: white is aligned, full colour {largest_row(report.rows):.2g} px, on a scale that is "
             "logarithmic beyond 0.2 px; no colour: too few matches there."
         )
     return "\n\n".join(filter(None, parts))

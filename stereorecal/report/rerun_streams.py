@@ -6,12 +6,14 @@ Needs rerun-sdk: pip install 'stereorecal[rerun]'.
 import os
 import sys
 
-from rerun import MemoryRecording, RecordingStream
-from rerun.blueprint import Blueprint
-
-from stereorecal._errors import InputError
+from rerun import MemoryRecording, RecordingStream  # pyright: ignore[reportMissingImports]: an extra
+from rerun.blueprint import Blueprint  # pyright: ignore[reportMissingImports]: an extra
 
 _APPLICATION = "stereorecal"
+
+
+class NoViewer(RuntimeError):
+    """The viewer cannot be shown; the message is one sentence that says what to do."""
 
 
 def memory_stream(layout: Blueprint, name: str) -> tuple[RecordingStream, MemoryRecording]:
@@ -31,14 +33,14 @@ def viewer_stream(layout: Blueprint, name: str) -> RecordingStream:
     """A recording that Rerun's viewer shows as it grows; the viewer is started, and stays when the program ends.
 
     Raises:
-        InputError: if there is no screen, or the viewer does not start.
+        NoViewer: if there is no screen, or the viewer does not start.
     """
     check_screen()
     stream = RecordingStream(_APPLICATION)
     try:
         stream.spawn(hide_welcome_screen=True)
     except RuntimeError as error:
-        raise InputError(f"Rerun's viewer does not start ({error}); write an .rrd file, and open that.") from error
+        raise NoViewer(f"Rerun's viewer does not start ({error}); write an .rrd file, and open that.") from error
     _describe(stream, layout, name)
     return stream
 
@@ -47,10 +49,10 @@ def check_screen() -> None:
     """Refuse a session that has no screen.
 
     Raises:
-        InputError: says what to do instead.
+        NoViewer: says what to do instead.
     """
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise InputError(
+        raise NoViewer(
             "there is no screen for Rerun's viewer (DISPLAY is not set); write an .rrd file, and open it where there "
             "is one: rerun FILE"
         )

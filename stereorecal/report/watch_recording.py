@@ -6,8 +6,8 @@ Needs rerun-sdk: pip install 'stereorecal[rerun]'.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import rerun as rr
-import rerun.blueprint as rrb
+import rerun as rr  # pyright: ignore[reportMissingImports]: an extra
+import rerun.blueprint as rrb  # pyright: ignore[reportMissingImports]: an extra
 
 _TIMELINE = "pair"
 _COLOURS = ((0, 114, 178), (150, 150, 150), (150, 150, 150))
