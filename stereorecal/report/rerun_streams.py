@@ -5,7 +5,10 @@ Needs rerun-sdk: pip install 'stereorecal[rerun]'.
 
 import os
 import sys
+from importlib.util import find_spec
+from pathlib import Path
 
+import rerun  # pyright: ignore[reportMissingImports]: an extra
 from rerun import MemoryRecording, RecordingStream  # pyright: ignore[reportMissingImports]: an extra
 from rerun.blueprint import Blueprint  # pyright: ignore[reportMissingImports]: an extra
 
@@ -38,10 +41,12 @@ def viewer_stream(layout: Blueprint, name: str) -> RecordingStream:
     check_screen()
     stream = RecordingStream(_APPLICATION)
     try:
-        stream.spawn(hide_welcome_screen=True)
+        rerun.spawn(recording=stream, executable_path=_viewer(), hide_welcome_screen=True)
+        _describe(stream, layout, name)
+        stream.flush()  # waits for the viewer
     except RuntimeError as error:
-        raise NoViewer(f"Rerun's viewer does not start ({error}); write an .rrd file, and open that.") from error
-    _describe(stream, layout, name)
+        why = str(error).partition("\n")[0]
+        raise NoViewer(f"Rerun's viewer does not start ({why}); write an .rrd file, and open that.") from error
     return stream
 
 
@@ -56,6 +61,15 @@ def check_screen() -> None:
             "there is no screen for Rerun's viewer (DISPLAY is not set); write an .rrd file, and open it where there "
             "is one: rerun FILE"
         )
+
+
+def _viewer() -> str | None:
+    """The viewer that came with rerun-sdk: PATH has it only where the environment is activated. None: not found."""
+    found = find_spec("rerun_cli")
+    if found is None or found.origin is None:
+        return None
+    viewer = Path(found.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun")
+    return str(viewer) if viewer.is_file() else None
 
 
 def _describe(stream: RecordingStream, layout: Blueprint, name: str) -> None:

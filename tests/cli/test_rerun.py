@@ -84,11 +84,27 @@ def test_a_recording_is_whole_or_not_at_all(command, clean_scene: Path, tmp_path
 
 
 def test_the_viewer_is_opened(rerun, command, clean_scene: Path, monkeypatch):
+    """Also where PATH does not have it: an environment that is not activated."""
     opened = []
     monkeypatch.setenv("DISPLAY", ":0")
-    monkeypatch.setattr(rerun.RecordingStream, "spawn", lambda stream, **options: opened.append(options))
+    monkeypatch.setattr(rerun, "spawn", lambda **options: opened.append(options))
     answer = command("recalibrate", clean_scene, "--schedule", "count", "--show")
     assert (answer.code, answer.err, len(opened)) == (0, "", 1)
+    assert Path(opened[0]["executable_path"]).is_file()
+
+
+def test_a_viewer_that_does_not_start(rerun, command, clean_scene: Path, monkeypatch):
+    """The report is printed all the same."""
+
+    def broken(**options):
+        raise RuntimeError("no executable\nlong advice")
+
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(rerun, "spawn", broken)
+    answer = command("recalibrate", clean_scene, "--schedule", "count", "--show")
+    assert "matched" in answer.out
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "does not start (no executable)" in answer.err
 
 
 @pytest.mark.usefixtures("rerun")
