@@ -11,6 +11,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import cv2
+import numpy as np
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 
@@ -89,6 +92,12 @@ class Page:
         """A PNG of the whole page."""
         answer = self.send("Page.captureScreenshot", format="png", captureBeyondViewport=True)
         return base64.b64decode(answer["data"])
+
+    def seen(self, x: float, y: float, width: float, height: float) -> np.ndarray:
+        """The pixels of a part of the page, which is in the window."""
+        part = {"x": x, "y": y, "width": width, "height": height, "scale": 1}
+        answer = self.send("Page.captureScreenshot", format="png", clip=part)
+        return cv2.imdecode(np.frombuffer(base64.b64decode(answer["data"]), np.uint8), cv2.IMREAD_COLOR)
 
     def pdf(self) -> bytes:
         """The page as it is printed."""

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-HEAVY = ("jax", "cv2", "scipy", "numpy", "rich", "matplotlib", "distributed", "stereorecal.scoring")
+HEAVY = ("jax", "cv2", "scipy", "numpy", "rich", "matplotlib", "rerun", "distributed", "stereorecal.scoring")
 
 
 def said(code: str) -> str:
@@ -27,6 +27,7 @@ def test_a_repair_and_its_files_load_no_scipy_and_no_reports():
         "scipy",
         "xml.etree.ElementTree",
         "matplotlib",
+        "rerun",
         "rich",
         "jinja2",
         "distributed",

@@ -1,4 +1,4 @@
-"""Pages: what is refused before the work is done, and the page of a repair."""
+"""Pages and recordings of a repair: what is refused before the work is done, and what is written."""
 
 import importlib
 import shlex
@@ -7,6 +7,7 @@ from typing import Any
 
 from stereorecal._errors import InputError, extra
 from stereorecal.cli._repair_commands import RecalibrateOptions
+from stereorecal.cli._shared_options import RerunOptions
 from stereorecal.recalibration import Repair
 from stereorecal.recordings import Scene
 
@@ -29,6 +30,29 @@ def check_page(html: str | None, module: str) -> None:
         raise InputError("--html - has no meaning; give a file.")
 
 
+def check_rerun(options: RerunOptions, module: str) -> None:
+    """Refuse, before the work is done, a recording that could not be made or shown.
+
+    Args:
+        module: that makes the recording.
+
+    Raises:
+        InputError: says what to do.
+    """
+    if options.rrd is None and not options.show:
+        return
+    with extra("rerun", "--rrd" if options.rrd is not None else "--show"):
+        importlib.import_module(module)
+        streams = importlib.import_module("stereorecal.report.rerun_streams")
+    if options.rrd == "-":
+        raise InputError("--rrd - has no meaning; give a file.")
+    if options.show:
+        try:
+            streams.check_screen()
+        except streams.NoViewer as error:
+            raise InputError(str(error)) from error
+
+
 def write_report(
     options: RecalibrateOptions,
     scenes: Sequence[Scene],
@@ -49,3 +73,12 @@ def write_report(
     pairs, name = scenes[0].pairs, scenes[0].name
     about = {"name": name, "command": command, "settings": settings, "absent": absent}
     solution.to_html(options.html, pairs, **about, overwrite=options.force)
+
+
+def write_recording(options: RecalibrateOptions, scenes: Sequence[Scene], repairs: Sequence[Repair]) -> None:
+    """The recording of the only repair, into a file and on the screen, if one is wanted and there is an answer."""
+    solution = repairs[0].solution
+    if solution is None:
+        return
+    for place in [options.rrd] * (options.rrd is not None) + [None] * options.show:
+        solution.to_rerun(place, scenes[0].pairs, name=scenes[0].name, overwrite=options.force)

@@ -18,7 +18,7 @@ _COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNO
 _BARS = "▁▂▃▄▅▆▇█"
 _LONG = 72  # readings in the curves
 _EVENTS = 8
-_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
+AXIS_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
 
 
 def lines(stepped: Stepped) -> None:
@@ -50,7 +50,7 @@ def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> 
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
     for axis, found in last.axes.items():
         table.add_row(
-            axis, f"{found.value:+.3f} {_UNITS[axis]}", _interval(found), _curve([h.axes[axis] for h in history])
+            axis, f"{found.value:+.3f} {AXIS_UNITS[axis]}", _interval(found), _curve([h.axes[axis] for h in history])
         )
     table.add_row(
         "row error", f"{last.rows_px.value:.3f} px", _interval(last.rows_px), _curve([h.rows_px for h in history])

@@ -12,6 +12,7 @@ from typing import IO
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
+from stereorecal.cli._html_page import check_rerun
 from stereorecal.cli._live_view import lines, live
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import (
@@ -24,6 +25,7 @@ from stereorecal.cli._output_places import (
 )
 from stereorecal.cli._recordings import watched
 from stereorecal.cli._repair_commands import MonitorOptions
+from stereorecal.cli._rerun_watch import rerun_watch
 from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.cli._watched_cameras import watched_cameras
@@ -41,6 +43,7 @@ def run(options: MonitorOptions) -> int:
     goes_on = options.state is not None and Path(options.state).exists()
     appended = goes_on and _is_log(options.json)
     places = _check_places(options, appended)
+    check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
     refuse_replacing_inputs(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
@@ -49,6 +52,7 @@ def run(options: MonitorOptions) -> int:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
     began, unread = state.frame, 0
+    log_rerun, save_rerun = rerun_watch(options, scene.name)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
     def attempt(step: Callable[[], None], what: str) -> None:
@@ -67,8 +71,9 @@ def run(options: MonitorOptions) -> int:
                 state, unread = stepped.state, unread + (stepped.pair is None)
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
+                log_rerun(stepped)
                 show(stepped)
-                if stdout_reader_gone() and options.output is None and options.state is None:
+                if stdout_reader_gone() and not (options.output or options.state or options.rrd or options.show):
                     return 0  # nothing is left to be done
             hold()
     except KeyboardInterrupt:
@@ -80,6 +85,7 @@ def run(options: MonitorOptions) -> int:
         failed["a pair"] = error
     deliver(
         lambda: _save_output(options, state, scene),
+        save_rerun,
         lambda: _summary(options, state),
         *(partial(_raise, error) for error in failed.values()),
     )
@@ -216,7 +222,7 @@ def _check_places(options: MonitorOptions, appended: bool) -> list[Place]:
         if getattr(options, option) == "-":
             raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
     going_on = ("state", "json") if appended else ("state",)
-    replaced = places_of(options, *(name for name in ("json", "output") if name not in going_on))
+    replaced = places_of(options, *(name for name in ("json", "output", "rrd") if name not in going_on))
     appended_to = places_of(options, *going_on)
     check_places(replaced, force=options.force)
     check_places([*replaced, *appended_to], force=True)

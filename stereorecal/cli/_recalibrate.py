@@ -12,7 +12,7 @@ from stereorecal._version import versions
 from stereorecal.cli import _calibration_output, _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
-from stereorecal.cli._html_page import check_page, write_report
+from stereorecal.cli._html_page import check_page, check_rerun, write_recording, write_report
 from stereorecal.cli._library_arguments import health_options
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
 from stereorecal.cli._output_places import named_inputs
@@ -47,8 +47,10 @@ def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = _settings_from_options(options)
     check_page(options.html, "stereorecal.report.repair_page")
-    if options.html is not None and len(options.scenes) > 1:
-        raise InputError("--html shows one recording; give one, or leave --html out.")
+    check_rerun(options, "stereorecal.report.repair_recording")
+    shown = [f"--{name}" for name in ("html", "rrd", "show") if getattr(options, name)]
+    if shown and len(options.scenes) > 1:
+        raise InputError(f"{shown[0]} shows one recording; give one, or leave {shown[0]} out.")
     with executor(options.executor) as pool:
         with files_read() as read:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
@@ -86,6 +88,7 @@ def run(options: RecalibrateOptions) -> int:
                     {**_page_settings(options, settings.free), "prior": prior, **pairing},
                     absent,
                 ),
+                lambda: write_recording(options, scenes, repairs),
             )
     for repair in repairs:
         if repair.error is not None:

@@ -21,6 +21,7 @@ from stereorecal.cli._shared_options import (
     ReachOptions,
     RecordingOptions,
     ReportOptions,
+    RerunOptions,
     ToleranceOptions,
     ViewOptions,
     WorkerOptions,
@@ -110,6 +111,7 @@ class _FixOptions:
 @option_group
 class RecalibrateOptions(
     _CalibrationOutputOptions,
+    RerunOptions,
     ReportOptions,
     RecordingOptions,
     _FixOptions,
@@ -136,7 +138,7 @@ class RecalibrateOptions(
     def places(self) -> list[Place]:
         """All files that are to be written."""
         files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
-        return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html")
+        return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html", "rrd")
 
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """The prior of the recordings with these rigs; another distribution may know more of them."""
@@ -215,7 +217,7 @@ class _WatchOutputOptions:
         "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-"
     )
     state: str | None = option("the state of the watch; a file that exists is continued", metavar="FILE")
-    force: bool = option("replace existing files of --output and --json (not a log that is continued)", False)
+    force: bool = option("replace existing files of --output, --rrd and --json (not a log that is continued)", False)
     quiet: bool = option("show nothing; only the exit code", False)
 
 
@@ -235,6 +237,7 @@ class _CameraOptions:
 @option_group
 class MonitorOptions(
     _WatchOutputOptions,
+    RerunOptions,
     ReportOptions,
     RecordingOptions,
     _CameraOptions,

@@ -39,6 +39,15 @@ class ReportOptions:
 
 
 @option_group
+class RerunOptions:
+    """Pictures for Rerun's viewer."""
+
+    title = WRITES
+    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE")
+    show: bool = option("open the pictures in Rerun's viewer", False)
+
+
+@option_group
 class CalibrationFormatOptions:
     """How a calibration file is read."""
 

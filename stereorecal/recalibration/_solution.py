@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import extra
+from stereorecal._errors import InputError, extra
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
@@ -86,6 +86,42 @@ class Solution(AbstractResult):
             from stereorecal.report.repair_page import repair_page
         page = repair_page(report_of(self, as_pairs(pairs), name, command, settings or {}, absent))
         write_text(path, page, replace=overwrite)
+
+    def to_rerun(
+        self, path: str | os.PathLike[str] | None, pairs: Pairs, *, name: str = "", overwrite: bool = True
+    ) -> None:
+        """Write a recording for Rerun's viewer (`rerun FILE`), whole or not at all, or show it: what the page shows, at
+        full size, before and after side by side.
+
+        Args:
+            path: of the file, such as "repair.rrd"; None opens the viewer.
+            pairs: those that were repaired, in their order.
+            name: of the recording.
+            overwrite: whether an existing file may be replaced.
+
+        Raises:
+            InputError: if rerun-sdk or matplotlib is not installed, the pairs are not those of the solution, a file
+                exists that must stay, the place cannot be written to, or there is no screen.
+        """
+        from stereorecal.io import write_bytes
+
+        with extra("rerun", "a Rerun recording"):
+            from stereorecal.recalibration._repair_report import report_of
+            from stereorecal.report.repair_recording import log_repair, repair_layout
+            from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
+        report = report_of(self, as_pairs(pairs), name, None, {}, ())
+        layout = repair_layout(report)
+        if path is None:
+            try:
+                stream = viewer_stream(layout, name)
+            except NoViewer as error:
+                raise InputError(str(error)) from error
+            log_repair(stream, report)
+            stream.flush()
+            return
+        stream, memory = memory_stream(layout, name)
+        log_repair(stream, report)
+        write_bytes(path, memory.drain_as_bytes(), replace=overwrite)
 
     def __str__(self) -> str:
         return repair_text(self)

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, UInt8
 _QUALITY = 80
 _OF_SQUARE = 0.75
 _LINES = 14  # over the height of a picture
-_LINE_COLOURS = ((255, 176, 0), (0, 220, 255))  # in turn, so that the eye does not slip from one line to the next
+LINE_COLOURS = ((255, 176, 0), (0, 220, 255))  # in turn, so that the eye does not slip from one line to the next
 _INVALID = (32, 32, 32)
 _BAR_SIZE = 256, 12  # pixels
 
@@ -23,10 +23,14 @@ def rows_picture(left: Grey, right: Grey, width: int) -> Picture:
     """Left and right image side by side, each at most `width` wide, with lines along which rows should agree."""
     both = np.concatenate([_shrunk(left, width), _shrunk(right, width)], axis=1)
     picture = np.repeat(both.clip(0, 255).astype(np.uint8)[..., None], 3, axis=-1)
-    places = np.linspace(0, len(picture), _LINES + 2)[1:-1].astype(int)
-    for index, row in enumerate(places):
-        picture[row] = _LINE_COLOURS[index % 2]
+    for index, row in enumerate(line_rows(len(picture))):
+        picture[row] = LINE_COLOURS[index % 2]
     return picture
+
+
+def line_rows(height: int) -> list[int]:
+    """The rows of a picture that lines are drawn along."""
+    return np.linspace(0, height, _LINES + 2)[1:-1].astype(int).tolist()
 
 
 def disparity_picture(

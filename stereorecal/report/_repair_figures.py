@@ -24,8 +24,9 @@ _LEAST_SCALE = 0.5  # pixels: smaller errors look pale
 _BACKGROUND = 360  # pixels wide
 _TALLEST = 1.5  # height over width
 _MOST = 0.95  # of the view: the corners would otherwise fill the scale
-_OVER = 0.8  # opacity of colours over the image
+OVER = 0.8  # opacity of colours over the image
 _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
+ROW_COLOURS = "RdBu_r"
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
 _SMOOTH = 0.9 / np.log(10.0)  # width of the linear part of a logarithmic axis, for a continuous scale
 _LARGER, _UNMEASURED = "////", "..."  # hatches
@@ -42,16 +43,26 @@ def field_figures(
     Args:
         misaligned: places with misaligned rows, to be outlined.
     """
-    largest = _scale(rows.field_before, rows.field_after)
-    norm = SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
+    norm, largest = row_scale(rows), largest_row(rows)
     found = []
     for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
         with style(("field", name, largest, image.shape)):
-            figure, axis = _map(field, image, "RdBu_r", norm, "row difference [px]", _ticks(largest))
+            figure, axis = _map(field, image, ROW_COLOURS, norm, "row difference [px]", _ticks(largest))
             axis.set_title(name, loc="left")
             axis.add_collection(LineCollection(outline(places), colors="k", linewidths=1.8), autolim=False)
             found.append(svg(figure, f"Map over the view: median row differences of matches, {name}."))
     return found
+
+
+def row_scale(rows: Rows) -> SymLogNorm:
+    """The scale of the colours of row differences over the view, which holds both maps."""
+    largest = largest_row(rows)
+    return SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
+
+
+def largest_row(rows: Rows) -> float:
+    """Pixels at the ends of that scale."""
+    return _scale(rows.field_before, rows.field_after)
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
@@ -155,7 +166,7 @@ def _map(
     small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
     axis.imshow(small, cmap="gray", vmin=0, vmax=255, extent=_EXTENT, aspect="auto")
     over = np.ma.masked_invalid(values)
-    axis.imshow(over, cmap=colours, norm=norm, alpha=_OVER, extent=_EXTENT, aspect="auto")
+    axis.imshow(over, cmap=colours, norm=norm, alpha=OVER, extent=_EXTENT, aspect="auto")
     axis.set_box_aspect(_aspect(image))
     axis.set_xticks([])
     axis.set_yticks([])

@@ -108,6 +108,23 @@ def test_slider_by_keyboard(repair: Page):
     assert float(repair.evaluate(AFTER)) == pytest.approx(0.01)
 
 
+def test_slider_of_the_disparity(repair: Page):
+    """It wipes: the picture before and the one after lie on each other, and each half is of one of them."""
+    place = "document.querySelector('#disparity .stack')"
+    repair.evaluate(f"{place}.scrollIntoView()")
+    corner = "[b.x + scrollX, b.y + scrollY, b.width, b.height]"
+    box = repair.evaluate(f"(b => {corner})({place}.getBoundingClientRect())")
+    pictures = {}
+    for share in (0, 50, 100):
+        change = f"e.value = {share}; e.dispatchEvent(new Event('input'))"
+        repair.evaluate(f"(() => {{ const e = document.querySelector('#disparity input'); {change}; }})()")
+        pictures[share] = repair.seen(*box)
+    middle = pictures[0].shape[1] // 2
+    assert not np.array_equal(pictures[0], pictures[100])
+    assert np.array_equal(pictures[50][:, : middle - 2], pictures[100][:, : middle - 2])
+    assert np.array_equal(pictures[50][:, middle + 2 :], pictures[0][:, middle + 2 :])
+
+
 @pytest.mark.parametrize("width", [400, 1200])
 def test_figures_are_read(page: Page, width: int):
     """On a telephone too, no letter is smaller than 9 pixels."""
@@ -172,5 +189,9 @@ def test_printed_both_pairs_are_there(repair: Page):
     (first, above), (second, below) = repair.evaluate(shown)
     assert (first, second) == ("1", "1")
     assert below > above
+    aside = "[...document.querySelectorAll('#disparity .stack > div')].map(e => [e.offsetLeft, e.offsetTop])"
+    (left, top), (right, level) = repair.evaluate(aside)
+    assert right > left
+    assert top == level
     assert repair.evaluate("getComputedStyle(document.querySelector('.slider')).display") == "none"
     assert repair.pdf().startswith(b"%PDF")
