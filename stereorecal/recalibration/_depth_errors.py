@@ -59,25 +59,26 @@ class DepthError:
 
 
 def reported_depths(
-    estimated: Estimate, used: Float[np.ndarray, "n"], distances: Sequence[Distance]
+    estimated: Estimate, used: Float[np.ndarray, "n"], distances: Sequence[Distance], best: Float[np.ndarray, "n"]
 ) -> tuple[DepthError, ...]:
     """The errors of depth of the rig at θ = used.
 
     Args:
         distances: at which; none: near, middle and far of what the images show, to one digit.
+        best: θ of the rig that tells how far away that is: at the posterior's mean depth may be anything.
     """
     baseline = float(estimated.chart.rig.baseline)
-    metres = [value * _METRES.get(unit, baseline) for value, unit in distances] or _shown(estimated)
+    metres = [value * _METRES.get(unit, baseline) for value, unit in distances] or _shown(estimated, best)
     found = estimated.depth_error_percent(used, tuple(one / baseline for one in metres))
     return tuple(DepthError(one, Interval(*ends)) for one, ends in zip(metres, found.values(), strict=True))
 
 
-def _shown(estimated: Estimate) -> list[float]:
+def _shown(estimated: Estimate, best: Float[np.ndarray, "n"]) -> list[float]:
     """The distances [m] near, in the middle and far of what the images show, to one digit."""
     chart, shown = estimated.chart, estimated.shown
     depths = [share * float(chart.rig.baseline) for share in _BASELINES]
     if shown is not None:
-        points, weights = points_shown(shown, chart.rig_at(estimated.theta), estimated.view)
+        points, weights = points_shown(shown, chart.rig_at(best), estimated.view)
         if len(points):
             order = np.argsort(points[:, 2])
             depths = np.interp(_SHARES, np.cumsum(weights[order]), points[order, 2]).tolist()

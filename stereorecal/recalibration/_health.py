@@ -114,8 +114,9 @@ class Health:
         """The errors of depth of the calibration; none where hardly anything matches."""
         if self.correction is None:
             return ()
-        estimated = self.correction.estimate
-        return reported_depths(estimated, np.zeros(len(estimated.names)), self.distances)
+        estimated, theta = self.correction.estimate, self.correction.decision.theta
+        given = np.zeros_like(theta)
+        return reported_depths(estimated, given, self.distances, theta if self.reason.accepted else given)
 
     @property
     def advice(self) -> str:

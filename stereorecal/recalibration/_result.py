@@ -182,7 +182,8 @@ class AbstractResult:
     def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
         if self.expected is None or self.estimate is None:
             return ()
-        return reported_depths(self.estimate, self.estimate.chart.coordinates_of(used), self.settings.distances)
+        theta, best = map(self.estimate.chart.coordinates_of, (used, self.rig))
+        return reported_depths(self.estimate, theta, self.settings.distances, best)
 
     @property
     def depth_error_percent(self) -> Mapping[int, float]:
