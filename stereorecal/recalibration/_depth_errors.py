@@ -78,7 +78,7 @@ def _shown(estimated: Estimate, best: Float[np.ndarray, "n"]) -> list[float]:
     chart, shown = estimated.chart, estimated.shown
     depths = [share * float(chart.rig.baseline) for share in _BASELINES]
     if shown is not None:
-        points, weights = points_shown(shown, chart, best, estimated.view)
+        points, weights = points_shown(shown, chart.rig_at(best), estimated.view)
         if len(points):
             order = np.argsort(points[:, 2])
             depths = np.interp(_SHARES, np.cumsum(weights[order]), points[order, 2]).tolist()
