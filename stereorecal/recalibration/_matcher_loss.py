@@ -12,7 +12,7 @@ _WRONG = (0.0, 1.0, 3.0, 9.0, 18.0)  # percent of the pixels of StereoSGBM that 
 def matcher_loss(px: float) -> str:
     """What a mean epipolar error, in pixels, costs block matching, semi-global matching and networks."""
     if px <= _AT[0]:
-        return f"less than {_AT[0]:g} px costs no matcher pixels"
+        return f"less than {_AT[0]:g} px hardly costs a matcher pixels"
     if px > _NETWORKS:
         return f"by {px:.2f} px block matching loses most of its pixels; networks ask for less than {_NETWORKS:g} px"
     lost, wrong = (float(np.interp(px, _AT, values)) for values in (_LOST, _WRONG))
