@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _option_values
@@ -12,7 +13,7 @@ from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions,
 from stereorecal.cli._shared_options import RecordingOptions, folders_of
 from stereorecal.cli._streams import say
 from stereorecal.geometry import same_rig
-from stereorecal.io import about, bag_scene, calibrated_scene, load_scene, open_pairs
+from stereorecal.io import about, bag_scene, calibrated_scene, load_rig, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import LazyPairs, Pair, PairSequence, Scene
 
@@ -92,10 +93,7 @@ def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
     found = _scenes(options, select) if options.scenes else _images_elsewhere(options, select)
     for scene in found.scenes:
         if scene.rig is None:
-            raise InputError(
-                f"{scene.name}: the scene has no calibration; give one with --calibration, and the images with --left "
-                "and --right."
-            )
+            raise InputError(f"{scene.name}: the scene has no calibration; give one with --calibration.")
     if len({scene.name for scene in found.scenes}) < len(found.scenes):
         named = [replace(scene, name=path) for scene, path in zip(found.scenes, options.scenes, strict=True)]
         return replace(found, scenes=named)
@@ -109,7 +107,7 @@ def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str]
 
 
 def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
-    if options.format or options.cameras or options.unit:
+    if options.calibration is None and (options.format or options.cameras or options.unit):
         raise InputError("--format, --unit and --cameras belong to --calibration; leave them out.")
     if options.tolerance is not None:
         raise InputError(
@@ -125,8 +123,21 @@ def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
     found = []
     for scene in options.scenes:
         parts = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in folders_of(scene)]
-        found.append(_as_one(scene, parts))
+        found.append(_as_one(scene, [_with_calibration(part, options) for part in parts]))
     return Recordings(found, tuple(absent))
+
+
+def _with_calibration(scene: Scene, options: RecordingOptions) -> Scene:
+    """The scene with the calibration of --calibration, if there is one."""
+    if options.calibration is None:
+        return scene
+    calibration = calibration_path(options.calibration, "--calibration")
+    return replace(scene, rig=load_rig(calibration, size=scene.pairs[0].size, **_how_read(options)))
+
+
+def _how_read(options: RecordingOptions) -> dict[str, Any]:
+    """How a calibration is read, as `load_rig` takes it."""
+    return {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
 
 
 def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
@@ -168,8 +179,7 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
         scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
     calibration = calibration_path(options.calibration, "--calibration")
-    how = {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
-    scene = calibrated_scene(str(place), pairs, calibration, **how)
+    scene = calibrated_scene(str(place), pairs, calibration, **_how_read(options))
     return Recordings([scene], tuple(absent), *pairing)
 
 

@@ -84,7 +84,8 @@ class ImageOptions(CalibrationFormatOptions):
     side_by_side: str | None = option("instead: images or a video with both side by side", metavar="FILES")
     bag: str | None = option("of ROS 1 (file) or ROS 2 (folder), whose topics --left and --right are", metavar="BAG")
     calibration: tuple[str, ...] | None = option(
-        "calibration of these images: one file, or one for each camera (default for a bag: its camera_info)",
+        "calibration of these images, or of scene folders instead of theirs: one file, or one for each camera (default "
+        "for a bag: its camera_info)",
         metavar="FILE",
     )
     tolerance: float | None = option(
@@ -169,7 +170,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         of_bag = self.bag is not None and self.calibration is None  # whose camera_info is one
         for name in (*(begun[0] if begun else ()), *(() if of_bag else ("calibration",))):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
-        if self.scenes and given:
+        if self.scenes and given and (begun or self.bag):
             images = import_module("stereorecal.io").IMAGE_SUFFIXES
             why = QUOTED if Path(self.scenes[0]).suffix.lower() in images else TWO_FILES
             raise InputError(
@@ -180,9 +181,9 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             raise InputError("give scene folders, or --left, --right and --calibration together.")
         if len(begun) > 1 or (self.bag and self.side_by_side):
             raise InputError("--left and --right, --side-by-side, or --bag: give one of these.")
-        if given and not begun:
+        if given and not begun and not self.scenes:
             raise InputError("--calibration needs images: --left and --right, --side-by-side, or --bag; add them.")
-        if given and missing:
+        if begun and missing:
             needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
             raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
         self.check_pairs()

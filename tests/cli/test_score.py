@@ -127,14 +127,24 @@ def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
     assert settings["thresholds"]["distances"] == [3.0, 8.0]
 
 
-def test_depth_is_reported_where_it_is_asked_for(command, drifted_scene: Path):
-    answer = command("score", drifted_scene, "--json", "-", "--distances", "2m,40cm,30")
+def test_a_scene_is_checked_with_another_calibration(command, clean_scene: Path, drifted_scene: Path):
+    """Such as the one that a repair wrote; how its file is read can be said, too."""
+    theirs = command("score", drifted_scene, "--calibration", clean_scene / "calib.json", "--format", "stereorecal")
+    assert theirs.code == 0
+    assert command("score", drifted_scene).code != 0
+    both = command("score", clean_scene, drifted_scene, "--calibration", clean_scene / "calib.json", "--json", "-")
+    assert [scene["healthy"] for scene in json.loads(both.out)["scenes"]] == [True, True]
+    assert "belong to --calibration" in command("score", drifted_scene, "--unit", "mm").err
+
+
+def test_depth_is_reported_where_it_is_asked_for(command, clean_scene: Path):
+    answer = command("score", clean_scene, "--json", "-", "--distances", "2m,40cm,30")
     (scene,) = json.loads(answer.out)["scenes"]
-    baseline = load_scene(drifted_scene).rig.baseline
+    baseline = load_scene(clean_scene).rig.baseline
     assert [one["distance_m"] for one in scene["depth"]] == pytest.approx([2.0, 0.4, 30 * baseline])
     for one in scene["depth"]:
         assert one["metres"]["low"] == pytest.approx(0.01 * one["percent"]["low"] * one["distance_m"])
-    text = command("score", drifted_scene, "--distances", "2m,40cm").out
+    text = command("score", clean_scene, "--distances", "2m,40cm").out
     assert [line.split()[:5] for line in text.splitlines() if line.startswith("depth ")] == [
         ["depth", "error", "at", "2", "m"],
         ["depth", "error", "at", "40", "cm"],
