@@ -13,9 +13,8 @@ from stereorecal.estimation import DISTANCES, Estimate, points_shown
 from stereorecal.geometry import reread
 from stereorecal.objectives import SIDES
 from stereorecal.recalibration._expected import Interval
-from stereorecal.report.number_text import between, distance
+from stereorecal.report.number_text import METRES, between, distance
 
-_METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
 _SHARES = (0.1, 0.5, 0.9)  # of what the images show: near, in the middle, far
 _BASELINES = (5.0, 10.0, 30.0)  # where they show nothing
 
@@ -70,7 +69,8 @@ def reported_depths(
         best: θ of the rig that tells how far away that is: at the posterior's mean depth may be anything.
     """
     baseline = float(estimated.chart.rig.baseline)
-    metres = [value * _METRES.get(unit, baseline) for value, unit in distances] or _shown(estimated, best)
+    named = dict.fromkeys(value * METRES.get(unit, baseline) for value, unit in distances)  # 2m and 200cm are one
+    metres = list(named) or _shown(estimated, best)
     found = estimated.depth_error_percent(used, tuple(one / baseline for one in metres))
     return tuple(DepthError(one, Interval(*ends)) for one, ends in zip(metres, found.values(), strict=True))
 
@@ -104,7 +104,7 @@ def as_distances(given: str | float | Sequence[str | float] | None) -> tuple[Dis
 
 def _distance(part: str | float) -> Distance:
     text = str(part).strip()
-    unit = next((unit for unit in ("mm", "cm", "m", "B") if text.endswith(unit)), "")
+    unit = next((unit for unit in (*METRES, "B") if text.endswith(unit)), "")
     try:
         value = float(text.removesuffix(unit))
     except ValueError:

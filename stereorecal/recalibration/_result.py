@@ -180,7 +180,7 @@ class AbstractResult:
         return self._depth_errors(self.rig)
 
     def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
-        if self.expected is None or self.estimate is None:
+        if self.estimate is None or self.decision is None or not self.reason.healthy:
             return ()
         theta, best = map(self.estimate.chart.coordinates_of, (used, self.rig))
         return reported_depths(self.estimate, theta, self.settings.distances, best)

@@ -2,6 +2,8 @@
 
 import math
 
+METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+
 
 def number(value: float | None, digits: int) -> str:
     """The value with `digits` decimals."""
@@ -34,7 +36,7 @@ def change(percent: float, word: str) -> str:
 def distance(metres: float) -> str:
     """A distance to two digits, in the unit that fits: "85 mm", "40 cm", "2.5 m"."""
     unit = _unit(metres)
-    return f"{float(f'{metres / _METRES[unit]:.2g}'):g} {unit}"
+    return f"{float(f'{metres / METRES[unit]:.2g}'):g} {unit}"
 
 
 def offset(metres: float) -> str:
@@ -46,27 +48,18 @@ def between(low: float, high: float) -> str:
     """The same of an interval: "12 to 64 mm too far", "-12 to +64 mm" where it holds 0."""
     if math.isnan(low) or math.isnan(high):
         return "unknown"
-    largest = max((abs(end) for end in (low, high) if math.isfinite(end)), default=0.0)
-    if largest < 5e-5 and math.isfinite(low + high):
+    if math.isinf(low):
+        return "beyond infinity"
+    ends = (low, high) if math.isfinite(high) else (low,)
+    largest = max(map(abs, ends))
+    if largest < 5e-5 and math.isfinite(high):
         return "0 mm"
     unit = _unit(largest)
-    digits = 1 if largest / _METRES[unit] < 9.95 else 0
-
-    def text(end: float, sign: str) -> str:
-        return "beyond infinity" if math.isinf(end) else f"{end / _METRES[unit]:{sign}z,.{digits}f}".replace(",", " ")
-
-    if low <= 0.0 <= high:
-        ends, side = dict.fromkeys(text(end, "+") for end in (low, high)), ""
-    else:
-        near = high < 0.0
-        ends = dict.fromkeys(text(end, "") for end in ((-high, -low) if near else (low, high)))
-        side = " too near" if near else " too far"
-    if math.isinf(high):
-        return " to ".join([f"{next(iter(ends))} {unit}{side}", "beyond infinity"] if math.isfinite(low) else ends)
-    return f"{' to '.join(ends)} {unit}{side}"
-
-
-_METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+    digits = 1 if largest / METRES[unit] < 9.95 else 0
+    sign, side = ("+", "") if low <= 0.0 <= high else ("", " too near" if high < 0.0 else " too far")
+    shown = (f"{end / METRES[unit]:{sign}z,.{digits}f}" for end in (sorted(map(abs, ends)) if side else ends))
+    text = f"{' to '.join(dict.fromkeys(shown)).replace(',', ' ')} {unit}{side}"
+    return text if math.isfinite(high) else f"{text} to beyond infinity"
 
 
 def _unit(metres: float) -> str:

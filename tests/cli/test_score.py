@@ -144,7 +144,7 @@ def test_depth_is_reported_where_it_is_asked_for(command, clean_scene: Path):
     assert [one["distance_m"] for one in scene["depth"]] == pytest.approx([2.0, 0.4, 30 * baseline])
     for one in scene["depth"]:
         assert one["metres"]["low"] == pytest.approx(0.01 * one["percent"]["low"] * one["distance_m"])
-    text = command("score", clean_scene, "--distances", "2m,40cm").out
+    text = command("score", clean_scene, "--distances", "2m,40cm,200cm").out
     assert [line.split()[:5] for line in text.splitlines() if line.startswith("depth ")] == [
         ["depth", "error", "at", "2", "m"],
         ["depth", "error", "at", "40", "cm"],
