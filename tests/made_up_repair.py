@@ -57,7 +57,7 @@ def made_up(
         "rows": Rows(9.0 + field, field, rng.normal(9, 1, 500), rng.normal(0, 0.2, 500)) if measured else None,
         "misfit": misfit(after={0: 0.9, 1: 0.9, 8: 0.9}) if measured else None,
         "expected": np.abs(field[:13, :17]) if measured and healthy else None,
-        "expected_said": "epipolar error (RMS) 0.07 px over the view; depth at 10 B -4 %"
+        "expected_said": "epipolar error 0.07 px where the images show something; depth -14 to +17 cm at 3.6 m"
         if measured and healthy
         else None,
         "axes": [Change("pitch", "°", 0.1, 0.8, 0.002, True), Change("z", "mm", 1.0, 1.0, None, False)],
