@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal._errors import InputError
 from stereorecal.estimation._losses import Errors, PointwiseLoss
-from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior, merged
-from stereorecal.objectives import RigChart
 
 _ROUNDS, _SETTLED = 40, 0.02  # standard deviations of θ
 _HALVINGS, _ROUNDING = 10, 1e-9
@@ -34,17 +33,11 @@ class Known:
     initial: Float[np.ndarray, "q"]
 
     @property
-    def chart(self) -> RigChart:
-        """From θ to rigs."""
-        return self.errors.chart
-
-    @property
     def deviations(self) -> Float[np.ndarray, "n"]:
         """Of θ."""
         return np.sqrt(np.maximum(np.diag(self.posterior.covariance), 1e-24))
 
 
-@one_blas_thread()
 def least_loss(
     several: Sequence[Known],
     free: Bool[np.ndarray, "n"],
@@ -75,9 +68,10 @@ def least_loss(
     ]
 
     def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "q"]]]:
-        if not (linear or all(one.chart.stands_at(theta) for one, theta in zip(several, thetas, strict=True))):
+        try:
+            found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
+        except InputError:  # no rig stands there
             return np.inf, []
-        found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
         return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found
 
     thetas = [np.where(free, np.where(shared, several[0].posterior.mean, one.posterior.mean), 0.0) for one in several]

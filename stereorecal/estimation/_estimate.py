@@ -100,7 +100,6 @@ class Estimate:
         return self.delay is not None and self.delay.likely
 
     @cached_property
-    @one_blas_thread()
     def motions(self) -> tuple[Window, ...]:
         """Of the rig at the posterior's mean, in each window."""
         return self.windows.linear_at(self.chart, self.theta)
@@ -131,7 +130,6 @@ class Estimate:
         return errors_near(self.chart, self.theta, self.matters, self.view, self.shown)
 
     @cached_property
-    @one_blas_thread()
     def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
         """Of a rig without any, under each of some rigs drawn from the posterior; always the same ones."""
         return (self._readings.samples - self.theta) @ self._errors.slopes.T
@@ -140,14 +138,22 @@ class Estimate:
     def _loss(self) -> PointwiseLoss:
         return PointwiseLoss.under(self._errors, self.posterior)
 
+    @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> Losses:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
-        return losses(self._errors, self._errors.of(used), self._errors_of_samples)
+        if (key := used.tobytes()) not in self._losses_of:
+            self._losses_of[key] = losses(self._errors, self._errors.of(used), self._errors_of_samples)
+        return self._losses_of[key]
+
+    @cached_property
+    def _losses_of(self) -> dict[bytes, Losses]:
+        return {}
 
     def judged_by(self, matters: Matters) -> "Estimate":
         """The same, where another row error and another error of depth are noticed."""
         return self if self.matters == matters else replace(self, matters=matters)
 
+    @one_blas_thread()
     def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
         """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point."""
         return self._loss.expected(self._errors.of(used))
@@ -189,7 +195,6 @@ class Estimate:
             return []
         return list(rests(self.shown, self.hypotheses, self.prior))
 
-    @one_blas_thread()
     def effect(self, change: Float[np.ndarray, "n"]) -> float:
         """What a small change of θ moves, as the loss counts it."""
         return float(self._errors.weights @ np.abs(self._errors.slopes @ change))
@@ -199,6 +204,7 @@ class Estimate:
         """What rigs of the posterior read, at all distances at which something is said."""
         return SampleReadings(self.chart, self.posterior, DISTANCES, self.view)
 
+    @one_blas_thread()
     def depth_error_percent(
         self, used: Float[np.ndarray, "n"], distances: Sequence[float] = DISTANCES
     ) -> dict[float, tuple[float, float, float]]:
@@ -215,6 +221,7 @@ class Estimate:
             found[distance] = (middle, low, high)
         return found
 
+    @one_blas_thread()
     def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""

@@ -12,7 +12,6 @@ from jaxtyping import Float
 
 from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings, within_lens
 from stereorecal.estimation._groups import PLACES, Groups
-from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
@@ -68,13 +67,17 @@ class Errors:
         """Of rows, then of depth."""
         return self._in_units(*map(np.concatenate, (self.consequences.rows, self.consequences.nearness)))
 
-    @one_blas_thread()
     def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
-        """The errors of the rig at θ, if the one at `at` is true: rows, then depth."""
-        rows, nearness = readings(
-            self.chart.rig_at(theta), self.true, np.concatenate(self.consequences.points), self.view
-        )
-        return self._in_units(rows, nearness)
+        """The errors of the rig at θ, if the one at `at` is true: rows, then depth. Read once: where a search ends, the
+        decision begins."""
+        if (key := theta.tobytes()) not in self._read:
+            points = np.concatenate(self.consequences.points)
+            self._read[key] = self._in_units(*readings(self.chart.rig_at(theta), self.true, points, self.view))
+        return self._read[key]
+
+    @cached_property
+    def _read(self) -> dict[bytes, Float[np.ndarray, "q"]]:
+        return {}
 
     def _in_units(
         self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]
@@ -119,7 +122,6 @@ class Errors:
         return np.concatenate([*each, np.zeros(len(self.shown))])
 
 
-@one_blas_thread()
 def errors_near(
     chart: RigChart,
     at: Float[np.ndarray, "n"],
@@ -222,7 +224,6 @@ class Losses:
     total: Float[np.ndarray, "s"]
 
 
-@one_blas_thread()
 def losses(errors: Errors, found: Float[np.ndarray, "q"], samples: Float[np.ndarray, "s q"]) -> Losses:
     """What `errors.of` a rig loses, for errors of a rig without any under each sample."""
     away = found - samples

@@ -1,6 +1,6 @@
-"""BLAS on one thread, while the estimate works.
+"""BLAS on one thread, while a rig is estimated.
 
-It solves hundreds of small systems: threads would wait for each other, and for other processes on these cores. The
+That solves hundreds of small systems: threads would wait for each other, and for other processes on these cores. The
 limit is that of the whole process, and only the thread that set it can be relied on to take it back.
 """
 

@@ -15,7 +15,6 @@ from stereorecal.estimation._calibration_prior import (
     exact_prior,
     with_scaled_boards,
 )
-from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior, root
 from stereorecal.estimation._prior_conversions import as_prior_of, prior_without_depth, recentred_prior
 from stereorecal.estimation._rig_parameters import rig_parameters
@@ -76,7 +75,6 @@ class CalibrationCovariance:
 Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
 
 
-@one_blas_thread()
 def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False) -> CalibrationPrior:
     """The prior itself, for the rig of a chart.
 

@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._consequences import Consequences, consequences, readings_at
-from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
@@ -32,7 +31,6 @@ class SampleReadings:
     distances: tuple[float, ...]
     view: View | None
 
-    @one_blas_thread()
     def rows_and_nearness(
         self, used: Float[np.ndarray, "n"]
     ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
@@ -46,7 +44,6 @@ class SampleReadings:
         return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness
 
     @cached_property
-    @one_blas_thread()
     def samples(self) -> Float[np.ndarray, "s n"]:
         """θ of the rigs."""
         return self.posterior.samples(_SAMPLES, _SEED)
@@ -57,13 +54,11 @@ class SampleReadings:
         return self.chart.rig_at(self.posterior.mean)
 
     @cached_property
-    @one_blas_thread()
     def slopes(self) -> Consequences:
         """Slopes of the readings with respect to θ, at the posterior's mean."""
         return consequences(self.chart, self.posterior.mean, self.distances, self.view)
 
     @cached_property
-    @one_blas_thread()
     def _rows(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
         """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
         squares."""
@@ -71,7 +66,6 @@ class SampleReadings:
         return [(some, np.mean(some**2, axis=1)) for some in moved]
 
     @cached_property
-    @one_blas_thread()
     def _nearness(self) -> Float[np.ndarray, "s d"]:
         """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
         return (self.samples - self.posterior.mean) @ self.slopes.mean_nearness.T

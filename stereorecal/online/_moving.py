@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Normal, is_exact, one_blas_thread, rig_parameters, window
+from stereorecal.estimation import Normal, is_exact, rig_parameters, window
 from stereorecal.geometry import vector_from_rotation
 from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
@@ -45,8 +45,7 @@ def moved(state: State, pair: Pair) -> State:
     """The state after a pair that may show corners again from elsewhere; how the rig stands is said after the look."""
     if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
         return state
-    with one_blas_thread():
-        return _after_tracking(state, state.corners, pair)
+    return _after_tracking(state, state.corners, pair)
 
 
 def _after_tracking(state: State, before: Corners, pair: Pair) -> State:

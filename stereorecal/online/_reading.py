@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, decide
+from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import SIZE, FilterEstimate
@@ -32,7 +33,6 @@ class Reading:
         axes: what would correct it: pitch, yaw, roll in degrees, y, z in percent of the baseline.
         row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
         rows_px: epipolar error of the calibration in use, over the view, pixels at full size.
-        depth_percent: its error of depth at 5, 10, 30 and 100 baselines.
         delay: of the right shutter, in frames.
         decision: whether to change pitch, yaw and roll, and with `Config.synchronous` y and z, too; None if the state
             holds what is no number.
@@ -40,16 +40,25 @@ class Reading:
             too; a shutter that is late on a rig that travels straight on looks like a shift.
         change: (5,) of pitch, yaw, roll [deg], y, z [percent], which the decision asks for, or which is better on
             average by what is noticed and harms as seldom as it may; None where none is.
+        estimate: of changes of the calibration in use; None without a decision.
     """
 
     axes: Mapping[str, Interval]
     row_error: float
     rows_px: Interval
-    depth_percent: Mapping[int, Interval]
     delay: Interval
     decision: Decision | None
     shifted: bool
     change: Float[np.ndarray, "5"] | None = None
+    estimate: Estimate | None = None
+
+    @cached_property
+    def depth_percent(self) -> Mapping[int, Interval]:
+        """The error of depth of the calibration in use at 5, 10, 30 and 100 baselines."""
+        if self.estimate is None:
+            return dict.fromkeys(DISTANCES, _UNKNOWN)
+        found = self.estimate.depth_error_percent(np.zeros(len(self.estimate.names)))
+        return {int(distance): Interval(*ends) for distance, ends in found.items()}
 
     @property
     def condition(self) -> Condition:
@@ -108,14 +117,14 @@ def reading(state: State) -> Reading:
     }
     late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
     if not state.estimate.is_finite:
-        return Reading(axes, state.row_error, _UNKNOWN, dict.fromkeys(DISTANCES, _UNKNOWN), late, None, shifted=False)
+        return Reading(axes, state.row_error, _UNKNOWN, late, None, shifted=False)
     config = state.config
     using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
-    decision, shifted, change, depth = _decided(
+    estimate, decision, shifted, change = _decided(
         state.initial, using, state.estimate, state.view, free, config.tolerances, config.harm
     )
     rows = Interval(*decision.rows_px[0].tolist())
-    return Reading(axes, state.row_error, rows, depth, late, decision, shifted, change)
+    return Reading(axes, state.row_error, rows, late, decision, shifted, change, estimate)
 
 
 @lru_cache(maxsize=4)  # a step asks several times
@@ -127,9 +136,9 @@ def _decided(
     free: tuple[str, ...],
     limits: Tolerances,
     harm: float,
-) -> tuple[Decision, bool, Float[np.ndarray, "5"] | None, Mapping[int, Interval]]:
-    """Of a calibration in use the decision on what may be switched, whether it is shifted, which change is better, and
-    its error of depth."""
+) -> tuple[Estimate, Decision, bool, Float[np.ndarray, "5"] | None]:
+    """Of a calibration in use what is known, the decision on what may be switched, whether it is shifted, and which
+    change is better."""
     estimate = known(initial, using, filtered, view)
     found = decide(estimate, free, limits)
     change = found.theta
@@ -142,7 +151,4 @@ def _decided(
     if not found.refused:  # what the rotation alone repairs is no shift
         posterior = replace(posterior, means=posterior.means - found.theta)
     shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, limits).refused
-    depth = {
-        int(at): Interval(*ends) for at, ends in estimate.depth_error_percent(np.zeros(len(estimate.names))).items()
-    }
-    return found, shifted, None if change is None else change[:SIZE], depth
+    return estimate, found, shifted, None if change is None else change[:SIZE]

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
+from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
@@ -108,6 +109,7 @@ def rollback(state: State, to: Offset | None = None) -> State:
     return freeze(switched(state, state.previous[numbers[-1]]).replace(previous=earlier))
 
 
+@one_blas_thread()
 def _after_pair(state: State, pair: Pair) -> Outcome:
     config, before, current = state.config, state.last, small(pair.left)
     state = state.later().replace(last=current)

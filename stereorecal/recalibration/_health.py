@@ -9,7 +9,7 @@ import numpy as np
 
 from stereorecal._arrays import json_data, refuse_tracers
 from stereorecal.decision import ENOUGH, LIMITS, Reason, Seen, reason_of
-from stereorecal.estimation import check_prior, rig_parameters
+from stereorecal.estimation import check_prior, one_blas_thread, rig_parameters
 from stereorecal.geometry import PINHOLE, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recalibration._as_dict import score_as_dict
@@ -189,6 +189,7 @@ def _plus_minus(found: Interval, digits: int) -> str:
     return f"{found.value:+z.{digits}f} ± {found.high - found.value:.{digits}f}"
 
 
+@one_blas_thread()
 def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Health:
     """Match the pairs under the rig's calibration, and estimate once the correction that they ask for.
 

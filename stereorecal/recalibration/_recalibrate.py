@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
+from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recalibration._assessment import looked
 from stereorecal.recalibration._case import Case
@@ -39,6 +40,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
     return recalibrate_case(prepared(rig, pairs, settings), settings, began)
 
 
+@one_blas_thread()
 def recalibrate_case(case: Case, settings: Settings, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
