@@ -5,7 +5,7 @@
 Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
 process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
 rendered street, 741x500, 80 disparities, window 11, x-Sobel prefilter, uniqueness, texture and left-right check on;
-repairs: 640x480.
+repairs: 640x480; beside them PoseLib, where it is installed.
 """
 
 import ctypes
@@ -24,6 +24,7 @@ import numpy as np
 from processes import first_cores, last_line, memory_mb
 from real_scenes import rig_of
 from rich.table import Table
+from stereorecal_features._matches import matched_pixels
 from tables import command_line, show, table_of
 
 import stereorecal as sr
@@ -34,6 +35,11 @@ from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
 from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
+
+try:
+    import poselib  # pyright: ignore[reportMissingImports]
+except ImportError:
+    poselib = None
 
 MATCHER = sr.SAD(num_disparities=80)
 
@@ -115,6 +121,26 @@ def opencv_counter(rig: sr.StereoRig, pair: sr.Pair, view, disparities: int) -> 
     """extrinsics -> pixels with a disparity."""
     images, matcher = [np.round(i).astype(np.uint8) for i in (pair.left, pair.right)], block_matcher(disparities)
     return lambda extrinsics: int((matcher.compute(*both_remapped(rig, images, view, extrinsics)) >= 0).sum())
+
+
+def pose_by_magsac(left: np.ndarray, right: np.ndarray, focal: float) -> object:
+    """Rotation and direction of the baseline, by pixels of a pinhole camera."""
+    pinhole = np.diag([focal, focal, 1.0])
+    essential, inliers = cv2.findEssentialMat(left, right, pinhole, method=cv2.USAC_MAGSAC, prob=0.9999, threshold=1.0)
+    return cv2.recoverPose(essential, left, right, pinhole, mask=inliers)
+
+
+def pose_by_poselib(left: np.ndarray, right: np.ndarray, focal: float) -> object:
+    """The same."""
+    camera = {"model": "SIMPLE_PINHOLE", "width": 1, "height": 1, "params": [focal, 0.0, 0.0]}
+    return poselib.estimate_relative_pose(left, right, camera, camera, {"max_epipolar_error": 1.0}, {})
+
+
+def by_features(rig: sr.StereoRig, pair: sr.Pair, pose: Callable[[np.ndarray, np.ndarray, float], object]) -> object:
+    """SIFT's matches, and the pose that they show."""
+    pixels, focal = matched_pixels(pair.left, pair.right, 4096, 0.02, 0.8), float(rig.left.focal[0])
+    sides = zip((rig.left, rig.right), pixels, strict=True)
+    return pose(*(focal * np.asarray(camera.rays(found))[:, :2] for camera, found in sides), focal)
 
 
 # --- figures ------------------------------------------------------------------------------------------------
@@ -199,13 +225,18 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
 
 
 def repairing(threads: int, rounds: int) -> Iterator[Figure]:
-    """The default schedule, warm."""
+    """The default schedule, warm; features and a robust pose, which say nothing of depth or of how sure they are."""
     scene = scene_of((640, 480))
     starts = [sr.synthetic.decalibrate(scene.rig, jax.random.key(k), 2.5, 0.0225) for k in range(8)]
     for start in starts:
         sr.recalibrate(start, scene.pairs)
     times = [timed(1, lambda start=start: sr.recalibrate(start, scene.pairs))[0] for start in starts]
-    yield Figure("a default repair, 640x480", threads, float(np.median(times)), None, "400 ms" if threads == 2 else "")
+    name, ours, pair = "a default repair, 640x480", float(np.median(times)), scene.pairs[0]
+    yield Figure(name, threads, ours, None, "400 ms" if threads == 2 else "")
+    cv2.setNumThreads(max(threads, 1))
+    for other, pose in {"MAGSAC": pose_by_magsac, **({"PoseLib": pose_by_poselib} if poselib else {})}.items():
+        theirs = timed(3, lambda pose=pose: by_features(starts[0], pair, pose))[0]
+        yield Figure(f"{name} / SIFT and {other}", threads, ours, theirs, "")
 
 
 def on_this_platform() -> None:
