@@ -13,7 +13,7 @@ from jaxtyping import Float
 from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings, within_lens
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._posterior import Posterior
-from stereorecal.geometry import StereoRig, View
+from stereorecal.geometry import StereoRig, View, reread
 from stereorecal.objectives import RigChart
 
 _OF_SHOWN = 2.0 / 3.0  # of the weight of rows: where images show something; the rest is even over the view
@@ -137,25 +137,27 @@ def errors_near(
     """
     true, points, weights = chart.rig_at(at), [], np.zeros(0)
     if groups is not None:
-        shown, weights = points_shown(groups, true, view)
+        shown, weights = points_shown(groups, chart, at, view)
         points = [shown] if len(shown) else []
     return Errors(matters, consequences(chart, at, matters.distances, view, points), at, true, chart, view, weights)
 
 
 def points_shown(
-    groups: Groups, rig: StereoRig, view: View | None = None
+    groups: Groups, chart: RigChart, theta: Float[np.ndarray, "n"], view: View | None = None
 ) -> tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]]:
-    """Points that stand for what groups show, in the frame of the left camera, and their weights: each place of the
-    image that shows something counts as much as another."""
-    nearness = nearness_of(rig, groups.left, groups.right, view)
-    left, right = (rays / rays[:, 2:] for rays in (groups.left, groups.right))
+    """Points that groups show if the rig at θ is the true one, in the frame of its left camera, and their weights: each
+    place of the image that shows something counts as much as another."""
+    rig = chart.rig_at(theta)
+    left = reread(groups.left, chart.rig.left, rig.left)  # a yaw and a principal point that make up for each other
+    right = reread(groups.right, chart.rig.right, rig.right)  # would tell any depth, one without the other
+    nearness = nearness_of(rig, left, right, view)
     some = np.flatnonzero((nearness > 0.0) & within_lens(rig.left, left) & within_lens(rig.right, right))
     some = np.random.default_rng(0).permutation(some)[:_MOST_SHOWN]  # groups are in the order of their depths
-    nearness, groups = nearness[some], groups.of(some)
+    nearness, left, groups = nearness[some], left[some], groups.of(some)
     of_place = np.bincount(groups.place, groups.count, int(np.prod(PLACES)))
     weights = groups.count / of_place[groups.place]
     depth = float(rig.baseline) / nearness
-    return groups.left / groups.left[:, 2:] * depth[:, None], weights / weights.sum()
+    return left * depth[:, None], weights / weights.sum()
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Errors of depth at the distances that a user asks for, or that the images show."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,6 @@ from jaxtyping import Float
 from stereorecal._arrays import json_data
 from stereorecal._errors import InputError
 from stereorecal.estimation import DISTANCES, Estimate, points_shown
-from stereorecal.geometry import reread
-from stereorecal.objectives import SIDES
 from stereorecal.recalibration._expected import Interval
 from stereorecal.report.number_text import METRES, between, distance
 
@@ -80,9 +78,7 @@ def _shown(estimated: Estimate, best: Float[np.ndarray, "n"]) -> list[float]:
     chart, shown = estimated.chart, estimated.shown
     depths = [share * float(chart.rig.baseline) for share in _BASELINES]
     if shown is not None:
-        rig = chart.rig_at(best)
-        left, right = (reread(getattr(shown, side), getattr(chart.rig, side), getattr(rig, side)) for side in SIDES)
-        points, weights = points_shown(replace(shown, left=left, right=right), rig, estimated.view)
+        points, weights = points_shown(shown, chart, best, estimated.view)
         if len(points):
             order = np.argsort(points[:, 2])
             depths = np.interp(_SHARES, np.cumsum(weights[order]), points[order, 2]).tolist()

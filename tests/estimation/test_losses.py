@@ -80,7 +80,7 @@ def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     middle = np.abs(true.left.project(farthest / farthest[:, 2:]) / np.array(true.left.size) - 0.5).max(axis=1) <= 0.25
     ahead = 100.0 * np.abs(read[-1][1][middle]).mean()
     assert abs(ahead - depth[-1]) > 0.1, "else the test cannot tell them apart"
-    points, weights = points_shown(found.shown, true)
+    points, weights = points_shown(found.shown, found.chart, found.theta)
     seen = weights @ np.abs(readings(rig, true, points)[0])
     np.testing.assert_allclose([losses.even[0], losses.farthest[0], losses.seen[0]], [rows, ahead, seen])
     total = (seen / 1.5 + rows / 3.0) / alone.matters.rows_px + np.mean(depth) / alone.matters.depth_points
@@ -89,6 +89,23 @@ def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     assert alone.effect(small) == pytest.approx(alone.expected_loss(alone.theta + small), rel=0.01)
     twice = Matters(2.0 * alone.matters.rows_px, 2.0 * alone.matters.depth_points)
     np.testing.assert_allclose(alone.judged_by(twice).losses(np.zeros(chart.dim)).total, 0.5 * total)
+
+
+@settings(max_examples=20)
+@given(seed=st.integers(0, 999))
+def test_what_is_shown_lies_where_the_pixels_are(chart, found, seed):
+    """Whatever the intrinsics: a yaw and a principal point make up for each other, and depth stays."""
+    theta = posterior_of(chart, seed, number=1, spread=2.0).mean
+    rig = chart.rig_at(theta)
+    points, _ = points_shown(found.shown, chart, theta)
+    pixels = np.round(rig.left.project(points / points[:, 2:]), 6)
+    given = np.asarray(chart.rig.left.project(found.shown.left))
+    which = [int(np.abs(given - pixel).max(axis=1).argmin()) for pixel in pixels]
+    np.testing.assert_allclose(pixels, given[which], atol=1e-4)
+    right = points @ rig.rotation.T + rig.translation
+    columns = rig.right.project(right / right[:, 2:])[:, 0]
+    seen = np.asarray(chart.rig.right.project(found.shown.right))[which, 0]
+    assert np.median(np.abs(columns - seen)) < 1.0  # the rays do not meet exactly
 
 
 def test_farther_away_depth_is_worth_more(chart, found):
