@@ -17,7 +17,7 @@ from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Reach, as_parameters
 from stereorecal.recordings import Scene
 from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
@@ -35,7 +35,7 @@ def run(options: CompareOptions) -> int:
     drift = Drift(*_option_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
     reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
     budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
-    free = _library_arguments.free(options.free)
+    free = as_parameters(_library_arguments.free(options.free))
     check_page(options.html, "stereorecal.report.comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:

@@ -1,71 +1,84 @@
 """Options as the arguments that the library takes."""
 
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._option_values import shortened
-from stereorecal.cli._shared_options import DecisionOptions, ToleranceOptions, ViewOptions
+from stereorecal.cli._option_values import degrees_and_fraction, shortened
+from stereorecal.cli._options import CommonOptions
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
-from stereorecal.estimation import check_prior
 from stereorecal.geometry import checked_view_arguments
-from stereorecal.matching import as_matcher
-from stereorecal.objectives import Parameters, as_parameters
-from stereorecal.recalibration import HealthOptions, as_distances
 
 
-def health_options(options: DecisionOptions) -> HealthOptions:
-    """What `sr.health` and `sr.recalibrate` take.
+def library_options(options: CommonOptions, names: Iterable[str]) -> dict[str, Any]:
+    """By name, those options of the library that a command has and that were given.
 
-    Raises:
-        InputError: if a value makes no sense.
-    """
-    check_prior(options.prior)
-    return {
-        "matcher": as_matcher(options.matcher),
-        "view": view(options),
-        "prior": options.prior,
-        "motion": {"auto": None, "on": True, "off": False}[options.motion],
-        "tolerances": tolerances(options),
-        "distances": distances(options.distances),
-    }
-
-
-def distances(text: str | None) -> str | None:
-    """Those of --distances, checked.
+    Args:
+        names: of the library's options.
 
     Raises:
-        InputError: if one is no distance.
+        InputError: if a value makes no sense, or a file cannot be read.
     """
-    as_distances(text)
-    return text
+    found = {}
+    for name in names:
+        if (value := getattr(options, name, None)) is not None:
+            module, _, reader = options.__dataclass_fields__[name].metadata["reads"].partition(":")
+            found[name] = getattr(import_module(module), reader)(value) if module else value
+    return found
 
 
-def tolerances(options: ToleranceOptions) -> Tolerances:
+def motion(text: str) -> bool | None:
+    """Whether --motion asks for it; None leaves it to the library."""
+    return {"auto": None, "on": True, "off": False}[text]
+
+
+def reach(text: str) -> tuple[float, float]:
+    """Degrees and fraction of the baseline of --reach.
+
+    Raises:
+        InputError: if it is not two numbers.
+    """
+    return degrees_and_fraction(text, "--reach")
+
+
+def tolerances(text: str | None) -> Tolerances:
     """Those of --tolerances.
 
     Raises:
         InputError: if a name is unknown, or a value makes no sense.
     """
     found: dict[str, object] = {}
-    for name, value, part in _assigned(options.tolerances, (*LIMITS, "distances"), "tolerance"):
+    for name, value, part in _assigned(text, (*LIMITS, "distances"), "tolerance"):
         refusal = f"--tolerances has {part}; give NAME=NUMBER, such as harm=0.01, or distances=5:10:30 in baselines."
         several = name == "distances"
         found[name] = tuple(_number(n, refusal) for n in value.split(":")) if several else _number(value, refusal)
     return as_tolerances(found)
 
 
-def view(options: ViewOptions) -> dict[str, Any]:
+def view(text: str | None) -> dict[str, Any]:
     """The arguments of `sr.view` that --view names.
 
     Raises:
         InputError: if a name is unknown, or a value makes no sense.
     """
     found: dict[str, Any] = {}
-    for name, value, part in _assigned(options.view, ("projection", "field"), "argument of --view"):
+    for name, value, part in _assigned(text, ("projection", "field"), "argument of --view"):
         refusal = f"--view has {part}; give degrees, such as field=140."
         found[name] = _number(value, refusal) if name == "field" else value
     return checked_view_arguments(found)
+
+
+def free(text: str) -> list[str]:
+    """Names and groups, comma separated.
+
+    Raises:
+        InputError: if one is empty.
+    """
+    names = [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
+    return names
 
 
 def _assigned(text: str | None, names: Iterable[str], what: str) -> Iterator[tuple[str, str, str]]:
@@ -80,13 +93,3 @@ def _number(text: str, refusal: str) -> float:
         return float(text)
     except ValueError:
         raise InputError(refusal) from None
-
-
-def free(text: str | None) -> Parameters:
-    """Names and groups, comma separated; the default of the library where nothing is said."""
-    if text is None:
-        return as_parameters(None)
-    names = [name.strip() for name in text.split(",")]
-    if not all(names):
-        raise InputError(f"--free is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
-    return as_parameters(names)

@@ -143,7 +143,7 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options, limits = _library_arguments.view(options), _library_arguments.tolerances(options)
+    view_options, limits = _library_arguments.view(options.view), _library_arguments.tolerances(options.tolerances)
     config = Config(
         matcher=as_matcher(options.matcher),
         synchronous=options.synchronous,

@@ -31,15 +31,24 @@ _ELSEWHERE = {
 }
 
 
-def option(help: str, default: Any = None, *, metavar: str | tuple[str, ...] | None = None, flag: str = "") -> Any:
+def option(
+    help: str,
+    default: Any = None,
+    *,
+    metavar: str | tuple[str, ...] | None = None,
+    flag: str = "",
+    reads: str = "",
+) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
 
     Args:
         help: what `--help` says of it; the default is added where there is one, unless the text names it.
         flag: if it is no "--name-of-the-field".
+        reads: "module:function" that makes of the words what the library's option of this name takes, if it does not
+            take the words; `library_options` calls it.
     """
-    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag})
+    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag, "reads": reads})
 
 
 def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:

@@ -9,11 +9,11 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._version import versions
-from stereorecal.cli import _calibration_output, _library_arguments, _option_values
+from stereorecal.cli import _calibration_output
 from stereorecal.cli._executors import executor
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
 from stereorecal.cli._html_page import check_page, check_rerun, write_recording, write_report
-from stereorecal.cli._library_arguments import health_options
+from stereorecal.cli._library_arguments import library_options, view
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
 from stereorecal.cli._output_places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
@@ -21,13 +21,14 @@ from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
+from stereorecal.decision import Tolerances
 from stereorecal.estimation import DEFAULT, SAVED
-from stereorecal.io import calibration_json, files_read, load_odometer, load_ranges, save_maps
-from stereorecal.objectives import Parameters
+from stereorecal.io import calibration_json, files_read, save_maps
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.recalibration import (
     Fault,
     Repair,
-    Schedule,
+    RepairOptions,
     Settings,
     Solution,
     as_settings,
@@ -37,7 +38,7 @@ from stereorecal.recalibration import (
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import origin_of, strategy
+from stereorecal.strategies import Budget, origin_of
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -45,7 +46,7 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    settings = _settings_from_options(options)
+    settings = as_settings(library_options(options, RepairOptions.__optional_keys__))
     check_page(options.html, "stereorecal.report.repair_page")
     check_rerun(options, "stereorecal.report.repair_recording")
     shown = [f"--{name}" for name in ("html", "rrd", "show") if getattr(options, name)]
@@ -75,7 +76,7 @@ def run(options: RecalibrateOptions) -> int:
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
             prior = prior if settings.prior is options.prior else "given"
             content = _content(
-                scenes, repairs, {**_settings_json(options, settings), "prior": prior}, interrupted=interrupted
+                scenes, repairs, {**_settings_as_json(options, settings), "prior": prior}, interrupted=interrupted
             )
             deliver(
                 lambda: _show(repairs, options),
@@ -115,29 +116,12 @@ def _recalibrated_all(
     return found, False
 
 
-def _settings_from_options(options: RecalibrateOptions) -> Settings:
-    """What the options come to."""
-    values = {
-        **health_options(options),
-        "schedule": _schedule(options),
-        "reach": _option_values.degrees_and_fraction(options.reach, "--reach"),
-        "seed": _option_values.seed(options.seed),
-        "ranges": load_ranges(options.ranges) if options.ranges is not None else (),
-        "odometer": load_odometer(options.odometer) if options.odometer is not None else None,
-        "free": _library_arguments.free(options.free),
-    }
-    return as_settings(values)
-
-
-def _schedule(options: RecalibrateOptions) -> Schedule:
-    chosen = None if options.strategy is None else strategy(options.strategy)
-    if options.schedule == "count":
-        return Schedule.count(chosen or strategy("compass"), 1.0)
-    return Schedule.default() if chosen is None else Schedule.default().using(chosen)
-
-
-def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
-    """The settings in the JSON."""
+def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
+    """The settings in the JSON: what was computed with where that is numbers, else the words."""
+    found = {name: getattr(options, name, value) for name, value in settings.options.items()}
+    for name, value in settings.options.items():
+        if isinstance(value, Reach | Budget | Tolerances):
+            found[name] = asdict(value)
     stages = [
         {
             "score": stage.score.name.lower(),
@@ -149,20 +133,12 @@ def _settings_json(options: RecalibrateOptions, settings: Settings) -> dict[str,
         for stage in settings.schedule.stages
     ]
     return {
-        "pairs": options.pairs,
-        "motion": options.motion,
+        **found,
         "matcher": {"name": options.matcher, **asdict(settings.matcher)},
-        "view": options.view,
         "schedule": settings.schedule.name,
         "stages": stages,
-        "reach": asdict(settings.reach),
-        "budget": asdict(settings.budget),
         "free": ("everything",) if settings.free.everything else settings.free.names,
-        "tolerances": asdict(settings.tolerances),
-        "distances": options.distances,
-        "ranges": options.ranges,
-        "odometer": options.odometer,
-        "seed": options.seed,
+        "pairs": options.pairs,
         "fix": options.fix,
     }
 
@@ -203,7 +179,7 @@ def _saving(
             print(f"{output.prior_path}: written, what is known of it")
 
     def save_seen(maps: str) -> None:
-        how = (maps, options.force, _library_arguments.view(options))
+        how = (maps, options.force, view(options.view))
         initial = "" if accepted else " for the initial calibration"
         step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
 

@@ -5,9 +5,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.cli._calibration_paths import calibration_path, paths
-from stereorecal.cli._option_values import degrees_and_fraction, seed
+from stereorecal.cli._option_values import degrees_and_fraction
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
 from stereorecal.cli._output_places import Place, check_places, places_of
 from stereorecal.cli._shared_options import (
@@ -18,13 +18,13 @@ from stereorecal.cli._shared_options import (
     SEARCH,
     WRITES,
     DecisionOptions,
+    ExecutorOptions,
     ReachOptions,
     RecordingOptions,
     ReportOptions,
     RerunOptions,
     ToleranceOptions,
     ViewOptions,
-    WorkerOptions,
     folders_of,
 )
 
@@ -55,6 +55,7 @@ class _FreeOptions:
     free: str | None = option(
         f"{FREE} (default: all that the calibration file can hold)",
         metavar="NAME,…",
+        reads="stereorecal.cli._library_arguments:free",
     )
 
 
@@ -67,10 +68,12 @@ class _RangeOptions:
         "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
         "gaps above 1.1 s are not used",
         metavar="FILE",
+        reads="stereorecal.io:load_odometer",
     )
     ranges: str | None = option(
         "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
         metavar="FILE",
+        reads="stereorecal.io:load_ranges",
     )
 
 
@@ -79,10 +82,23 @@ class _ScheduleOptions:
     """How a repair searches."""
 
     title = SEARCH
-    schedule: Literal["default", "count"] = option(
-        "default (coarse to fine) or count (the paper's way)", "default", metavar="NAME"
+    schedule: str = option(
+        "default (coarse to fine) or count (the paper's way); with a strategy for the stages of its kind: "
+        "count:nlopt-bobyqa",
+        "default",
+        metavar="NAME[:STRATEGY]",
     )
-    strategy: str | None = option("for the stages of its kind (default: the schedule's)", metavar="NAME")
+
+    def check_schedule(self) -> None:
+        """Refuse a schedule that there is none of, and a strategy that is not installed.
+
+        Raises:
+            InputError: says what to do.
+        """
+        name, _, strategy = self.schedule.partition(":")
+        checked_choice(name, ("default", "count"), "--schedule")
+        if strategy:
+            import_module("stereorecal.strategies").check_installed(strategy)
 
 
 @option_group
@@ -120,7 +136,7 @@ class RecalibrateOptions(
     DecisionOptions,
     _RangeOptions,
     _ScheduleOptions,
-    WorkerOptions,
+    ExecutorOptions,
     CommonOptions,
 ):
     """Repair the calibration of each recording's rig from its images. A candidate is accepted only if it gains, if it
@@ -156,9 +172,7 @@ class RecalibrateOptions(
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
         degrees_and_fraction(self.reach, "--reach")
-        seed(self.seed)
-        if self.strategy is not None:
-            import_module("stereorecal.strategies").check_installed(self.strategy)
+        self.check_schedule()
 
     def _check_output(self) -> None:
         if self.in_place and self.output is not None:

@@ -7,7 +7,7 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT
-from stereorecal.cli._library_arguments import health_options, tolerances
+from stereorecal.cli._library_arguments import library_options
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings
@@ -16,8 +16,7 @@ from stereorecal.cli._signals import hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, table_console
 from stereorecal.io import about, files_read
-from stereorecal.matching import as_matcher
-from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, HealthOptions, health
+from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, HealthOptions, Settings, as_settings, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
@@ -32,7 +31,8 @@ _CODES = {  # the first that occurs
 
 def run(options: ScoreOptions) -> int:
     """Check, save, print; returns the exit code."""
-    how = health_options(options)
+    how = library_options(options, HealthOptions.__optional_keys__)
+    settings = as_settings(how)
     with files_read() as read:
         scenes = recordings(options).scenes
     refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
@@ -46,7 +46,7 @@ def run(options: ScoreOptions) -> int:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
     if any(isinstance(found, Health) for found in looked):
-        content = {**_about_all(options, how), "interrupted": interrupted, "scenes": rows}
+        content = {**_about_all(options, settings), "interrupted": interrupted, "scenes": rows}
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for found in looked:
         if isinstance(found, InputError):
@@ -70,7 +70,7 @@ def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]],
         print_lines(looked[0])
 
 
-def _health_or_error(scene: Scene, how: HealthOptions) -> Health | InputError:
+def _health_or_error(scene: Scene, how: dict[str, Any]) -> Health | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
@@ -87,14 +87,14 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
     return {**about_it, "error": None, **found.as_dict()}
 
 
-def _about_all(options: ScoreOptions, how: HealthOptions) -> dict[str, Any]:
-    settings = {
+def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:
+    said = {
         "pairs": options.pairs,
         "fix": options.fix,
         "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(as_matcher(options.matcher))},
+        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
         "view": options.view,
-        "thresholds": {**HEALTH_LIMITS, **asdict(tolerances(options))},
+        "thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)},
         "distances": options.distances,
     }
-    return {"schema": SCHEMA, "versions": versions(), "settings": settings}
+    return {"schema": SCHEMA, "versions": versions(), "settings": said}

@@ -20,6 +20,7 @@ FORMATS = (
     "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
     "mrcal, vins, orbslam, foundationstereo, zed, realsense, camera_info"
 )
+_READERS = "stereorecal.cli._library_arguments"
 _LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, or one of a plug-in"
 
 
@@ -213,6 +214,7 @@ class ViewOptions(MatcherOptions):
         "the rectified images, as of sr.view: projection=pinhole or equirectangular, field=DEGREES (default: pinhole; "
         "equirectangular for lenses that are too wide for it)",
         metavar="NAME=VALUE,…",
+        reads=f"{_READERS}:view",
     )
 
 
@@ -225,6 +227,7 @@ class ToleranceOptions:
         "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, leaves, better, harm, predicts, good_rows_px, "
         "good_surely; distances=5:10:30 in baselines",
         metavar="NAME=N,…",
+        reads=f"{_READERS}:tolerances",
     )
 
 
@@ -249,6 +252,7 @@ class MotionOptions:
         "use the motion of the rig between pairs: auto (if times are known and at most 0.5 s apart), on (pairs are "
         "consecutive), off (default: auto)",
         "auto",
+        reads=f"{_READERS}:motion",
     )
 
 
@@ -274,12 +278,18 @@ class ReachOptions:
     """How far a search goes."""
 
     title = RIG
-    reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION")
+    reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION", reads=f"{_READERS}:reach")
 
 
 @option_group
-class WorkerOptions:
+class ExecutorOptions:
+    """Who does the work."""
+
+    executor: str = option("serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC")
+
+
+@option_group
+class WorkerOptions(ExecutorOptions):
     """Who does the work, and with which random numbers."""
 
     seed: int = option("same seed, same result", 0, metavar="N")
-    executor: str = option("serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC")

@@ -143,14 +143,17 @@ def _within(pixels: tuple[int, int], scale: float, size: tuple[int, int]) -> flo
 
 def as_schedule(schedule: Any) -> Schedule:
     """The schedule itself, or the one of that name: "default" (also for None), or "count", compass at full scale.
+    "count:NAME" and "default:NAME" have the strategy of that name in the stages of its kind.
 
     Raises:
         InputError: if the name is unknown, it is no schedule, or a strategy of it is not installed.
     """
-    if schedule is None or schedule == "default":
-        return Schedule.default()
-    if schedule == "count":
-        return Schedule.count()
+    schedule = "default" if schedule is None else schedule
+    name, _, solver = schedule.partition(":") if isinstance(schedule, str) else ("", "", "")
+    if name == "count":
+        return Schedule.count(solver or "compass")
+    if name == "default":
+        return Schedule.default().using(named_strategy(solver)) if solver else Schedule.default()
     if isinstance(schedule, Schedule):
         return schedule
     if isinstance(schedule, AbstractStrategy):

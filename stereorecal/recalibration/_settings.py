@@ -1,7 +1,7 @@
 """The settings of a repair: what callers say by name, and what a repair computes with."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from typing import Any, TypedDict
 
@@ -52,7 +52,8 @@ class RepairOptions(HealthOptions, total=False):
 
     Attributes:
         schedule: a `Schedule`, or "default" (also for None): coarse to fine, the count and then epipolar residuals; or
-            "count": compass search on the count at full scale, the paper's way.
+            "count": compass search on the count at full scale, the paper's way. "count:nlopt-bobyqa" and
+            "default:nlopt-bobyqa" name another strategy for the stages of its kind.
         reach: how far the rig may have drifted, a `Reach` or (degrees, fraction of the baseline); default 3 degrees and
             3 % of the baseline.
         budget: units, or a `Budget`, for the whole schedule of a recording; default none.
@@ -77,6 +78,27 @@ class RepairOptions(HealthOptions, total=False):
     odometer: Odometer | None
 
 
+def _by(read: Callable[[Any], Any]) -> dict[str, Any]:
+    """The metadata of a field: what makes its value of the option of its name, or of None, and refuses what makes no
+    sense."""
+    return {"read": read}
+
+
+def _odometer(given: Any) -> Odometer | None:
+    if not isinstance(given, Odometer | None):
+        raise InputError(f"odometer is a {type(given).__name__}; give an sr.Odometer(times, metres).")
+    return given
+
+
+def _prior(given: Prior) -> Prior:
+    check_prior(given)
+    return given
+
+
+def _as_given(value: Any) -> Any:
+    return value
+
+
 @dataclass(frozen=True, kw_only=True)
 class Settings:
     """What `RepairOptions` come to: values of one type each, checked, with their defaults.
@@ -88,19 +110,19 @@ class Settings:
         ranges, view, prior, motion, odometer: as they were given.
     """
 
-    matcher: AbstractMatcher
-    schedule: Schedule
-    reach: Reach
-    budget: Budget
-    view: AnyView
-    seed: int
-    free: Parameters
-    ranges: tuple[Range, ...]
-    prior: Prior
-    motion: bool | None
-    tolerances: Tolerances
-    distances: tuple[Distance, ...]
-    odometer: Odometer | None
+    prior: Prior = field(metadata=_by(_prior))
+    matcher: AbstractMatcher = field(metadata=_by(as_matcher))
+    schedule: Schedule = field(metadata=_by(as_schedule))
+    reach: Reach = field(metadata=_by(as_reach))
+    budget: Budget = field(metadata=_by(as_budget))
+    view: AnyView = field(metadata=_by(_as_given))
+    seed: int = field(metadata=_by(lambda seed: seed or 0))
+    free: Parameters = field(metadata=_by(as_parameters))
+    ranges: tuple[Range, ...] = field(metadata=_by(as_ranges))
+    motion: bool | None = field(metadata=_by(_as_given))
+    tolerances: Tolerances = field(metadata=_by(as_tolerances))
+    distances: tuple[Distance, ...] = field(metadata=_by(as_distances))
+    odometer: Odometer | None = field(metadata=_by(_odometer))
 
     @property
     def options(self) -> dict[str, Any]:
@@ -125,23 +147,5 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
             closest = get_close_matches(name, names, 1)
             meant = f"did you mean {closest[0]}?" if closest else f"there are: {', '.join(sorted(names))}."
             raise TypeError(f"there is no option {name!r}; {meant}")
-    prior, odometer = options.get("prior"), options.get("odometer")
-    check_prior(prior)
-    if not isinstance(odometer, Odometer | None):
-        raise InputError(f"odometer is a {type(odometer).__name__}; give an sr.Odometer(times, metres).")
-    ranges = as_ranges(options.get("ranges"))
-    return Settings(
-        matcher=as_matcher(options.get("matcher")),
-        schedule=as_schedule(options.get("schedule")),
-        reach=as_reach(options.get("reach")),
-        budget=as_budget(options.get("budget")),
-        view=options.get("view"),
-        seed=options.get("seed", 0),
-        free=with_ranges(as_parameters(options.get("free")), ranges, odometer),
-        ranges=ranges,
-        prior=prior,
-        motion=options.get("motion"),
-        tolerances=as_tolerances(options.get("tolerances")),
-        distances=as_distances(options.get("distances")),
-        odometer=odometer,
-    )
+    found = Settings(**{field.name: field.metadata["read"](options.get(field.name)) for field in fields(Settings)})
+    return replace(found, free=with_ranges(found.free, found.ranges, found.odometer))

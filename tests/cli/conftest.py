@@ -65,7 +65,7 @@ def folder(clean_scene: Path, tmp_path: Path) -> Path:
 def unworked(moody) -> tuple[str, ...]:
     """The options of a repair by a strategy that fails if it has work: whatever is refused is refused before."""
     moody(lambda run: pytest.fail("worked before it looked"))
-    return "--schedule", "count", "--strategy", "moody"
+    return "--schedule", "count:moody"
 
 
 @pytest.fixture(scope="session")

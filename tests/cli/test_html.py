@@ -58,12 +58,12 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
     """Pasted into a shell, names with blanks, quotes and markup stay one word each."""
     scene = tmp_path / "a 'rig' <b>$HOME"
     shutil.copytree(clean_scene, scene)
-    words = ["recalibrate", scene, "--html", tmp_path / "out page.html", "--seed", 5, "--reach", "2,0.02"]
+    words = ["recalibrate", scene, "--html", tmp_path / "out page.html", "--reach", "2,0.02"]
     command(*words)
     page = (tmp_path / "out page.html").read_text(encoding="utf-8")
     (shown,) = re.findall(r'<pre class="command"[^>]*>(.*?)</pre>', page, flags=re.DOTALL)
     assert shlex.split(html.unescape(shown)) == ["python", "-m", "stereorecal", *map(str, words)]
     rows = dict(re.findall(r'<tr><td class="name">([^<]*)</td><td class="name">([^<]*)</td></tr>', page))
-    assert (rows["seed"], rows["reach"]) == ("5", "2°, 0.02 of the baseline")
+    assert (rows["seed"], rows["reach"]) == ("0", "2°, 0.02 of the baseline")
     assert (rows["ranges"], rows["free"]) == ("none", "everything")
     assert "stereorecal-compass" in rows["versions plug-ins"]

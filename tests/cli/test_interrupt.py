@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from slow import plant, sleeping, terminal
 
-SLOWLY = ("--schedule", "count", "--strategy", "slow")
+SLOWLY = ("--schedule", "count:slow")
 
 
 @pytest.fixture

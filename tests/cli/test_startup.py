@@ -40,7 +40,7 @@ def test_answers_at_once(words: list[str], code: int, at_once):
         "recalibrate nowhere",
         "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
         "recalibrate . --output {there}",
-        "recalibrate . --strategy compas",
+        "recalibrate . --schedule count:compas",
         "recalibrate . --reach 3",
         "score . --pairs few",
         "score nowhere",
@@ -67,7 +67,7 @@ def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_o
         ("diff here", "the following arguments are required: B; see stereorecal diff --help"),
         ("strategies 7", "unknown action '7' (choose one of: list, check); see stereorecal strategies --help"),
         ("recalibrate --maps", "argument --maps: expected one argument; see stereorecal recalibrate --help"),
-        ("recalibrate --seed some", "argument --seed: invalid int value: 'some'; see stereorecal recalibrate --help"),
+        ("compare --seed some", "argument --seed: invalid int value: 'some'; see stereorecal compare --help"),
         ("score scene --jsno out.json", "unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         ("compare --drwas=3", "unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
         ("score scene --zzzz", "unrecognized arguments: --zzzz; see"),
@@ -113,9 +113,9 @@ def test_help_says_what_there_is(command):
 
 
 def test_options_have_the_types_and_defaults_of_their_fields():
-    words = "recalibrate here there --seed 2 --motion off --calibration a b --in-place --pairs 4: --tolerance 2.5"
+    words = "recalibrate here there --motion off --calibration a b --in-place --pairs 4: --tolerance 2.5"
     found = options_of(words.split())
-    assert (found.scenes, found.seed, found.motion) == (("here", "there"), 2, "off")
+    assert (found.scenes, found.motion) == (("here", "there"), "off")
     assert (found.calibration, found.in_place, found.tolerance) == (("a", "b"), True, 2.5)
     assert options_of(["compare", "--scene", "x", "--scene", "y"]).scene == ("x", "y")
     found = options_of(["recalibrate", "here"])
