@@ -38,25 +38,6 @@ def cameras(drive: Ride, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-ONE_WORD = pytest.param(("left.avi,right.avi",), marks=pytest.mark.slow)  # the same as two, written otherwise
-ONE_FILE = pytest.param(("both.avi",), marks=pytest.mark.slow)
-
-
-@pytest.mark.slow  # as that of a recording in test_monitor.py
-@pytest.mark.parametrize("names", [ONE_WORD, ("left.avi", "right.avi"), ONE_FILE], ids=str)
-def test_a_knock_is_repaired(command, cameras: Path, drive: Ride, tmp_path: Path, monkeypatch, names):
-    monkeypatch.chdir(cameras)
-    words = ("--calibration", "rig.json", "--output", tmp_path / "new.json", "--state", tmp_path / "state")
-    answer = command("monitor", "--camera", *names, *words)
-    assert answer.err == ""
-    assert answer.code in (0, 4)
-    assert "the pair cannot be used" in answer.out
-    assert "the rig has been knocked" in answer.out
-    apart = abs(sr.io.load_rig(tmp_path / "new.json").extrinsics - drive.knocked.extrinsics)[0]
-    assert apart < 0.001
-    assert load(tmp_path / "state").frame == len(drive.pairs) + 1
-
-
 def test_some_of_the_pairs(command, cameras: Path, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(cameras)
     words = ("--calibration", "rig.json", "--state", tmp_path / "state", "--once", "--quiet", "--pairs", "2:6:2")

@@ -55,24 +55,6 @@ def test_a_side_by_side_video(command, seen, calibration, tmp_path):
     assert "the pair with the most texture is used" in page
 
 
-@pytest.mark.slow  # tests/io reads bags, and a video goes through the command above
-def test_a_bag(command, seen, calibration, tmp_path, capsys):
-    pytest.importorskip("rosbags", reason="rosbags is not installed")
-    stamped = [
-        (topic, index * 10**8 + 10**18, image)
-        for index, pair in enumerate(seen[:2])
-        for topic, image in zip(("/l", "/r"), pair, strict=True)
-    ][:3]
-    path = write_bag(tmp_path / "run.bag", stamped, ros1=True)
-    places = ("--output", tmp_path / "new.json", "--html", tmp_path / "out.html")
-    words = ("--bag", path, "--left", "/l", "--right", "/r", "--calibration", calibration)
-    answer = command("recalibrate", *words, *places)
-    page = repaired(answer, tmp_path)
-    said = "1 frame has no partner in the other camera and is left out: /l 1000000000.100"
-    assert answer.err == f"stereorecal: {said}\n"
-    assert "no partner in the other camera" in page
-
-
 def test_a_bag_with_its_own_calibration(command, seen, tmp_path):
     """Its camera_info is one, that no file holds; the rig is right, and so is the verdict."""
     pytest.importorskip("rosbags", reason="rosbags is not installed")
@@ -118,20 +100,6 @@ def test_frames_that_a_camera_lost_are_told(command, seen, calibration, tmp_path
     left, right = image_files(tmp_path, seen, names)
     answer = command("score", "--left", left, "--right", right, "--calibration", calibration)
     assert (answer.code, answer.err) == (1, f"stereorecal: {said}\n")
-
-
-@pytest.mark.slow
-def test_pairs_in_order_are_told(command, seen, calibration, tmp_path):
-    """Names with spaces and percent signs are names like others."""
-    left, right = image_files(tmp_path, seen, (["shot 1", "shot 2"], ["x 10%", "x 100%"]))
-    words = ("--left", left, "--right", right, "--calibration", calibration, "--schedule", "count")
-    answer = command("recalibrate", *words, "--html", tmp_path / "out.html")
-    assert answer.err == (
-        f"stereorecal: {left}/shot 1.png: no name on the left has a partner on the right, so 2 pairs are made in the "
-        "order of the names, this one with x 10%.png; check that none is missing, or give a tolerance if the names "
-        "are times.\n"
-    )
-    assert "in order, since no name on the left has a partner" in (tmp_path / "out.html").read_text(encoding="utf-8")
 
 
 def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):

@@ -63,17 +63,6 @@ def test_lists_of_ours_alone(command):
         assert word in line
 
 
-def test_a_broken_strategy_is_listed_with_the_reason(command, install):
-    install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
-    answer = command("strategies")
-    assert answer.code == 3
-    assert "Compass (pattern) search" in answer.out
-    assert "cannot be loaded" in answer.out
-    answer = command("strategies", "check", "shaky")
-    assert (answer.code, answer.out, answer.err.count("\n")) == (3, "", 1)
-    assert "cannot be loaded" in answer.err
-
-
 @pytest.mark.parametrize(
     ("kind", "installed", "good", "bad", "fails"),
     [

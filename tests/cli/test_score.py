@@ -91,12 +91,6 @@ def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_sc
     assert "upside down" in bad["error"]
 
 
-def test_nothing_is_changed(command, folder: Path):
-    before = {path: path.read_bytes() for path in folder.iterdir()}
-    command("score", folder)
-    assert {path: path.read_bytes() for path in folder.iterdir()} == before
-
-
 @pytest.mark.parametrize("finished", [0, 1])
 def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, moody_matcher, finished: int):
     searches = moody_matcher()

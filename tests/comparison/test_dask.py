@@ -1,6 +1,5 @@
 """A Dask cluster of two worker processes gives the same rows, whoever dies in the middle."""
 
-import time
 from dataclasses import replace
 
 import pytest
@@ -82,21 +81,6 @@ def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypa
     found = rows(compared(workers, saved, 2, {"search": strategy("compass")}))
     assert read == []
     assert [row.status for row in found] == ["BUDGET", "BUDGET"]
-
-
-@pytest.mark.slow  # tests/comparison/test_ctrl_c.py has processes
-def test_ctrl_c_cancels_what_waits(workers, scene, serial):
-    def interrupt(finished, total):
-        raise KeyboardInterrupt
-
-    table = compared(workers, scene(), 6, {"search": strategy("compass")}, progress=interrupt)
-    assert table.interrupted
-    assert len(table.trials) == 1
-    assert rows(table)[0] in serial
-    soon = time.monotonic() + 20
-    while workers.scheduler.tasks and time.monotonic() < soon:
-        time.sleep(0.1)
-    assert not workers.scheduler.tasks
 
 
 @pytest.mark.slow

@@ -55,17 +55,6 @@ def test_a_lost_worker_is_a_failed_row(scene, serial):
     assert [found[0], found[2]] == [serial[0], serial[2]]
 
 
-def test_ctrl_c_cancels_what_waits(scene, serial):
-    def interrupt(finished, total):
-        raise KeyboardInterrupt
-
-    with ThreadPoolExecutor(1) as pool:
-        table = compare_scenes([scene()], executor=pool, progress=interrupt, **SMALL)
-    assert table.interrupted
-    assert len(table.trials) == 1
-    assert rows(table)[0] in serial
-
-
 @pytest.mark.slow
 def test_a_worker_that_misses_an_image_says_so(scene, tmp_path):
     save_scene(scene(), tmp_path / "saved")

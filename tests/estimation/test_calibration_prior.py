@@ -13,7 +13,6 @@ from stereorecal.estimation import (
     as_prior,
     calibration_covariances,
     calibration_prior,
-    exact_prior,
     points_of_view,
     readings,
     rig_parameters,
@@ -134,24 +133,6 @@ def test_nothing_depends_on_the_unit_of_the_baseline_nor_on_the_number_of_pixels
     np.testing.assert_allclose(deviations(calibration_covariances(large)) / pixels, deviations(covariances), rtol=0.03)
 
 
-def test_a_wide_image_and_one_of_another_height_are_calibrated_too(chart):
-    for size, focal in (((1242, 375), 720.0), ((480, 640), 500.0), ((640, 480), 250.0)):
-        camera = sr.Camera(size, np.array([[focal, 0, size[0] / 2], [0, focal, size[1] / 2], [0, 0, 1]]))
-        there = rig_parameters(sr.StereoRig(camera, camera, np.array([0, 0, 0, -0.1, 0, 0])))
-        at = deviations(calibration_covariances(there))[1]
-        assert at[there.names.index("left.f")] < 0.5
-        assert at[there.names.index("roll")] < 0.2
-
-
-def test_weights_are_probabilities_and_roots_those_of_the_covariances(prior, covariances):
-    assert prior.weights.sum() == pytest.approx(1.0)
-    assert prior.weights.min() > 0
-    of_roots = prior.roots @ prior.roots.swapaxes(1, 2)
-    scales = deviations(covariances)
-    apart = (of_roots[: len(covariances)] - covariances) / scales[:, :, None] / scales[:, None, :]
-    assert np.abs(apart).max() < 1e-9
-
-
 def test_the_loosest_direction_has_a_heavy_tail_that_hardly_moves_boards(chart, prior, covariances, steps):
     """Principal points that differ in x, with all that follows: one direction more, which depth hardly feels, where the
     same centres alone would be a large error."""
@@ -168,11 +149,6 @@ def test_the_loosest_direction_has_a_heavy_tail_that_hardly_moves_boards(chart, 
         assert 4.0 < np.sqrt(pair @ after @ pair / (pair @ before @ pair)) < 6.0
         # If only centres had moved, by as much, depth would err ten times as far.
         assert slopes @ (after - before) @ slopes < 0.1**2 * (pair @ after @ pair) * (slopes @ pair / 2) ** 2
-
-
-def test_exact_means_that_nothing_was_left(chart):
-    assert not exact_prior(chart).roots.any()
-    assert not as_prior("exact", chart).roots.any()
 
 
 # --- what users say -------------------------------------------------------------------------------------------
@@ -262,11 +238,6 @@ def test_rigs_that_differ_in_one_number_have_priors_of_their_own(rig, chart):
     other = rig_parameters(replace(rig, right=replace(rig.right, matrix=matrix)))
     assert not np.array_equal(calibration_prior(other).roots, before.roots)
     np.testing.assert_array_equal(calibration_prior(rig_parameters(rig)).roots, before.roots)
-
-
-def test_nobody_changes_the_prior_of_all(chart):
-    with pytest.raises(ValueError, match="read-only"):
-        calibration_prior(chart).weights[:] = 0.0
 
 
 def test_boards_are_shown_to_telephoto_rigs_where_both_cameras_see_them():

@@ -9,9 +9,6 @@ from lenses import LENSES, WIDE_LENSES
 import stereorecal as sr
 from stereorecal.estimation import (
     DISTANCES,
-    Estimate,
-    Matters,
-    Posterior,
     consequences,
     points_of_view,
     readings,
@@ -134,43 +131,6 @@ def test_where_nothing_lies_ahead_of_both_cameras_the_whole_view_counts(rig):
         assert not in_the_middle(aside.rig, points).any()
         np.testing.assert_array_equal(ahead, whole)
         assert whole.any()
-
-
-def test_sides_that_a_wide_view_stretches_count_for_less():
-    """Rows are those of the view less its stretch; depth is a mean weighed by the squares of disparities. A pinhole's
-    points count alike."""
-    terms = np.array([-0.02, -0.007, 0.002, -0.001])
-    lens = Camera((640, 480), np.array([[195.0, 0, 322.4], [0, 196.0, 236.1], [0, 0, 1]]), terms, model="equidistant")
-    true = StereoRig(lens, lens, np.array([0.004, -0.006, 0.003, -0.36, 0.002, -0.001]))
-    used = true.with_extrinsics(true.extrinsics + np.array([2e-3, 3e-3, -1e-3, 0.0, 0.0, 0.0]))
-    chart = rig_parameters(true)
-    at, surely = (
-        chart.coordinates_of(used),
-        Posterior(np.ones(1), np.zeros((1, chart.dim)), np.zeros((1, *[chart.dim] * 2))),
-    )
-    for shown in (view(true), view(true, projection="pinhole")):
-        points = points_of_view(true, 10, shown)
-        rows, nearness = readings(used, true, points, shown)
-        found = Estimate(
-            chart, surely, (0.0, 0.0), 0, 0.0, np.zeros(chart.dim), matters=Matters(1, 1, (10,)), view=shown
-        )
-        turns = rectifying_rotations(used.rotation, used.translation)
-        seen = (points @ turns[0].T, (points @ true.rotation.T + true.translation) @ turns[1].T)
-        (column, row), (other, beside) = (shown.pixels(ray, side) for side, ray in enumerate(seen))
-        stretch = shown.formulas.stretch(*seen[0].T[1:], np.linalg.norm(seen[0], axis=1)) * np.ones(len(points))
-        np.testing.assert_allclose(rows * shown.focal / used.left.focal.mean(), (row - beside) / stretch, rtol=1e-6)
-        x, y, z = (points @ rectifying_rotations(true.rotation, true.translation)[0].T).T
-        weights = (shown.formulas.stretch(y, z, np.sqrt(x**2 + y**2 + z**2)) * np.ones(len(points))) ** -2
-        near = shown.nearness(column, column - other) * shown.formulas.length(*seen[0].T) / float(used.baseline)
-        np.testing.assert_allclose(1.0 + nearness, near, rtol=1e-9)
-        mean = 100.0 / np.average(near, weights=weights) - 100.0
-        np.testing.assert_allclose(found.depth_error_percent(at)[10], mean, rtol=1e-6)
-        losses = found.losses(at)
-        np.testing.assert_allclose(losses.even, np.average(np.abs(rows), weights=weights), rtol=1e-6)
-        middle = np.abs(true.left.project(points / points[:, 2:]) / np.array(true.left.size) - 0.5).max(axis=1) <= 0.25
-        ahead = 100.0 * np.average(np.abs(near - 1.0), weights=weights * middle)
-        np.testing.assert_allclose(losses.farthest, ahead, rtol=1e-6)
-        assert (np.ptp(stretch) > 1.0) == (shown.projection == "equirectangular")
 
 
 def test_the_corners_of_a_lens_that_sees_farther_than_its_view_do_not_count():

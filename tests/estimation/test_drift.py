@@ -7,19 +7,6 @@ from parts_of_estimates import SIZES, drift_sizes
 KINDS, WEIGHTS = drift_sizes()
 
 
-def test_probabilities_sum_to_one():
-    assert WEIGHTS.sum() == pytest.approx(1.0)
-    assert WEIGHTS.min() > 0
-    assert len(np.unique(KINDS, axis=0)) == len(KINDS)
-
-
-def test_all_axes_together_at_every_size():
-    together = (KINDS[:, 0] == KINDS[:, 1]) & (KINDS[:, 1] == KINDS[:, 2])
-    np.testing.assert_array_equal(KINDS[together, 0], SIZES)
-    assert WEIGHTS[together].sum() > 0.9
-    np.testing.assert_allclose(WEIGHTS[together], WEIGHTS[together][0])
-
-
 @pytest.mark.parametrize("axis", range(3))
 def test_one_axis_alone_has_some_percent(axis):
     others = np.delete(KINDS[:, :3], axis, axis=1)

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 from hypothesis import given, settings, strategies as st
 from parts_of_estimates import FLOOR, grouped
@@ -133,12 +132,3 @@ def test_a_longer_focal_length_makes_no_noise_smaller(seen):
     before, after = (groups.rows(chart, theta).differences[0] for theta in (0 * longer, longer))
     np.testing.assert_allclose(after, before, atol=0.01 * np.abs(before).max())
     assert np.sqrt(np.mean((after / groups.deviation) ** 2)) > 0.99 * np.sqrt(np.mean((before / groups.deviation) ** 2))
-
-
-def test_rays_of_jax_are_grouped_likewise(rig, chart, seen):
-    found = seen(rig, rig)
-    names = ("left", "right", "weight", "tile", "focal", "scale", "independent")
-    of_jax = replace(found, **{name: jnp.asarray(getattr(found, name)) for name in names})
-    one, other = (grouped(each, chart, np.zeros(chart.dim)) for each in (found, of_jax))
-    for name in ("offset", "deviation", "place", "disparity"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -46,11 +46,6 @@ def test_samples_of_singular_covariances(seed, rank):
     np.testing.assert_allclose(half @ half.T, wanted / np.outer(UNITS, UNITS), atol=1e-12)
 
 
-def test_the_same_for_a_seed():
-    np.testing.assert_array_equal(mixture().samples(20, 5), mixture().samples(20, 5))
-    assert not np.array_equal(mixture().samples(20, 5), mixture().samples(20, 6))
-
-
 def many(seed: int, number: int = 60) -> Posterior:
     """Explanations of which some are alike, one parameter exact."""
     rng = np.random.default_rng(seed)
@@ -84,18 +79,6 @@ def test_and_nearly_all_quantiles(seed):
     one, other = (np.percentile(each.samples(40_000, 1) @ directions, levels, axis=0) for each in (whole, fewer))
     deviation = np.sqrt(np.einsum("nd,nm,md->d", directions, whole.covariance, directions))
     assert np.abs((other - one) / deviation).max() < 0.12
-
-
-def test_those_that_are_the_same_become_one_without_a_trace():
-    single = mixture()
-    several = Posterior(
-        np.tile(single.weights / 20, 20), np.tile(single.means, (20, 1)), np.tile(single.covariances, (20, 1, 1))
-    )
-    fewer = merged(several, 8)
-    assert len(fewer.weights) == 3
-    order = np.argsort(-fewer.weights)
-    np.testing.assert_allclose(fewer.weights[order], single.weights)
-    np.testing.assert_allclose(fewer.means[order] / UNITS, single.means / UNITS, atol=1e-12)
 
 
 def test_each_explanation_has_its_share_of_the_samples():

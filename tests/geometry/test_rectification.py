@@ -1,7 +1,5 @@
 """Rectifying rotations, views, pixel maps and warps against OpenCV, brute force and finite differences."""
 
-from dataclasses import astuple
-
 import cv2
 import jax
 import jax.numpy as jnp
@@ -13,7 +11,6 @@ from lenses import FEW, LENSES
 from stereorecal.geometry import (
     Camera,
     StereoRig,
-    View,
     bilinear_warp,
     mapped_area,
     pixel_map,
@@ -120,17 +117,6 @@ def test_a_wide_lens_keeps_the_middles_of_its_borders():
     assert np.abs((seen[:, :2] - np.array([79.5, 59.5])) / np.array([80, 60])).max() > 0.97
 
 
-def test_matrices_of_the_view():
-    shared = View(SIZE, 100.0, 70.0, 75.0, 60.0)
-    np.testing.assert_array_equal(shared.matrix_left, [[100, 0, 70], [0, 100, 60], [0, 0, 1]])
-    np.testing.assert_array_equal(shared.matrix_right, [[100, 0, 75], [0, 100, 60], [0, 0, 1]])
-    small = shared.scaled(0.5)
-    assert small.size == (80, 60)
-    np.testing.assert_allclose(
-        astuple(small)[1:5], [50, 34.75, 37.25, 29.75]
-    )  # pixel corners stay corners: (c + 0.5) / 2 - 0.5
-
-
 @pytest.mark.parametrize("scale", [0.5, 0.25])
 def test_scaling_the_view_is_resizing_its_images(scale: float):
     """A ramp through the full map, averaged, is the ramp through the scaled map."""
@@ -226,16 +212,6 @@ def reference_warp(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
         + padded[y0 + 1, x0] * (1 - u) * v
         + padded[y0 + 1, x0 + 1] * u * v
     )
-
-
-def test_warp_by_whole_pixels_and_beyond_the_border():
-    image = np.random.default_rng(0).uniform(0, 255, (5, 7)).astype(np.float32)
-    grid = pixels_of((7, 5))
-    np.testing.assert_allclose(warp(image, grid), image, atol=5e-5)
-    np.testing.assert_allclose(warp(image, grid + np.float32([1, 0])[:, None, None])[:, :-1], image[:, 1:], atol=5e-5)
-    far = np.float32([[[-1e6, -1e6], [1e6, -3.0], [6.0, 4.0], [6.4, 4.4], [-0.4, 1e9]]]).T
-    corners = [image[0, 0], image[0, 6], image[4, 6], image[4, 6], image[4, 0]]
-    np.testing.assert_allclose(warp(image, far)[:, 0], corners, atol=5e-5)
 
 
 @given(st.lists(st.tuples(st.floats(-3, 12, width=32), st.floats(-3, 9, width=32)), min_size=1, max_size=20))

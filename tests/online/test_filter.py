@@ -60,21 +60,6 @@ def test_shutters_that_open_at_once_leave_the_yaw_of_a_rig_that_turns_evenly():
     assert spread[True] < 0.1 * spread[False]
 
 
-def test_what_is_said_of_the_shutters_may_change():
-    """As by a state that is gone on with: what was known of a delay is then as at a start."""
-    draw = np.random.default_rng(1)
-    late = fused(60, np.zeros(5), draw, late=0.3)
-    triggered = late.of_shutters(True)
-    assert triggered.delay == 0.0
-    assert not triggered.covariance[5].any()
-    np.testing.assert_allclose(triggered.offset, late.offset)
-    free = triggered.of_shutters(False)
-    assert free.covariance[5, 5] == pytest.approx(at_start(PRIOR, STILL).covariance[5, 5])
-    for frame in range(60):
-        free = free.later(STILL).updated(measured(frame, np.zeros(5), draw, float(np.sin(0.2 * frame)), 0.3))
-    assert free.delay == pytest.approx(0.3, abs=0.06)
-
-
 def test_of_cameras_with_a_trigger_a_shift_is_no_travel():
     """Of others, what the rig travels during a delay poses as a shift in all looks alike."""
     looks = [measured(frame, np.array([0, 0, 0, 2.0, 0]), np.random.default_rng(frame)) for frame in range(20)]
@@ -247,29 +232,6 @@ def test_windows_in_common_error_are_no_proof_however_many():
         told = by_motion(frame, 0.03, draw)
         trial = trial.moved(np.zeros(5), replace(told, doubt=OF_LENSES))
     assert trial.evidence < -np.log(1e-3)
-
-
-def test_looks_follow_a_yaw_once_the_keystone_is_known():
-    """It is constant: what changes is the rig."""
-    draw, walking = np.random.default_rng(5), Config(wander=(0.01, 0.02, 0.01), heating=(0.0, 0.0, 0.0))
-    estimate = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
-    for frame in range(60):
-        estimate = estimate.later(STILL).updated(by_motion(frame, 0.0, draw))
-        estimate = estimate.updated(measured(frame, np.array([0.0, 0.4, 0.0, 0.0, 0.0]), draw))
-    for frame in range(60, 160):
-        estimate = estimate.later(walking).updated(
-            measured(frame, np.array([0.0, 0.4 + 0.003 * (frame - 59), 0.0, 0.0, 0.0]), draw)
-        )
-    assert estimate.offset[1] == pytest.approx(0.3, abs=0.08)
-    assert estimate.keystone == pytest.approx(0.4, abs=0.08)
-
-
-def test_exact_intrinsics_have_no_keystone():
-    draw, estimate = np.random.default_rng(6), at_start(PRIOR, STILL)
-    for frame in range(20):
-        estimate = estimate.later(STILL).updated(measured(frame, np.zeros(5), draw))
-    assert estimate.keystone == 0.0
-    assert estimate.of_rig(measured(0, np.zeros(5), draw)).doubt == 0.0
 
 
 @pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])

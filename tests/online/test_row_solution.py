@@ -83,29 +83,6 @@ def test_the_scatter_of_fresh_data(common):
     np.testing.assert_allclose(said / scatter, 1.0, atol=0.3)
 
 
-@pytest.mark.parametrize("common", [0.0, 0.5])
-def test_bootstrap_over_tiles(common):
-    """Whole tiles drawn with replacement, and each draw solved again."""
-    found, target = problem(common=common)
-    rng, solutions = np.random.default_rng(1), []
-    rows = [np.flatnonzero(found.tile == t) for t in range(TILES)]
-    for _ in range(400):
-        drawn = np.concatenate([rows[t] for t in rng.integers(0, TILES, TILES)])
-        solutions.append(solve(found.jacobian[drawn], target[drawn], found.weight[drawn]))
-    ratio = np.sqrt(np.diag(found.covariance()) / np.var(solutions, axis=0))
-    assert (ratio > 0.7).all()
-    assert (ratio < 1.4).all()
-
-
-def test_errors_in_common_count_as_what_they_are():
-    """Least squares as if all rows were independent would be far too sure."""
-    for common, low, high in ((0.0, 0.7, 1.4), (1.0, 2.0, 5.0)):
-        found = problem(common=common)[0]
-        formal = np.linalg.inv(found.jacobian.T @ (found.weight[:, None] * found.jacobian) + PRIOR)
-        ratio = np.sqrt(np.diag(found.covariance()) / np.diag(formal)).mean()
-        assert low < ratio < high
-
-
 def repeated(found: RowSolution, times: int) -> RowSolution:
     """The same frame several times."""
     fields = {

@@ -31,18 +31,6 @@ def scene():
 DRIFT = np.array([np.radians(0.5), np.radians(-0.7), np.radians(0.9), 0.0, 0.004, -0.003])
 
 
-@pytest.mark.slow  # a wider one is repaired below
-@pytest.mark.parametrize("prior", ["default", "exact"])
-def test_a_drifted_fisheye_rig_is_repaired(scene, prior: str):
-    solution = sr.recalibrate(scene.rig.with_extrinsics(scene.rig.extrinsics + DRIFT), scene.pairs, prior=prior)
-    assert solution.accepted
-    assert sr.difference(solution.rig, scene.rig, view=solution.view).row_error_median < 0.1
-    assert solution.rig.left.model == solution.rig.right.model == "equidistant"
-    if prior == "exact":
-        assert max(axis_errors(solution.rig, scene.rig).rotation_deg.values()) < 0.08  # a tenth of the drift
-        np.testing.assert_array_equal(solution.rig.left.distortion, scene.rig.left.distortion)
-
-
 def test_cv2_rectifies_with_our_maps_as_with_its_own(scene):
     """R1 and P1 into cv2.fisheye's own maps, and the rows of both images through ours."""
     rig, made = scene.rig, sr.rectification(scene.rig, {"projection": "pinhole"})

@@ -1,7 +1,6 @@
 """Many recordings: any executor gives the same answers, and one that fails does not take the others with it."""
 
 import json
-import pickle
 import re
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -76,21 +75,6 @@ class Seeded(AbstractStrategy):
 def test_the_seed_arrives(scenes):
     (found,) = recalibrate_many(scenes[:1], **{**OPTIONS, "schedule": sr.Schedule.count(Seeded())}, seed=41)
     assert "the seed is 41" in found.error
-
-
-class Measuring(ThreadPoolExecutor):
-    """Says how much each task would weigh on its way to another machine."""
-
-    def submit(self, *arguments, **options):
-        self.sizes = [*getattr(self, "sizes", []), len(pickle.dumps((arguments, options)))]
-        return super().submit(*arguments, **options)
-
-
-def test_threads_and_recordings_from_files_travel_as_paths(scenes, serial):
-    with Measuring(2) as pool:
-        assert what(recalibrate_many(scenes, executor=pool, **OPTIONS)) == what(serial)
-    assert len(pool.sizes) == 3
-    assert max(pool.sizes) < 8_000 < 2 * 160 * 120
 
 
 def test_processes(scenes, serial):

@@ -105,11 +105,6 @@ def test_an_odometer_that_knows_nothing_of_the_pairs_is_refused():
         check_odometer(in_ms, pairs, ())
 
 
-@pytest.mark.parametrize("times", [(0.0, 0.0, 0.0, 0.0), (3.0, 2.9, 2.8, 2.7), (0.0, 100.0, 200.0, 300.0)])
-def test_times_that_stand_go_back_or_are_in_milliseconds_make_no_windows(times):
-    assert following(taken(*times), range(4), None, None) == ()
-
-
 @pytest.mark.parametrize("motion", [None, True])
 def test_pairs_that_a_recording_repeats_show_no_motion(motion):
     pairs = taken(0.0, 0.1, 0.2, 0.3)

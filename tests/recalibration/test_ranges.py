@@ -192,11 +192,6 @@ def test_names_that_several_pairs_have(harbour):
         assert abs(100 * (repair.solution.rig.baseline / RIG.baseline - 1)) < 0.8
 
 
-def test_the_count_sees_no_ranges(harbour):
-    with pytest.raises(sr.InputError, match="a schedule that ends on the count"):
-        sr.recalibrate(RIG, harbour.pairs, schedule="count", ranges=some())
-
-
 def test_ranges_of_nothing(harbour):
     with pytest.raises(sr.InputError, match="no such pair was given"):
         sr.recalibrate(RIG, harbour.pairs, ranges=[sr.Range("other", (1.0, 1.0), 3.0)])

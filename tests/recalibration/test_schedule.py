@@ -67,16 +67,6 @@ def test_scales_of_the_default_schedule(size, expected):
     assert [s.scale_for(size) for s in Schedule.default().stages] == pytest.approx(expected, abs=2e-3)
 
 
-def test_default():
-    schedule = Schedule.default()
-    assert schedule.name == "default"
-    assert [s.solver for s in schedule.stages] == ["compass", "fit", "fit"]
-    assert schedule.strategies == ("compass",)
-    assert [s.score for s in schedule.stages] == [ScoreKind.COUNT, ScoreKind.EPIPOLAR, ScoreKind.EPIPOLAR]
-    assert [s.scale for s in schedule.stages] == [0.25, 0.5, 1.0]
-    assert schedule == Schedule.default()
-
-
 def test_default_without_its_plugins(nothing_installed):
     """One sentence that says what to install."""
     with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
@@ -104,10 +94,9 @@ def test_using_a_solver_on_the_count_alone_changes_nothing():
     assert schedule.stages == (Stage(COMPASS, 0.5, ScoreKind.COUNT),)
 
 
-@pytest.mark.parametrize("degrees", [0.4, 1.4], ids=["one look", "a search"])
-def test_all_frames_are_decided_on_however_few_the_last_stage_looks_at(scene, degrees):
+def test_all_frames_are_decided_on_however_few_the_last_stage_looks_at(scene):
     given, schedule = scene(frames=3), Schedule.default()
-    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([degrees, 0.0, -degrees, 0.0, 0.0, 0.0]))
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([1.4, 0.0, -1.4, 0.0, 0.0, 0.0]))
     few = replace(schedule, stages=(*schedule.stages[:-1], replace(schedule.stages[-1], frames=2)))
     repaired = sr.recalibrate(off, given.pairs, matcher=sr.SAD(num_disparities=24), schedule=few)
     assert repaired.accepted

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stereorecal import InputError
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
 from stereorecal.objectives import Reach
@@ -107,18 +106,3 @@ def test_reach_is_the_limit(scene, drifted):
     found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, reach=narrow)
     assert np.abs(found.change[:3]).max() <= np.radians(0.1) + 1e-12
     assert np.abs(found.change[3:]).max() <= 0.001 * drifted.baseline + 1e-12
-
-
-def test_twice_the_reach_is_the_limit_of_a_repair(scene, drifted):
-    """A user who knows that the rig has hardly drifted is not given another one."""
-    narrow = Reach(degrees=0.1, baseline_fraction=0.001)
-    assert recalibrate(drifted, scene().pairs, matcher=SAD_24).accepted
-    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=narrow)
-    assert found.reason is Reason.REACH_EDGE
-    assert found.rig is drifted
-    assert recalibrate(drifted, scene().pairs, matcher=SAD_24, reach=Reach(0.5, 0.02)).accepted
-
-
-def test_no_pairs(scene):
-    with pytest.raises(InputError, match="no image pair"):
-        recalibrate(scene().rig, [])

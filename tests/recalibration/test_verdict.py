@@ -95,21 +95,11 @@ def test_images_that_show_too_little_are_named(looked, shown):
     assert str(shown.problem) in found.verdict
 
 
-@given(pairs=st.integers(1, 2000), rows=st.tuples(*[st.floats(0.0, 1e4)] * 3).map(sorted))
-def test_no_number_makes_a_verdict_longer(looked, pairs, rows):
-    decision = replace(looked.correction.decision, rows_px=np.array([rows, rows]))
-    for reason in REASONS:
-        found = replace(looked, reason=reason, pairs=pairs, correction=replace(looked.correction, decision=decision))
-        assert len(found.verdict.split()) <= 12
-
-
-def test_no_two_reasons_say_the_same():
-    assert len({reason.value for reason in Reason}) == len(Reason)
-    assert {reason for reason in Reason if reason.healthy} == {
-        Reason.IMPROVED,
-        Reason.MORE_MATCHES,
-        Reason.ALREADY_GOOD,
-    }
+@given(reason=st.sampled_from(REASONS), pairs=st.integers(1, 2000), rows=st.tuples(*[st.floats(0.0, 1e4)] * 3))
+def test_no_number_makes_a_verdict_longer(looked, reason, pairs, rows):
+    decision = replace(looked.correction.decision, rows_px=np.array([sorted(rows)] * 2))
+    found = replace(looked, reason=reason, pairs=pairs, correction=replace(looked.correction, decision=decision))
+    assert len(found.verdict.split()) <= 12
 
 
 @pytest.mark.parametrize("reason", [reason for reason in REASONS if not reason.accepted], ids=lambda one: one.name)

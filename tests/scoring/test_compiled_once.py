@@ -105,18 +105,6 @@ def test_the_objective(compilations, small):
 
 
 @pytest.mark.slow
-def test_objectives_of_equal_shape(compilations, scene, small):
-    other = scene("street", 1, (160, 120))
-
-    def call(k):
-        made = sr.objective((small, other)[k].rig, (small, other)[k].pairs, matcher=MATCHER)
-        z = jnp.zeros(5)
-        return made.batch(np.zeros((3, 5))), made.traced.count(z), made.traced.soft_count(z)
-
-    check(compilations, call)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("matcher", ["sad", "bm"])
 def test_what_looks_once(compilations, small, matcher):
     """Measuring the disparity range included, where it is not given."""
@@ -127,14 +115,6 @@ def test_what_looks_once(compilations, small, matcher):
         sr.disparity(rig, pairs[0], matcher=matcher)
         sr.health(rig, pairs, matcher=matcher)
         return sr.rectify(rig, pairs[0])[0], score.count
-
-    check(compilations, call)
-
-
-@pytest.mark.slow
-def test_a_comparison(compilations, small):
-    def call(k):
-        sr.compare(small.rig, small.pairs, strategies=["compass"], draws=1, seed=0, matcher=MATCHER, budget=20)
 
     check(compilations, call)
 

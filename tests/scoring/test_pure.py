@@ -7,7 +7,6 @@ import pytest
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.geometry import with_unit_baseline
 from stereorecal.scoring import host
 
 MATCHER = sr.SAD(num_disparities=24)
@@ -54,18 +53,6 @@ def test_any_kind_of_numbers_will_do_for_extrinsics(data, truth, score):
     expected = float(score(data, np.float32(truth), MATCHER))
     for extrinsics in (truth, jnp.asarray(truth, jnp.float32), truth * np.array([1, 1, 1, 1024, 1024, 1024])):
         assert float(score(data, extrinsics, MATCHER)) == expected
-
-
-@pytest.mark.slow
-def test_frames_add_up(scene):
-    given = scene("street", 0, (160, 120), 2)
-    both, *each = (sr.prepare(given.rig, pairs) for pairs in (given.pairs, given.pairs[:1], given.pairs[1:]))
-    at = with_unit_baseline(given.rig.extrinsics)
-    assert sr.count(both, at, MATCHER) == sum(sr.count(one, at, MATCHER) for one in each)
-    soft = sum(float(sr.soft_count(one, at, MATCHER)) for one in each)
-    assert float(sr.soft_count(both, at, MATCHER)) == pytest.approx(soft, rel=1e-5)
-    found = jax.eval_shape(lambda e: sr.correspondences(both, e, MATCHER), at)
-    assert found.weight.shape[0] == found.left.shape[0] == 2
 
 
 @pytest.mark.slow
@@ -128,11 +115,6 @@ def test_a_longer_baseline_changes_nothing(data, candidates):
     assert abs(gradient @ along) < 1e-3 * np.linalg.norm(gradient)
 
 
-def test_the_count_has_no_slope(data, candidates):
-    tangent = jax.jvp(lambda e: sr.count(data, e, MATCHER), (candidates[0],), (jnp.ones(6),))[1]
-    assert tangent.dtype == jax.dtypes.float0
-
-
 # --- refusals -----------------------------------------------------------------------------------------------
 
 
@@ -159,11 +141,6 @@ REFUSED = {
 def test_matchers_that_cannot_serve_are_refused(data, truth, function, matcher, said):
     with pytest.raises(InputError, match=f"sr.{function.__name__} {said}" if said.startswith("needs") else said):
         function(data, truth, matcher)
-
-
-def test_refused_while_tracing_too(data, truth):
-    with pytest.raises(InputError, match="needs a matcher in JAX"):
-        jax.jit(lambda e: sr.count(data, e, sr.BM(num_disparities=32)))(truth)
 
 
 @pytest.mark.parametrize("temperature", [0.0, -0.1, float("nan")])

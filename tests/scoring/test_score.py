@@ -46,11 +46,6 @@ def test_the_unit_of_the_baseline_does_not_matter(scene, factor):
     assert score(other, given_scene.pairs, matcher=SAD_32) == expected
 
 
-def test_no_pairs(scene):
-    with pytest.raises(InputError, match="no image pair"):
-        score(scene().rig, [], matcher=SAD_32)
-
-
 def test_pairs_of_another_size(scene):
     with pytest.raises(InputError, match="images are 320x240, but the calibration is for 160x120"):
         score(scene(size=(160, 120)).rig, scene().pairs, matcher=SAD_32)
