@@ -1,10 +1,8 @@
-"""Pools of a user's own, and strategies that worker processes can import."""
+"""Strategies that worker processes can import."""
 
 import importlib
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import get_context
 from types import ModuleType
 
 import pytest
@@ -25,11 +23,3 @@ def planted(tmp_path_factory) -> Iterator[Callable[[str, str], ModuleType]]:
         yield plant
     for name in names:
         del sys.modules[name]
-
-
-@pytest.fixture(scope="module", params=["threads", "processes"])
-def pool(request, planted) -> Iterator[Executor]:
-    """With one worker, which finds what is planted."""
-    processes = request.param == "processes"
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) if processes else ThreadPoolExecutor(1) as made:
-        yield made

@@ -1,7 +1,7 @@
 """Any executor gives the same rows; pairs from files travel as paths."""
 
 import pickle
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
 
@@ -28,31 +28,6 @@ def rows(table):
 @pytest.fixture(scope="module")
 def serial(scene):
     return rows(compare_scenes([scene()], **SMALL))
-
-
-@pytest.mark.slow(after=1)
-def test_any_pool_gives_the_same_rows(scene, serial, pool):
-    assert rows(compare_scenes([scene()], executor=pool, **SMALL)) == serial
-
-
-class Faulty(ThreadPoolExecutor):
-    """Loses the second task, as a cluster may lose a worker."""
-
-    def submit(self, *arguments, **options):
-        if getattr(self, "submitted", 0) == 1:
-            lost: Future = Future()
-            lost.set_exception(RuntimeError("the worker died"))
-            self.submitted = 2
-            return lost
-        self.submitted = getattr(self, "submitted", 0) + 1
-        return super().submit(*arguments, **options)
-
-
-def test_a_lost_worker_is_a_failed_row(scene, serial):
-    with Faulty(1) as pool:
-        found = rows(compare_scenes([scene()], executor=pool, **SMALL))
-    assert (found[1].status, found[1].message) == ("FAILED", "the worker died")
-    assert [found[0], found[2]] == [serial[0], serial[2]]
 
 
 @pytest.mark.slow

@@ -2,10 +2,7 @@
 
 import json
 import re
-from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
-from threading import Event
 
 import numpy as np
 import pytest
@@ -77,16 +74,6 @@ def test_the_seed_arrives(scenes):
     assert "the seed is 41" in found.error
 
 
-def test_processes(scenes, serial):
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-        found = recalibrate_many(scenes, executor=pool, **OPTIONS)
-    assert what(found) == what(serial)
-    for here, there in zip(serial, found, strict=True):
-        assert str(there.solution).splitlines()[:-1] == str(here.solution).splitlines()[:-1]  # but for the time
-        assert (there.solution.rig is there.solution.candidate) == here.solution.accepted
-        np.testing.assert_array_equal(there.solution.trace.points, here.solution.trace.points)
-
-
 def test_recordings_that_cannot_be_repaired_are_errors(scenes, serial, scene):
     bad = [
         replace(scenes[0], name="no rig", rig=None),
@@ -109,48 +96,6 @@ def test_a_crashing_strategy_is_an_error_that_names_it(scenes):
     assert "a bug" in found[0].error
 
 
-class Faulty(ThreadPoolExecutor):
-    """Loses the second task, as a cluster may lose a worker, and cancels the third."""
-
-    def submit(self, *arguments, **options):
-        self.submitted = getattr(self, "submitted", 0) + 1
-        if self.submitted == 1:
-            return super().submit(*arguments, **options)
-        lost: Future = Future()
-        if self.submitted == 2:
-            lost.set_exception(RuntimeError("the worker died"))
-        else:
-            lost.cancel()
-            lost.set_running_or_notify_cancel()
-        return lost
-
-
-def test_lost_workers_are_errors(scenes, serial):
-    with Faulty(1) as pool:
-        found = recalibrate_many(scenes, executor=pool, **OPTIONS)
-    assert what(found[:1]) == what(serial[:1])
-    assert [repair.fault for repair in found[1:]] == [Fault.INSIDE] * 2
-    assert "the worker died" in found[1].error
-    assert "CancelledError" in found[2].error
-
-
-def stop_after(number):
-    def progress(finished, total):
-        assert total == 3
-        if finished == number:
-            raise KeyboardInterrupt
-
-    return progress
-
-
-def test_who_takes_them_one_by_one_has_what_is_finished(scenes, serial):
-    finished = {}
-    with pytest.raises(KeyboardInterrupt):
-        recalibrate_many(scenes, progress=stop_after(2), finished=finished.__setitem__, **OPTIONS)
-    assert list(finished) == [0, 1]
-    assert what(finished.values()) == what(serial[:2])
-
-
 @pytest.mark.parametrize(("name", "said"), [("matchr", "did you mean matcher?"), ("q", "there are: budget, distances")])
 def test_an_option_that_is_typed_wrongly_is_named(scenes, name, said):
     for function in (recalibrate_many, lambda scenes, **options: sr.recalibrate(scenes[0].rig, (), **options)):
@@ -160,25 +105,6 @@ def test_an_option_that_is_typed_wrongly_is_named(scenes, name, said):
         TypeError, match="there is no option 'budget'; there are: distances, matcher, motion, prior, tolerances, view"
     ):
         sr.health(scenes[0].rig, scenes[0].pairs, budget=3)
-
-
-def test_ctrl_c_cancels_what_waits(scenes):
-    """The second task begins as the first ends; the third must not."""
-    begun, interrupted = [], Event()
-
-    class Waiting(Crashing):
-        def run(self, objective, start, seed):
-            begun.append(1)
-            if len(begun) > 1:
-                assert interrupted.wait(60)
-            return super().run(objective, start, seed)
-
-    options = {**OPTIONS, "schedule": sr.Schedule.count(Waiting())}
-    with ThreadPoolExecutor(1) as pool:
-        with pytest.raises(KeyboardInterrupt):
-            recalibrate_many(scenes, executor=pool, progress=stop_after(1), **options)
-        interrupted.set()
-    assert len(begun) <= 2
 
 
 def test_nothing_to_repair():
