@@ -1,9 +1,13 @@
 """What commands do alike, whatever they work out: JSON, silence, progress, matchers, executors."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from spoiled import fog
+
+from stereorecal.io import load_scene, save_scene
 
 WORDS = {
     "compare": ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5, "--scene"),
@@ -73,3 +77,49 @@ def test_matchers(command, clean_scene: Path, verb: str):
         counts |= {count_of(row) for row in rows}
     assert len(counts) == 2 * len(rows)
     assert min(counts) > 500
+
+
+# --- rigs x spoilings x doors -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def recordings(clean_scene: Path, drifted_scene: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Of a good rig, of one that has drifted, of fog, and one whose right images are upside down."""
+    folder, scene = tmp_path_factory.mktemp("spoiled"), load_scene(clean_scene)
+    (pair,) = scene.pairs
+    upside_down = replace(pair, right=pair.right[::-1, ::-1].copy(), origin=None)
+    for name, spoiled in (("fog", fog(pair.size)), ("mixed", upside_down)):
+        save_scene(replace(scene, pairs=(spoiled,)), folder / name)
+    return {"clean": clean_scene, "drifted": drifted_scene, "fog": folder / "fog", "mixed": folder / "mixed"}
+
+
+ENDS = {  # of `score`, and of `recalibrate`; None: it cannot be used
+    "clean": ("healthy", "already_good"),
+    "drifted": ("repair", "improved"),
+    "fog": ("cannot_tell", "too_little_texture"),
+    "mixed": (None, None),
+}
+
+
+@pytest.mark.parametrize(
+    ("names", "codes"),
+    [
+        (("drifted", "clean"), (1, 0)),
+        (("clean", "fog"), (4, 4)),
+        (("fog", "drifted"), (1, 4)),  # an alarm is more urgent than none; a repair is none
+        (("clean", "mixed", "drifted"), (2, 2)),
+    ],
+)
+@pytest.mark.parametrize("verb", ["score", "recalibrate"])
+def test_the_worst_of_several_decides_and_takes_no_other_with_it(
+    command, recordings: dict[str, Path], tmp_path: Path, verb: str, names: tuple[str, ...], codes: tuple[int, int]
+):
+    door, target = ("score", "recalibrate").index(verb), tmp_path / "out.json"
+    answer = command(verb, *(recordings[name] for name in names), "--json", target)
+    rows = json.loads(target.read_text())[ROWS[verb]]
+    assert answer.code == codes[door]
+    assert [row.get("condition") or row.get("reason") for row in rows] == [ENDS[name][door] for name in names]
+    assert ["upside down" in (row["error"] or "") for row in rows] == [name == "mixed" for name in names]
+    assert answer.err.count("\n") == answer.err.count("upside down") == names.count("mixed")
+    assert all(name in answer.out for name in names)
+    assert "NaN" not in target.read_text()

@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -112,18 +111,3 @@ def test_nothing_is_written_when_nothing_is_finished(command, raising, drifted_s
     answer = command("recalibrate", drifted_scene, *SLOWLY, *places)
     assert (answer.code, answer.out, "interrupted" in answer.err) == (130, "", True)
     assert not any(path.exists() for path in places[1::2])
-
-
-@pytest.mark.slow(after=1)
-@pytest.mark.parametrize("executor", ["serial", "threads:1", "processes:1"])
-def test_ctrl_c_inside_a_worker(command, raising, clean_scene: Path, tmp_path: Path, executor: str):
-    """The second recording's worker is interrupted: the first is printed and saved."""
-    raising(1)
-    target, again = tmp_path / "out.json", shutil.copytree(clean_scene, tmp_path / "again")
-    answer = command("recalibrate", clean_scene, again, *SLOWLY, "--executor", executor, "--json", target)
-    assert answer.code == 130, answer.err
-    assert "internal error" not in answer.err
-    assert "again: interrupted before it was finished" in answer.err
-    assert "not improved" in answer.out
-    faults = [repair["fault"] for repair in json.loads(target.read_text())["repairs"]]
-    assert faults == [None, "interrupted"]

@@ -64,11 +64,6 @@ def test_a_user_without_a_home(tmp_path: Path):
     assert answer.returncode == 2
 
 
-def test_nowhere_to_write_to(tmp_path: Path):
-    (tmp_path / "file").write_text("in the way")
-    assert where(XDG_CACHE_HOME=tmp_path / "file", HOME=tmp_path / "file") == "None"
-
-
 @linux_only
 @pytest.mark.slow(after=2)
 @pytest.mark.parametrize(

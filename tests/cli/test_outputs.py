@@ -69,14 +69,6 @@ def test_what_else_is_read(command, clean_scene: Path, tmp_path: Path, option: s
     assert state(tmp_path) == before
 
 
-def test_two_results_in_one_file(command, folder: Path, tmp_path: Path, unworked):
-    """The copy that --in-place keeps is one of them."""
-    before, both = state(tmp_path), f"{tmp_path}/a.yaml,{tmp_path}/./a.yaml"
-    for places in (("--in-place", "--json", folder / "calib.json.bak", "--force"), ("--output", both)):
-        command("recalibrate", folder, *unworked, *places).refuses("name the same file")
-    assert state(tmp_path) == before
-
-
 def test_all_files_of_a_bag_are_inputs(command, clean_scene: Path, tmp_path: Path):
     pytest.importorskip("rosbags", reason="rosbags is not installed")
     noise = np.random.default_rng(0).integers(0, 256, (2, 120, 160), np.uint8)
@@ -180,13 +172,6 @@ def test_what_does_not_go_to_stdout(command, clean_scene: Path, tmp_path: Path, 
     monkeypatch.chdir(tmp_path)
     command(*(word.format(clean_scene) for word in asked)).refuses()
     assert list(tmp_path.iterdir()) == []
-
-
-def test_devices_need_no_force(command, clean_scene: Path, drifted_scene: Path):
-    assert command("diff", clean_scene, clean_scene, "--json", os.devnull).code == 0
-    answer = command("recalibrate", drifted_scene, *COUNT, "--output", os.devnull, "--maps", os.devnull)
-    assert (answer.code, answer.err) == (0, "")
-    assert not Path(os.devnull).is_file()
 
 
 # --- what cannot be written ---------------------------------------------------------------------------------

@@ -1,14 +1,13 @@
 """`matchers` and `strategies` list what is installed, and check one; `--matcher` takes what is installed."""
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import stereorecal as sr
 from stereorecal.matching import BM, AbstractMatcher, Disparity
 
 
@@ -81,14 +80,6 @@ def test_check(command, request, kind: str, installed: str, good: str, bad: str,
     assert fails in answer.out
     assert "pass  travels" in answer.out or kind == "matchers"
     command(kind, "check", good[:-1]).refuses(f"; did you mean {good}?")
-
-
-def test_a_comparison_names_it(plugins, clean_scene: Path):
-    scene, mine = replace(sr.io.load_scene(clean_scene), reference="truth"), sr.matcher("mine", num_disparities=32)
-    table = sr.compare_scenes([scene], strategies=["compass"], matcher=mine, draws=1, scale=0.25, budget=0.5)
-    assert table.settings["matcher"]["name"] == table.trials[0].matcher == "mine"
-    assert table.versions["matcher mine"] == "plug-in 1.2"
-    assert table.trials[0].score_final is not None
 
 
 @pytest.mark.parametrize("verb", ["compare --scene", "score", "recalibrate", "monitor"])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from spoiled import fog, turned
+from spoiled import turned
 
 import stereorecal as sr
 from stereorecal.io import load_scene, save_scene
@@ -54,41 +54,6 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
     assert said["probability_better"] == found.correction.decision.better
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))
-
-
-@pytest.mark.parametrize("order", [1, -1])
-def test_one_unhealthy_among_several(command, clean_scene: Path, drifted_scene: Path, order: int):
-    answer = command("score", *(clean_scene, drifted_scene)[::order])
-    assert (answer.code, answer.err) == (1, "")
-    (good,), (bad,) = ([line for line in answer.out.splitlines() if name in line] for name in ("/clean", "/drifted"))
-    assert " Good" in good
-    assert "Repair it: " in bad
-
-
-def test_nothing_to_match_is_null(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
-    save_scene(replace(load_scene(clean_scene), pairs=(fog(SIZE),)), tmp_path / "fog")
-    answer = command("score", tmp_path / "fog", "--json", "-")
-    assert (answer.code, answer.err) == (4, "")
-    (said,) = json.loads(answer.out)["scenes"]
-    assert (said["count"], said["row_error_px"], said["condition"]) == (0, None, "cannot_tell")
-    assert "NaN" not in answer.out
-    assert command("score", tmp_path / "fog", tmp_path / "fog").code == 4
-    assert command("score", tmp_path / "fog", clean_scene).code == 4
-    assert command("score", tmp_path / "fog", drifted_scene).code == 1  # which is more urgent
-
-
-def test_one_that_is_mixed_up_does_not_take_the_others_with_it(command, clean_scene: Path, tmp_path: Path):
-    scene = sr.io.load_scene(clean_scene)
-    (pair,) = scene.pairs
-    save_scene(replace(scene, pairs=(sr.Pair(pair.left, pair.right[::-1, ::-1].copy()),)), tmp_path / "mixed")
-    answer = command("score", clean_scene, tmp_path / "mixed", "--json", tmp_path / "both.json")
-    assert answer.code == 2
-    assert "upside down" in answer.err
-    assert "Good" in answer.out
-    good, bad = json.loads((tmp_path / "both.json").read_text())["scenes"]
-    assert good["error"] is None
-    assert good["healthy"]
-    assert "upside down" in bad["error"]
 
 
 @pytest.mark.parametrize("finished", [0, 1])

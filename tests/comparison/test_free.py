@@ -10,7 +10,7 @@ from stereorecal.comparison import compare
 from stereorecal.objectives import Parameters, reach_chart, rig_count_objective
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
-from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status, strategy
+from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
 
 BOTH = ("extrinsics", "intrinsics")
 SMALL = {"matcher": sr.SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=5)}
@@ -47,26 +47,6 @@ def test_more_coordinates_and_the_same_errors(scene):
     assert fewer.as_dict()["settings"]["free"] == ["pitch", "yaw", "roll", "y", "z"]
     assert more.as_dict()["settings"]["free"][-1] == "right.k2"
     assert len(more.as_dict()["settings"]["free"]) == 15
-
-
-@pytest.mark.slow
-def test_rows_with_lenses_in_the_box(scene):
-    """Least squares over fifteen coordinates ends near the truth, and says so."""
-    given_scene = scene()
-    solver = {"levenberg-marquardt": strategy("levenberg-marquardt")}
-    (trial,) = compare(
-        given_scene.rig,
-        given_scene.pairs,
-        strategies=solver,
-        schedule="default",
-        free=BOTH,
-        matcher=SMALL["matcher"],
-        draws=1,
-    ).trials
-    assert trial.status == "CONVERGED"
-    assert trial.accepted
-    # Lenses stand for some of it: half a pixel of a principal point is a tenth of a degree of pitch.
-    assert max(trial.rotation_error_deg[axis] for axis in ("pitch", "roll")) < 0.1
 
 
 def test_extrinsics_must_be_free(scene):

@@ -32,16 +32,6 @@ class Needy(Idle):
     needs = Need.RESIDUALS
 
 
-@dataclass(frozen=True)
-class Interrupted(AbstractStrategy):
-    """Ctrl-C arrives in the second draw."""
-
-    def run(self, objective, start, seed):
-        if seed == 1:
-            raise KeyboardInterrupt
-        return Outcome(start, Status.STALLED)
-
-
 def run(scene, strategies, **changes):
     given_scene = scene()
     return compare_scenes([given_scene], strategies=strategies, **(SMALL | changes))
@@ -109,16 +99,6 @@ def test_a_candidate_that_cost_nothing_was_there_from_the_beginning(scene):
     assert trial.score_at["100"] > 0
 
 
-def test_ctrl_c_keeps_what_is_finished(scene):
-    calls = []
-    table = run(scene, {"interrupted": Interrupted()}, draws=3, progress=lambda *numbers: calls.append(numbers))
-    assert table.interrupted
-    assert [t.draw for t in table.trials] == [0]
-    assert calls == [(1, 3)]
-    at_once = run(scene, {"interrupted": Interrupted()}, seed=1)
-    assert (at_once.interrupted, at_once.trials, at_once.summary) == (True, (), ())
-
-
 def test_a_broken_installed_strategy_fails_and_the_others_live(scene, install):
     install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
     table = run(scene, ["shaky", "compass"])
@@ -126,13 +106,6 @@ def test_a_broken_installed_strategy_fails_and_the_others_live(scene, install):
     assert {t.status for t in rows["shaky"]} == {"FAILED"}
     assert all("strategy shaky" in t.message and "cannot be loaded" in t.message for t in rows["shaky"])
     assert {t.status for t in rows["compass"]} == {"BUDGET"}
-
-
-def test_a_name_asked_twice_runs_once(scene):
-    calls = []
-    table = run(scene, ["compass", "compass"], progress=lambda *numbers: calls.append(numbers))
-    assert table.settings["strategies"] == ["compass"]
-    assert calls == [(1, 2), (2, 2)]
 
 
 def test_budget_and_seed_reach_the_strategy(scene):

@@ -9,7 +9,7 @@ from stereorecal import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.geometry import axis_errors, view
 from stereorecal.matching import SAD
-from stereorecal.recalibration import Schedule, recalibrate
+from stereorecal.recalibration import Schedule
 from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, strategy
 
@@ -74,17 +74,6 @@ def test_without_the_default_strategies_errors_are_against_the_stored_calibratio
     assert comparison.trials[0].reference == "stored"
 
 
-def test_a_known_truth_is_the_reference(scene):
-    given_scene = scene()
-    assert given_scene.reference == "truth"
-    budget = Budget(evaluations=1)
-    options = {"matcher": SAD(num_disparities=24), "schedule": "count", "draws": 1, "budget": budget}
-    comparison = compare_scenes([given_scene], **options)
-    [trial] = comparison.trials
-    assert trial.reference == "truth"
-    assert max(trial.rotation_error_deg.values()) <= 0.5 + 1e-9
-
-
 BUDGETED = {"matcher": SAD(num_disparities=24), "draws": 1, "scale": 0.5, "budget": Budget(evaluations=3)}
 
 
@@ -113,19 +102,6 @@ def test_a_strategy_alone_runs_in_the_count_schedule_or_takes_its_place_in_the_d
     assert alone.settings["schedule"] == "count"
     [trial] = compare_scenes([scene()], schedule="default", strategies=["secant"], **BUDGETED).trials
     assert (trial.schedule, trial.strategy, trial.strategies) == ("default", "secant", ("secant",))
-
-
-@pytest.mark.slow
-def test_names_and_numbers_are_taken_as_on_the_command_line(scene):
-    given, options = scene(size=(320, 240)), {"matcher": "bm", "schedule": "default", "budget": 10, "draws": 1}
-    comparison = compare(given.rig, given.pairs, **options)
-    [trial] = comparison.trials
-    assert (trial.matcher, trial.schedule) == ("bm", "default")
-    assert trial.cost <= 10
-    assert comparison.settings["budget"] == {"evaluations": 10, "seconds": None}
-    solution = recalibrate(given.rig, given.pairs, schedule="count", matcher="bm", budget=2)
-    assert [stage.stage.score.name for stage in solution.stages] == ["COUNT"]
-    assert solution.cost.budgeted <= 2
 
 
 REFUSED = {

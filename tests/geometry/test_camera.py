@@ -160,12 +160,6 @@ def test_no_lens_distorts_so_much(place: int):
         Camera(SIZE, MATRIX, np.where(np.arange(5) == place, 1e300, 0.0))
 
 
-@pytest.mark.parametrize("focal", [30.0, 100_000.0])
-def test_wide_and_long_lenses_are_cameras(focal: float):
-    matrix = np.array([[focal, 0, 320], [0, focal, 240], [0, 0, 1]])
-    Camera((640, 480), matrix, np.array([-0.4, 0.2, 1e-3, 1e-3, 5e3]))
-
-
 @pytest.mark.parametrize("size", [(0, 10), (10, -1), None, 10, ("10", "10"), (10, np.nan)])
 def test_sizes_that_are_none(size: Any):
     given = Camera(SIZE, MATRIX)

@@ -85,10 +85,3 @@ def test_a_name_of_ours_that_somebody_else_claims(installed):
     installed({"sad": f"{__name__}:Nothing"})
     with pytest.raises(sr.InputError, match="matcher sad is claimed by plug-in and stereorecal; uninstall all but one"):
         sr.matcher("sad")
-
-
-def test_a_plugins_class_is_called_by_its_own_name():
-    with pytest.raises(sr.InputError, match=r"'numDisparities'; write Nothing\(num_disparities=9\)"):
-        Nothing(numDisparities=9)
-    with pytest.raises(sr.InputError, match=r"matcher is the class Nothing; make one of it, such as Nothing\(\)"):
-        as_matcher(Nothing)

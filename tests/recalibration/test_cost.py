@@ -64,13 +64,6 @@ def test_every_run_of_the_matcher_is_metered(scene, runs, looks, schedule, frame
     )
 
 
-@pytest.mark.slow
-def test_a_known_range_needs_no_survey_on_the_papers_way(scene, runs):
-    cost = repaired(scene, matcher=Counting(num_disparities=64), schedule="count").cost
-    assert cost.survey == cost.starts == 0
-    assert cost.total == pytest.approx(runs())
-
-
 def test_a_budget_pays_for_the_search_alone(scene, runs):
     """And what it leaves undone costs nothing: neither later stages, nor a count that judges their nominations."""
     cost = repaired(scene, matcher=Counting(num_disparities=64), budget=4.0).cost

@@ -68,19 +68,6 @@ def test_what_a_calibration_leaves_is_made_through_the_lens(field: float):
     assert (much > slightly).all()
 
 
-def test_the_field_of_a_view_is_that_which_was_asked_for():
-    rig = rig_of(190.0)
-    view = sr.view(rig, field=140.0, projection="pinhole")
-    assert 2.0 * np.degrees(np.arctan(0.5 * SIZE[0] / view.focal)) == pytest.approx(140.0)
-    assert sr.view(rig, field=140.0).degrees == pytest.approx(140.0)
-    # The middle keeps its resolution by default.
-    middle = np.mean([rig.left.focal, rig.right.focal])
-    assert sr.view(rig, projection="pinhole").focal == pytest.approx(middle, rel=1e-3)
-    for field in (0.0, -10.0, 165.1, np.nan):
-        with pytest.raises(sr.InputError, match="makes no pinhole view"):
-            sr.view(rig, field=field, projection="pinhole")
-
-
 @pytest.mark.parametrize(("field", "projection"), [(60.0, "pinhole"), (100.0, "pinhole"), (115.0, "equirectangular")])
 def test_the_view_of_a_wide_model_follows_what_a_pinhole_can_show(field: float, projection: str):
     """Of the same lens as another model has it, the same view; and no drift turns one into the other."""

@@ -71,20 +71,6 @@ def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
     np.testing.assert_allclose([few.traced.count(jnp.asarray(p, jnp.float32)) for p in points], found, rtol=2e-3)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
-def test_the_maximum_stays(scene, kind):
-    """Along pitch: where the count of 40 % of the rows is highest, the whole count is as good as at its own maximum."""
-    given_scene = scene(kind, 0, (320, 240))
-    pitch = np.linspace(-0.05, 0.05, 21)[:, None] * np.eye(5)[0]
-    few, whole = (
-        sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=rows).batch(pitch) for rows in (0.4, 1.0)
-    )
-    assert abs(pitch[few.argmax(), 0] - pitch[whole.argmax(), 0]) * 3.0 < 0.05  # degrees
-    assert whole[few.argmax()] >= 0.99 * whole.max()  # bumps of half a percent are noise
-    assert few.max() == pytest.approx(0.4 * whole.max(), rel=0.3)
-
-
 @pytest.mark.parametrize("rows", [1.0, 0.4])
 def test_some_rows_cost_less_where_intrinsics_are_free_too(scene, rows):
     given_scene = scene("street", 0, (320, 240))

@@ -125,34 +125,6 @@ def test_rays_do_not_depend_on_the_extrinsics_they_were_found_under(harbour, fou
     assert shared.sum() > 0.7 * here.sum()
 
 
-@pytest.mark.slow
-def test_frames_keep_their_own_and_half_scale_sees_the_same_rays(harbour, scene):
-    """Two frames at half scale: tiles are numbered on, and the first frame does not hear of the second."""
-    truth, own = with_unit_baseline(harbour.rig.extrinsics), view(harbour.rig)
-    both, other = (
-        correspondences(
-            prepare(harbour.rig, [*harbour.pairs, *scene("harbour", seed).pairs], own, 0.5),
-            truth,
-            SAD_64,
-        )
-        for seed in (1, 2)
-    )
-    assert both.weight.shape == (2, 4800)
-    np.testing.assert_array_equal(both.tile[1], both.tile[0] + 48)
-    assert float(both.scale) == 0.5
-    assert float(both.focal) == pytest.approx(0.5 * own.focal)
-    for frame in (0, 1):
-        assert (both.weight[frame] > 0).sum() > 500
-        rows = row_differences(both, truth)[frame][both.weight[frame] > 0]
-        assert np.median(np.abs(rows)) < 0.2
-    np.testing.assert_array_equal(both.left[0], other.left[0])
-    np.testing.assert_array_equal(both.right[0], other.right[0])
-    here = both.weight[0] > 0
-    ratio = both.weight[0][here] / other.weight[0][here]
-    np.testing.assert_allclose(ratio, ratio.mean(), rtol=1e-4)
-    assert not np.array_equal(both.right[1], other.right[1])
-
-
 def test_a_cell_is_the_weighted_mean_of_its_pixels_and_weighs_as_one_of_them():
     """However few of its pixels were found; what is left over beyond whole cells belongs to none."""
     rng, side = np.random.default_rng(0), 3

@@ -46,13 +46,6 @@ def test_covers_the_truth_after_a_drift(scene, kind, seed, signs):
     assert nearest(kind, seed) < found < 320
 
 
-@pytest.mark.slow
-def test_a_wider_reach_searches_further(scene):
-    given_scene = scene()
-    ranges = [measured(given_scene.rig, given_scene.pairs, reach=np.radians(r)) for r in (3.0, 8.0)]
-    assert ranges[1] > ranges[0]
-
-
 def test_what_is_given_is_kept(scene):
     """The range itself, the least disparity and all other options."""
     given_scene = scene()

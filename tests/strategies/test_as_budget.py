@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
-from stereorecal.strategies import Budget, Objective, Problem, as_budget
+from stereorecal.strategies import Budget, as_budget
 
 
 def test_none_is_no_limit_and_a_budget_is_itself():
@@ -54,15 +54,3 @@ def test_numbers_that_make_no_sense(number):
     with pytest.raises(InputError, match=r"makes no sense; give a positive number, or None for no limit") as caught:
         as_budget(number)
     assert len(str(caught.value)) < 200
-
-
-@pytest.mark.parametrize(
-    ("given", "left"),
-    [(None, np.inf), (np.inf, np.inf), (3, 3), (2.5, 2.5), (Budget(7), 7), (Budget(seconds=9e9), np.inf)],
-)
-def test_an_objective_takes_all_of_them(given, left):
-    problem = Problem(1, lambda points: points[:, 0])
-    objective = Objective(problem, given)
-    assert objective.remaining == left
-    assert objective.value(np.ones(1)) == 1.0
-    assert Objective(problem, 1).with_budget(given).remaining == left

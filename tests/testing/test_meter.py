@@ -2,7 +2,6 @@
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 import pytest
 
 from stereorecal.testing import _analytic_problems as problems
@@ -64,12 +63,3 @@ def test_calls_add_up_and_points_are_seen_where_they_are_evaluated(jitted):
     for number in range(1, 4):
         both(f, 0.5 * number * jnp.ones(3))
         assert (meter.total, meter.farthest) == (4 * number, 0.5 * number)
-
-
-def test_every_mode_gives_the_same_gradient():
-    f = problems.problem(problems.bowl, 3).traced.soft_count
-    expected = -2.0 * (np.asarray(POINT) - np.linspace(-0.4, 0.3, 3))
-    for task in ("gradient", "forward Jacobian", "reverse Jacobian"):
-        np.testing.assert_allclose(DERIVATIVES[task](f, POINT), expected, rtol=1e-5, atol=1e-6)
-    along = DERIVATIVES["one direction"](f, POINT)[1]
-    np.testing.assert_allclose(along, expected @ np.asarray(ALONG), rtol=1e-5)
