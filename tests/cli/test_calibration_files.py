@@ -257,8 +257,8 @@ def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path
         np.testing.assert_allclose(stored["Q"], sr.rectification(load_scene(clean_scene).rig).Q, atol=1e-12)
 
 
-@pytest.mark.slow(after=2)
-@pytest.mark.parametrize("coefficients", [5, 12])
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("coefficients", [12, 5])
 def test_a_file_keeps_its_number_of_coefficients(
     command, drifted_scene: Path, sides, tmp_path: Path, coefficients: int
 ):

@@ -3,14 +3,13 @@
 import json
 import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from slow import plant, sleeping, terminal
+from slow import plant, sleeping
 
 SLOWLY = ("--schedule", "count:slow")
 
@@ -65,27 +64,6 @@ def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], 
         _, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
     assert err.count("\n") == 1
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="has no such signal")
-def test_a_terminal_that_is_closed(planted: dict[str, str], clean_scene: Path, drifted_scene: Path, tmp_path: Path):
-    """Neither its progress bar nor its lines can be written any more."""
-    import pty
-
-    target, started = tmp_path / "out.json", Path(planted["SLOW_STARTED"])
-    words = ["-m", "stereorecal", "recalibrate", drifted_scene, clean_scene, *SLOWLY, "--json", target]
-    run, (ours, theirs) = terminal(*words), pty.openpty()
-    env = os.environ | planted
-    with subprocess.Popen(run, stdin=theirs, stdout=theirs, stderr=theirs, env=env, start_new_session=True) as process:
-        os.close(theirs)
-        while not started.exists():
-            assert process.poll() is None
-            time.sleep(0.05)
-        os.close(ours)
-        process.send_signal(signal.SIGHUP)
-        assert process.wait(60) == 130
-    assert [repair["fault"] for repair in json.loads(target.read_text())["repairs"]] == [None, "interrupted"]
 
 
 # --- in this process: the strategy itself is interrupted -----------------------------------------------------

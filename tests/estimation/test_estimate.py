@@ -121,26 +121,6 @@ def test_the_scene_upside_down(rig, chart, seen):
     np.testing.assert_allclose((other.theta[:5] - expected) / sigmas(one)[:5], 0.0, atol=1e-3)
 
 
-def test_the_scene_in_a_mirror(rig, chart, seen):
-    """Left is right: the rig from the other side is the same rig, but for groups, which are those of the left image."""
-    flip = np.array([-1.0, 1.0, 1.0])
-
-    def mirrored(camera):
-        centre = np.array([[0, 0, 640 - 2 * camera.matrix[0, 2]], [0, 0, 0], [0, 0, 0]])
-        return sr.Camera(camera.size, camera.matrix + centre, camera.distortion * [1, 1, 1, -1])
-
-    def other_side(one):
-        back = np.diag(flip) @ one.rotation.T @ np.diag(flip)
-        shift = -flip * (one.rotation.T @ one.translation)
-        return sr.StereoRig.from_rotation(mirrored(one.right), mirrored(one.left), back, shift)
-
-    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
-    swapped = replace(found, left=found.right * flip.astype(np.float32), right=found.left * flip.astype(np.float32))
-    one, other = estimate(found, rig, "exact"), estimate(swapped, other_side(rig), "exact")
-    apart = other.chart.coordinates_of(other_side(one.chart.rig_at(one.theta))) - other.theta
-    assert (np.abs(apart[:5]) < 2 * sigmas(other)[:5]).all()
-
-
 @pytest.mark.parametrize(("said", "times"), [("default", 2), ("exact", 2), ("exact", 4)])
 def test_the_same_images_again_are_hardly_news(rig, chart, seen, said, times):
     """Four times as much that was new would halve the interval."""

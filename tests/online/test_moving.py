@@ -44,12 +44,6 @@ def test_where_times_are_not_known_sixteen_pairs_end_it(ridden, since, time, pai
     assert after.tracked_pairs == (2 if soon else 4)  # looked for, and not seen again; or not asked
 
 
-def test_looks_that_are_far_apart_stay_within_sixteen_pairs(ridden):
-    for every, longest in ((1, 16), (5, 15), (30, 1)):
-        state = ridden[-1].state
-        assert _moving._longest(state.replace(config=replace(state.config, every=every))) == longest
-
-
 def test_until_the_rig_may_have_moved_nothing_is_asked(ridden):
     state = with_corners(ridden[-1].state, pairs=3)
     after = after_coarse(state)

@@ -31,6 +31,7 @@ def standing(rig: StereoRig, pair: Pair, turns: Turns) -> tuple[StereoRig, Pair]
     return StereoRig.from_rotation(taken.left, taken.right, taken.rotation, taken.translation), Pair(left, right)
 
 
+@pytest.mark.slow(after=2)
 @each_stand
 def test_answers_are_the_same(plain, turns: Turns):
     (rig, pair), (other, taken) = plain, standing(*plain, turns)
@@ -89,6 +90,7 @@ def test_pairs_are_turned_once_and_travel(plain, turns: Turns):
         turned.read_out(0.01)
 
 
+@pytest.mark.slow(after=1)
 @each_stand
 def test_ranges_are_at_pixels_of_images_as_they_were_taken(scene, turns: Turns):
     found = scene("street", 0, (320, 240))

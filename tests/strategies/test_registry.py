@@ -215,26 +215,6 @@ def test_the_name_of_a_class_that_is_registered_through_another_module_or_twice(
     assert name_of(Local.Inner()) == "deep"
 
 
-def test_finding_a_name_imports_nothing(installed, monkeypatch):
-    lazy, asked = ModuleType("lazy"), []
-
-    def attribute(name):
-        asked.append(name)
-        raise AttributeError(name)
-
-    lazy.__getattr__ = attribute
-    monkeypatch.setitem(sys.modules, "lazy", lazy)
-    installed(
-        Point("absent", "no_such_module:Thing"),
-        Point("lazy", "lazy:Local"),
-        Point("whole", "lazy"),
-        Point("stdlib", "this:Zen"),
-    )
-    assert name_of(Local()) == "Local"
-    assert "Local" not in asked
-    assert "this" not in sys.modules
-
-
 @pytest.mark.parametrize("value", ["", ":", "no colon at all", f"{__name__}:", f"{__name__}:Local:Inner"])
 def test_a_malformed_entry_point_hides_no_name(installed, value):
     installed(Point("bad", value), Point("local", f"{__name__}:Local [extra]"))
