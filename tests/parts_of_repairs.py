@@ -8,7 +8,7 @@ from stereorecal.cli import _cluster as _cluster, _signals as _signals
 from stereorecal.cli._commands import COMMANDS as COMMANDS
 from stereorecal.online import _moving as _moving, _recalibrating as _recalibrating
 from stereorecal.recalibration._match_ranges import match_ranges as match_ranges
-from stereorecal.recalibration._mismatch import Mismatch as Mismatch, mismatch_of as mismatch_of
+from stereorecal.recalibration._mismatch import mismatch_of as mismatch_of
 from stereorecal.recalibration._motion_windows import (
     MOST_WINDOWS as MOST_WINDOWS,
     check_odometer as check_odometer,

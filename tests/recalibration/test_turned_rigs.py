@@ -10,7 +10,6 @@ import pytest
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig, turned_pixels
-from stereorecal.recalibration import fixed
 from stereorecal.recordings import Pair, check_pairs
 
 each_stand = pytest.mark.parametrize("turns", [(1, 1), (3, 3), (0, 2), (2, 0)])
@@ -104,11 +103,3 @@ def test_ranges_are_at_pixels_of_images_as_they_were_taken(scene, turns: Turns):
         matched.append(str(sr.recalibrate(one, image, ranges=ranges, free="rotation").ranges))
     assert matched[0] == matched[1]
     assert "agree" in matched[0]
-
-
-def test_images_that_are_both_upside_down_are_turned_on_request(plain):
-    rig, pair = plain
-    upside_down = replace(pair, left=np.rot90(pair.left, 2).copy(), right=np.rot90(pair.right, 2).copy())
-    same, (turned,) = fixed(rig, (upside_down,), "turned")
-    assert same is rig
-    np.testing.assert_array_equal(turned.left, pair.left)
