@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parts_of_estimates import _soft_area
 
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
@@ -92,3 +93,18 @@ def test_opencv_matchers_have_none(scene):
     assert type(opaque.value(np.zeros(5))) is float
     with pytest.raises(NeedNotMet, match="differentiable score"):
         run_strategy(Smooth(), opaque, np.zeros(5))
+
+
+def test_its_area_fades_alike_at_all_borders():
+    """Half at the outermost pixels, less beyond them, and nothing where a lens shows nothing."""
+    width, height = 9, 7
+    columns, rows = np.meshgrid(np.arange(-2.0, width + 2), np.arange(-2.0, height + 2))
+    area = np.array(_soft_area(jnp.asarray([columns, rows], jnp.float32), (width, height), 0.5))
+    nowhere = (columns == -1.0) & (rows == -1.0)
+    np.testing.assert_array_equal(area[nowhere], 0.0)
+    area[nowhere] = area[-2, -2]
+    np.testing.assert_allclose(area, area[::-1], rtol=1e-5)
+    np.testing.assert_allclose(area, area[:, ::-1], rtol=1e-5)
+    np.testing.assert_allclose([area[2, 6], area[5, 2]], 0.5, rtol=1e-6)
+    assert area[5, 6] > 0.99
+    assert area[0, 6] < 0.05
