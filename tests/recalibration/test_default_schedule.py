@@ -96,6 +96,14 @@ def test_stages(repaired):
         assert stage.cost < stage.matching_cost + 0.5
 
 
+def test_the_path_has_the_end_of_every_stage(repaired):
+    path, cost, (*_, half, last) = repaired.path, repaired.cost, repaired.stages
+    np.testing.assert_allclose(path[-1].extrinsics, repaired.candidate.extrinsics, atol=1e-12)
+    assert cost.survey > 1
+    np.testing.assert_allclose(path[-1].cost, cost.total - cost.judging - last.survey_cost)
+    np.testing.assert_allclose(path[-2].cost + half.survey_cost, path[-1].cost - last.cost)
+
+
 def test_the_same_again(harbour, repaired):
     again = repair(drifted(), harbour)
     np.testing.assert_array_equal(again.candidate.extrinsics, repaired.candidate.extrinsics)

@@ -1,5 +1,7 @@
 """What a Solution says when the count is all there is, and how it is accepted or not."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,18 @@ def test_trace_cost_and_evaluations(solution):
     assert solution.cost.total == pytest.approx(solution.evaluations + 2)  # and judged: before and after
     assert solution.trace.values.max() == solution.score_after.count
     assert solution.seconds > 0
+
+
+def test_the_path_climbs_from_the_start_to_the_end(solution, scene, drifted):
+    path, how = solution.path, {"matcher": SAD_24, "view": solution.view}
+    np.testing.assert_array_equal(path[0].extrinsics, drifted.extrinsics)
+    np.testing.assert_allclose(path[-1].extrinsics, solution.candidate.extrinsics, atol=1e-12)
+    assert path[0].cost == 0
+    assert all(a.cost < b.cost for a, b in pairwise(path))
+    assert path[-1].cost <= solution.cost.total
+    counts = [score(drifted.with_extrinsics(p.extrinsics), scene().pairs, **how).count for p in path]
+    assert counts == sorted(counts)
+    assert counts[0] < counts[-1]
 
 
 def test_text(solution):
