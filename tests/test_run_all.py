@@ -1,10 +1,12 @@
 """Many tasks on any executor, by each door: the same answers, and what a worker or Ctrl-C loses costs no other task."""
 
 import math
+import pickle
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,6 +14,7 @@ import pytest
 import stereorecal as sr
 from stereorecal.cli import run_all
 from stereorecal.comparison import compare_scenes
+from stereorecal.io import load_scene, save_scene
 from stereorecal.recalibration import Fault, recalibrate_many
 
 SMALL = {"matcher": sr.SAD(num_disparities=24), "budget": 5}
@@ -44,6 +47,17 @@ class Done(ThreadPoolExecutor):
         future = super().submit(*task, **options)
         future.exception()
         return future
+
+
+class Weighing(ThreadPoolExecutor):
+    """Knows how many bytes its largest task takes on its way to another process, and that it arrives whole."""
+
+    largest = 0
+
+    def submit(self, *task: Any, **options: Any) -> Future:
+        travelling = pickle.dumps(task)
+        self.largest = max(self.largest, len(travelling))
+        return super().submit(*pickle.loads(travelling), **options)
 
 
 def spawned() -> ProcessPoolExecutor:
@@ -139,3 +153,25 @@ def test_ctrl_c_keeps_what_is_finished(scene, door: Callable, executor):
     pool = executor and executor(1)
     (first,) = door(scene(), interrupted=True, executor=pool, progress=stop)
     assert first[0] is None
+
+
+@pytest.fixture
+def saved(scene, tmp_path: Path) -> sr.Scene:
+    save_scene(scene(), tmp_path / "saved")
+    return replace(load_scene(tmp_path / "saved"), reference="truth")
+
+
+@each_door
+def test_pairs_from_files_travel_as_paths(scene, saved: sr.Scene, door: Callable):
+    for given, light in ((saved, True), (scene(), False)):
+        with Weighing(1) as pool:
+            assert [error for error, _ in door(given, executor=pool)] == [None] * 3
+        assert pool.largest < 8_000 if light else pool.largest > 2 * 160 * 120
+
+
+@pytest.mark.slow
+@each_door
+def test_a_worker_that_misses_an_image_says_so(saved: sr.Scene, tmp_path: Path, door: Callable):
+    (tmp_path / "saved" / "left.png").unlink()
+    with spawned() as pool:
+        assert all("left.png" in error for error, _ in door(saved, executor=pool))
