@@ -6,28 +6,35 @@ from spoiled import fog
 
 from stereorecal import BM, InputError, StereoRig, health, view
 from stereorecal.geometry import Camera
+from stereorecal.recalibration import Condition
 
 
-def rig_of(model: str, coefficients, focal: float = 75.0) -> StereoRig:
+def rig_of(model: str, coefficients=(), focal: float = 75.0, metres: float = 0.1) -> StereoRig:
     matrix = np.array([[focal, 0.0, 80.0], [0.0, focal, 60.0], [0.0, 0.0, 1.0]])
     camera = Camera((160, 120), matrix, np.array(coefficients), model=model)
-    return StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -0.1, 0.0, 0.0]))
+    return StereoRig(camera, camera, np.array([0.0, 0.0, 0.0, -metres, 0.0, 0.0]))
 
 
-@pytest.mark.slow(after=2)
+@pytest.mark.slow(after=5)
 @pytest.mark.parametrize(
-    ("model", "coefficients", "said"),
+    ("rig", "said"),
     [
-        ("ds", (-0.99, 0.6), "is a view of 1 degrees"),
-        ("ds", (-0.2, 0.6), None),
-        ("equidistant", (-0.2, 0.0, 0.0, 0.0), None),
-        ("equidistant", (0.1, -0.2, 0.1, 0.0), None),
+        (rig_of("radtan"), None),
+        (rig_of("radtan", focal=1500.0), "check fx"),
+        (rig_of("radtan", focal=15.0), "check fx"),
+        (rig_of("radtan", metres=10.0), "check the unit"),
+        (rig_of("ds", (-0.99, 0.6)), "is a view of 1 degrees"),
+        (rig_of("ds", (-0.2, 0.6)), None),
+        (rig_of("equidistant", (-0.2, 0.0, 0.0, 0.0)), None),
+        (rig_of("equidistant", (0.1, -0.2, 0.1, 0.0)), None),
     ],
 )
-def test_wide_lenses_that_no_camera_has_are_named(model, coefficients, said):
-    found = health(rig_of(model, coefficients), fog((160, 120)), matcher=BM(num_disparities=16), prior="exact").doubts
-    assert (said is None) == (not found)
-    assert all(said in one for one in found)
+def test_what_hardly_any_rig_has_is_named(rig: StereoRig, said: str | None):
+    found = health(rig, fog((160, 120)), matcher=BM(num_disparities=16), prior="exact")
+    assert found.condition is not Condition.REPAIR
+    assert (said is None) == (not found.doubts)
+    assert all(said in doubt and doubt in str(found) for doubt in found.doubts)
+    assert found.as_dict()["doubts"] == list(found.doubts)
 
 
 @pytest.mark.parametrize(

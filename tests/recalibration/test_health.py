@@ -1,13 +1,10 @@
 """One look at a calibration: will depth be right, what would mend it, and what is said where nothing can be."""
 
-from dataclasses import replace
-
 import jax
 import numpy as np
 import pytest
 
 from stereorecal import recalibrate
-from stereorecal.geometry import Camera
 from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, Reason, health
 from stereorecal.recordings import Pair
@@ -81,28 +78,6 @@ def test_images_of_few_grey_levels_are_not_called_good(scene):
     assert not image_quality(pair).coarse
     assert health(drifted, [few]).condition is Condition.CANNOT_TELL
     assert recalibrate(drifted, [few]).reason is Reason.TOO_LITTLE_TEXTURE
-
-
-@pytest.mark.parametrize("factor", [10.0, 0.1])
-def test_a_focal_length_ten_times_off_is_named(scene, factor):
-    shown = scene("harbour", 0, SIZE)
-    left, right = (
-        Camera(camera.size, np.asarray(camera.matrix) * [[factor, 1, 1], [1, factor, 1], [1, 1, 1]], camera.distortion)
-        for camera in (shown.rig.left, shown.rig.right)
-    )
-    found = health(replace(shown.rig, left=left, right=right), shown.pairs, matcher=SAD_48)
-    assert found.condition is not Condition.REPAIR
-    assert any("view of" in doubt and "check fx" in doubt for doubt in found.doubts)
-    assert "check fx" in str(found)
-    assert found.as_dict()["doubts"] == list(found.doubts)
-
-
-def test_centimetres_for_metres_are_named(scene):
-    shown = scene("harbour", 0, SIZE)
-    far = shown.rig.with_extrinsics(shown.rig.extrinsics * np.array([1, 1, 1, 100, 100, 100]))
-    found = health(far, shown.pairs, matcher=SAD_48)
-    assert "check the unit" in str(found)
-    assert not health(shown.rig, shown.pairs, matcher=SAD_48).doubts
 
 
 def test_what_is_noticed_names_axes_and_matches_again(scene):
