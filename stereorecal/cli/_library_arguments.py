@@ -1,6 +1,6 @@
 """Options as the arguments that the library takes."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from importlib import import_module
 from typing import Any
 
@@ -11,7 +11,7 @@ from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.geometry import checked_view_arguments
 
 
-def library_options(options: CommonOptions, names: Iterable[str]) -> dict[str, Any]:
+def library_options(options: CommonOptions, names: Collection[str]) -> dict[str, Any]:
     """By name, those options of the library that a command has and that were given.
 
     Args:
@@ -21,9 +21,9 @@ def library_options(options: CommonOptions, names: Iterable[str]) -> dict[str, A
         InputError: if a value makes no sense, or a file cannot be read.
     """
     found = {}
-    for name in names:
-        if (value := getattr(options, name, None)) is not None:
-            module, _, reader = options.__dataclass_fields__[name].metadata["reads"].partition(":")
+    for name, field in options.__dataclass_fields__.items():
+        if name in names and (value := getattr(options, name)) is not None:
+            module, _, reader = field.metadata["reads"].partition(":")
             found[name] = getattr(import_module(module), reader)(value) if module else value
     return found
 
