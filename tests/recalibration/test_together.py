@@ -1,6 +1,5 @@
 """Freed intrinsics, shared by recordings: rows come right over the view, and nothing is taken that does not help."""
 
-import weakref
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from operator import attrgetter
@@ -11,7 +10,7 @@ from wrong_lenses import TRUE, over_the_view, wrong
 
 import stereorecal as sr
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, chosen_frames, sharing
+from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, sharing
 from stereorecal.synthetic import photographs, plan_drive
 
 SIZE = (320, 240)
@@ -110,23 +109,6 @@ def test_long_recordings_are_looked_at_in_part():
     ((every,), _) = sharing([scene], Parameters(), (), sr.Schedule.default())
     assert len(every.pairs) == 100
     assert sr.health(scene.rig, scene.pairs[:30], matcher=sr.BM(num_disparities=16)).pairs == MOST_FRAMES
-
-
-def test_a_long_folder_is_read_in_part(tmp_path):
-    """Frames that are not chosen are not kept."""
-    sr.io.save_scene(long(40), tmp_path / "long")
-    alive: list[weakref.ref] = []
-
-    def choose(pairs):
-        assert not isinstance(pairs, tuple)  # they are read when they are asked for
-        for pair in pairs:
-            alive.append(weakref.ref(pair))
-        del pair
-        assert sum(ref() is not None for ref in alive) == 0
-        return chosen_frames(pairs)
-
-    scene = sr.io.load_scene(tmp_path / "long", choose=choose)
-    assert len(scene.pairs) == MOST_FRAMES
 
 
 def test_intrinsics_without_extrinsics(scenes):

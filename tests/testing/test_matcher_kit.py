@@ -15,6 +15,9 @@ class TestSAD(MatcherConformance):
     matcher = SAD()
 
 
+pytest.mark.slow(TestSAD.test_is_smooth)  # tests/matching/test_soft.py takes less
+
+
 class TestBM(MatcherConformance):
     matcher = BM()
 
