@@ -140,6 +140,7 @@ OPTIONS = {
         "--decalibrate=-1,0.01": "a drift of -1.0 degrees",
         "--decalibrate=a,b": "--decalibrate is 'a,b'",
         "--free=left.k": "unknown parameter 'left.k'; did you mean left.k",
+        "--seed=-1": "--seed is -1",
         "--draws=0": "at least one scene, one strategy and one draw",
     },
     "recalibrate": {

@@ -106,6 +106,7 @@ ENDS = {  # of `score`, and of `recalibrate`; None: it cannot be used
     [
         (("drifted", "clean"), (1, 0)),
         (("clean", "fog"), (4, 4)),
+        (("fog", "fog"), (4, 4)),  # the same name
         (("fog", "drifted"), (1, 4)),  # an alarm is more urgent than none; a repair is none
         (("clean", "mixed", "drifted"), (2, 2)),
     ],
@@ -115,7 +116,8 @@ def test_the_worst_of_several_decides_and_takes_no_other_with_it(
     command, recordings: dict[str, Path], tmp_path: Path, verb: str, names: tuple[str, ...], codes: tuple[int, int]
 ):
     door, target = ("score", "recalibrate").index(verb), tmp_path / "out.json"
-    answer = command(verb, *(recordings[name] for name in names), "--json", target)
+    how = ("--executor", "threads:2") if verb == "recalibrate" else ()
+    answer = command(verb, *(recordings[name] for name in names), *how, "--json", target)
     rows = json.loads(target.read_text())[ROWS[verb]]
     assert answer.code == codes[door]
     assert [row.get("condition") or row.get("reason") for row in rows] == [ENDS[name][door] for name in names]

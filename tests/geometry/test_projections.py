@@ -13,8 +13,10 @@ from stereorecal.geometry import (
     Camera,
     StereoRig,
     View,
+    mapped_area,
     pixel_map,
     projection,
+    rectifying_maps,
     rectifying_rotations,
     rotation_from_euler,
     view,
@@ -114,6 +116,24 @@ def test_maps_follow_the_directions_over_the_whole_field(model: str):
     assert unseen.any()
     np.testing.assert_array_equal(maps[:, unseen], -1.0)
     assert (off[seen] > np.radians(95.0)).any()
+
+
+def test_both_images_show_one_point_in_one_row():
+    """Through maps of both images, as cv2.remap takes them."""
+    rig = RIG.with_extrinsics(np.array([0.02, -0.03, 0.01, -0.2, 0.004, -0.01]))
+    shown = view(rig, projection="equirectangular")
+    maps = [np.asarray(one) for one in rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, shown)]
+    assert np.mean([mapped_area(one, SIZE).mean() for one in maps]) > 0.7
+    for row, column, disparity in ((100, 300, 20), (240, 150, 35), (400, 500, 5)):
+        made = sr.rectification(rig, shown)
+        image = np.full(SIZE[::-1], np.nan)
+        image[row, column] = disparity
+        point = made.points(image)[row, column]
+        right = rig.right.project(point @ rig.rotation.T + rig.translation)
+        np.testing.assert_allclose(rig.left.project(point), maps[0][:, row, column], atol=2e-3)
+        np.testing.assert_allclose(right, maps[1][:, row, column - disparity], atol=2e-3)
+        depth = made.depth(image)[row, column]
+        np.testing.assert_allclose(depth, (made.R1 @ point)[2], rtol=1e-9)
 
 
 def test_what_only_a_pinhole_has():

@@ -138,7 +138,7 @@ def test_images_of_two_moments_on_the_move(data_dir: Path):
 
 
 @pytest.mark.slow(after=1)
-@pytest.mark.parametrize("look", [health, recalibrate])
+@pytest.mark.parametrize("look", [recalibrate, health])
 @pytest.mark.parametrize("ratio", [0.5, 2.0])
 def test_k_of_another_size_of_a_real_rig(data_dir: Path, look, ratio):
     given = load_scene(data_dir / "boofcv_bumblebee2/garden01")

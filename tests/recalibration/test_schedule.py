@@ -65,6 +65,7 @@ def test_the_scale_bends_no_more_than_it_must(scale, pixels, size):
 )
 def test_scales_of_the_default_schedule(size, expected):
     assert [s.scale_for(size) for s in Schedule.default().stages] == pytest.approx(expected, abs=2e-3)
+    assert Schedule.default().strategies == ("compass",)
 
 
 def test_default_without_its_plugins(nothing_installed):

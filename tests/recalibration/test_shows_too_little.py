@@ -72,4 +72,5 @@ def test_it_cannot_be_told(scene, name, degrees):
     data = json.loads(json.dumps(looked.as_dict(), allow_nan=False))
     assert name != "fog" or (data["row_error_px"], data["correction"], data["count"]) == (None, None, 0)
     assert name != "fog" or done.row_errors is done.uncertainty is done.covariance is None
+    assert name != "fog" or sr.recalibrate(rig, [spoiled], matcher=SAD_48, schedule="count").reason is done.reason
     assert not image_quality(pair).interlaced
