@@ -25,21 +25,6 @@ def test_scene_folders(command, clean_scene: Path, drifted_scene: Path, rigs):
     assert "pitch +0.800, yaw +0.300, roll -0.900" in answer.out
 
 
-def test_files_and_folders_without_images(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path):
-    alone = tmp_path / "alone"
-    alone.mkdir()
-    (alone / "calib.json").write_bytes((drifted_scene / "calib.json").read_bytes())
-    block = command("diff", clean_scene, drifted_scene).out.splitlines()[:-1]
-    for words in (
-        (clean_scene / "calib.json", drifted_scene),
-        (clean_scene, alone / "calib.json"),
-        (clean_scene, alone),
-    ):
-        answer = command("diff", *words)
-        assert (answer.code, answer.err) == (0, "")
-        assert answer.out.splitlines()[:-1] == block
-
-
 def test_another_layout(command, tmp_path: Path):
     """A data set without a calib.json; of several sequences it asks for one."""
     sources = kitti_odometry(tmp_path)

@@ -90,13 +90,6 @@ def test_a_broken_one_is_a_sentence_wherever_it_is_named(command, plugins, clean
     assert answer.err.count("\n") == 1
 
 
-def test_one_that_crashes_is_told_in_a_sentence(command, plugins, clean_scene: Path):
-    answer = command("score", clean_scene, "--matcher", "crashing")
-    assert answer.code == 3
-    assert "matcher crashing (plug-in 1.2) crashed: KeyError('a bug')" in answer.err
-    assert "internal error" not in answer.err
-
-
 def test_a_watch_keeps_its_matcher(command, plugins, clean_scene: Path, tmp_path: Path, monkeypatch):
     state = tmp_path / "state"
     watch = ("monitor", clean_scene, "--once", "--quiet", "--state", state)

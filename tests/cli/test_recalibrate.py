@@ -88,17 +88,6 @@ def test_3_when_a_strategy_crashes(command, drifted_scene: Path, tmp_path: Path,
 # --- input --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("words", "frames"), [((), 2), (("--pairs", 0), 1)])
-def test_frames(command, drifted_scene: Path, tmp_path: Path, words, frames: int, moody):
-    for side in ("left", "right"):
-        for name in ("0", "1"):
-            (tmp_path / "s" / side).mkdir(parents=True, exist_ok=True)
-            shutil.copy(drifted_scene / f"{side}.png", tmp_path / "s" / side / f"{name}.png")
-    shutil.copy(drifted_scene / "calib.json", tmp_path / "s")
-    content = json.loads(command("recalibrate", tmp_path / "s", *NOTHING, *words, "--json", "-").out)
-    assert content["repairs"][0]["frames"] == frames
-
-
 @pytest.mark.slow
 def test_strategy_goes_into_the_stages_of_its_kind(command, drifted_scene: Path):
     words = ("--schedule", "default:nlopt-bobyqa", "--reach", "2,0.01")

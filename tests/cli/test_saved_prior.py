@@ -74,16 +74,6 @@ def test_a_damaged_file(command, sides, repaired: Path, damage: str):
     assert answer.code in (0, 1)
 
 
-def test_what_lies_there_stays_unless_it_is_forced(command, drifted, tmp_path: Path):
-    beside = tmp_path / "new.yaml.prior.json"
-    beside.write_text("precious")
-    words = ("recalibrate", *drifted, *COUNT, "--output", tmp_path / "new.yaml")
-    command(*words).refuses(f"{beside}: the file exists already")
-    assert [path.read_text() for path in tmp_path.iterdir()] == ["precious"]
-    assert command(*words, "--force").code == 0
-    assert json.loads(beside.read_text())["schema"] == "stereorecal.prior/1"
-
-
 def test_in_place_keeps_both_old_ones(command, sides, drifted_scene: Path, repaired: Path):
     beside = repaired.with_name("calib.yaml.prior.json")
     command("convert", drifted_scene / "calib.json", repaired, "--force")  # the old beside it is now of another

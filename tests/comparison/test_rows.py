@@ -84,21 +84,6 @@ def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
     assert medians["inside"] == inside.score_at
 
 
-@dataclass(frozen=True)
-class Free(AbstractStrategy):
-    """Asks nothing, and nominates a point."""
-
-    def run(self, objective, start, seed):
-        return Outcome(start + 0.25, Status.CONVERGED)
-
-
-def test_a_candidate_that_cost_nothing_was_there_from_the_beginning(scene):
-    trial = run(scene, {"free": Free()}, draws=1).trials[0]
-    assert trial.cost == 0
-    assert len(set(trial.score_at.values())) == 1
-    assert trial.score_at["100"] > 0
-
-
 def test_a_broken_installed_strategy_fails_and_the_others_live(scene, install):
     install("stereorecal.strategies", {"shaky": "no_such_module:Thing"})
     table = run(scene, ["shaky", "compass"])

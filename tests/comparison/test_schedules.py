@@ -45,13 +45,6 @@ def test_scores_of_several_stages_do_not_compare(table):
     assert table["default"].summary[0].score_at_median == {"100": None, "300": None, "1000": None}
 
 
-def test_without_a_truth_errors_are_against_the_consensus(table):
-    for comparison in table.values():
-        assert comparison.scenes[0]["reference"] == "consensus"
-        assert comparison.trials[0].reference == "consensus"
-        assert comparison.settings["schedule"] == comparison.trials[0].schedule
-
-
 def test_counts_and_errors_have_one_reference(table, scene):
     given_scene = scene("harbour", 2, SIZE)
     for comparison in table.values():

@@ -92,33 +92,6 @@ def test_where_boards_were_is_not_known(chart, covariances, steps):
     np.testing.assert_allclose(found / np.outer(limits, limits), expected / np.outer(limits, limits), atol=1e-4)
 
 
-def test_a_principal_point_goes_with_a_rotation(chart, covariances):
-    for one, other in (("cx", "yaw"), ("cy", "pitch")):
-        ends = unit(chart, **{f"right_{one}": 1, f"left_{one}": -1}), unit(chart, **{other: 1})
-        for covariance in covariances:
-            (a, cross), (_, b) = (np.array(ends) @ covariance @ np.array(ends).T).tolist()
-            assert abs(cross) > 0.9 * np.sqrt(a * b)
-
-
-def test_depth_of_boards_is_tight_where_its_parameters_are_loose(chart, covariances, steps):
-    slopes = depth_slopes(chart, steps, 5.0)
-    for covariance in covariances:
-        assert slopes @ covariance @ slopes < 0.15**2 * (slopes**2 @ np.diag(covariance))
-    assert np.sqrt(slopes @ covariances[0] @ slopes) < 0.005
-    assert deviations(covariances)[0][chart.names.index("yaw")] > 0.1
-
-
-def test_kappa_scales_what_boards_know_well(chart, covariances):
-    """Limits bind elsewhere; the baseline has an error of the squares besides."""
-    lens = np.array([name != "baseline" for name in chart.names])
-    scales = deviations(covariances).max(axis=0)
-    for kind in np.split(covariances / np.outer(scales, scales), len(covariances) // len(KAPPAS)):
-        tightest = [np.linalg.eigvalsh(one[np.ix_(lens, lens)])[:2] for one in kind]
-        expected = np.array(KAPPAS)[:, None] ** 2 * tightest[0] / KAPPAS[0] ** 2
-        np.testing.assert_allclose(tightest, expected, rtol=0.15)
-        assert (np.diff(deviations(kind), axis=0) > 0).all()
-
-
 def test_never_wider_than_what_is_physical(chart, covariances):
     for name, of_name in zip(chart.names, deviations(covariances).T, strict=True):
         assert of_name.min() > 0

@@ -55,23 +55,6 @@ def test_its_intervals_hold_the_truth_nearly_always(rig, chart, seen):
     assert 0.85 <= np.mean(inside) <= 1.0
 
 
-def test_true_depth_lies_within_its_interval(rig, chart, prior, seen):
-    """Calibrations drawn from the prior, and a drift of some tenths of a degree."""
-    held, rows = [], []
-    for seed in range(8):
-        rng = np.random.default_rng(seed)
-        drift = rng.uniform(-0.4, 0.4, 5) * [1, 1, 1, 0.5, 0.5]
-        true = chart.rig_at(prior.roots[1] @ rng.normal(0, 1, chart.dim) + at(chart, drift))
-        found = estimate(seen(rig, true, seed, cells=900), rig, prior)
-        _, low, high = found.depth_error_percent(np.zeros(chart.dim))[30]
-        nearness = readings(rig, true, points_of_view(true, 30))[1].mean()
-        held.append(low <= 100 * (1 / (1 + nearness) - 1) <= high)
-        mean_rows = readings(found.chart.rig_at(found.theta), true, points_of_view(true, 10))[0]
-        rows.append(np.sqrt(np.mean(mean_rows**2)))
-    assert sum(held) >= 7
-    assert max(rows) < 0.1
-
-
 def test_rows_say_nothing_of_the_length_of_the_baseline(rig, chart, prior, seen):
     found = estimate(seen(rig, chart.rig_at(at(chart))), rig, prior)
     here = chart.names.index("baseline")
@@ -156,27 +139,6 @@ def test_waves_of_rows_are_a_misfit_and_make_it_less_sure(rig, chart, seen):
     assert (np.abs(spoiled.theta - at(chart))[:3] < COVERED * sigmas(spoiled)[:3]).all()
 
 
-def test_one_that_all_frames_share_is_found_as_such(rig, chart, seen):
-    found = seen(rig, chart.rig_at(at(chart)), frames=4)
-    right, left = np.array(found.right), found.left
-    wave = 0.15 * np.sin(9 * left[..., 0]) * np.cos(8 * left[..., 1])
-    right[..., 1] += (wave / 500).astype(np.float32)
-    of_a_frame, common = estimate(replace(found, right=right), rig, "exact").misfit
-    assert common >= 0.04
-    assert of_a_frame <= 0.04
-
-
-def test_wild_groups_have_a_bounded_say(rig, chart, seen):
-    """Two patches of 30 pixels, three and minus two pixels off."""
-    found = seen(rig, chart.rig_at(at(chart)), cells=2500)
-    right, (x, y, _) = np.array(found.right), np.moveaxis(found.left, -1, 0)
-    right[..., 1] += np.float32(3 / 500) * ((np.abs(x - 0.3) < 0.03) & (np.abs(y - 0.2) < 0.03))
-    right[..., 1] -= np.float32(2 / 500) * ((np.abs(x + 0.4) < 0.03) & (np.abs(y + 0.1) < 0.03))
-    spoiled = estimate(replace(found, right=right), rig, "exact")
-    assert np.abs(spoiled.theta - at(chart))[[0, 2]].max() < 0.03
-    assert (np.abs(spoiled.theta - at(chart))[:3] < COVERED * sigmas(spoiled)[:3]).all()
-
-
 # --- what it says of rigs -------------------------------------------------------------------------------------
 
 
@@ -202,13 +164,6 @@ def test_too_few_correspondences_leave_what_was_known(rig, chart, seen, cells):
     nearly = estimate(replace(found, weight=found.weight * (np.arange(1200) < cells)), rig, "exact")
     assert nearly.groups == 0
     assert np.abs(nearly.theta).max() < 1e-9
-
-
-def test_a_frame_of_fog_takes_nothing_away(rig, chart, seen):
-    found = seen(rig, chart.rig_at(at(chart)), frames=2)
-    fog = replace(found, weight=found.weight * np.array([[1], [0]], np.float32))
-    one, other = estimate(frames_of(found, [0]), rig, "exact"), estimate(fog, rig, "exact")
-    np.testing.assert_allclose(other.theta, one.theta, atol=1e-12)
 
 
 def test_a_rig_that_reads_beyond_infinity_says_so(rig, chart, seen):

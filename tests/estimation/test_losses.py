@@ -106,20 +106,3 @@ def test_what_is_shown_lies_where_the_pixels_are(chart, found, seed):
     columns = rig.right.project(right / right[:, 2:])[:, 0]
     seen = np.asarray(chart.rig.right.project(found.shown.right))[which, 0]
     assert np.median(np.abs(columns - seen)) < 1.0  # the rays do not meet exactly
-
-
-def test_farther_away_depth_is_worth_more(chart, found):
-    there = found.judged_by(Matters(distances=(7.0, 30.0, 300.0))).losses(np.zeros(chart.dim))
-    assert there.farthest.mean() > 2.0 * found.losses(np.zeros(chart.dim)).farthest.mean()
-
-
-def test_what_images_show_counts_where_they_show_it(rig, chart, seen):
-    """A roll moves the rows of both sides, hardly those of the middle."""
-    sides, middle = np.eye(chart.dim)[chart.names.index("roll")] * 0.3, []
-    for inside in (True, False):
-        some = seen(rig, rig, cells=3000)
-        column = np.abs(some.left[..., 0])
-        some.weight[(column < 0.25) != inside] = 0.0
-        losses = estimate(some, rig, "exact").losses(sides)
-        middle.append(np.mean(losses.seen) / np.mean(losses.even))
-    assert 2.0 * middle[0] < middle[1]

@@ -30,12 +30,6 @@ def test_moments_are_those_of_many_samples():
     )
 
 
-def test_what_explanations_differ_by_is_uncertain():
-    two = Posterior(np.array([0.25, 0.75]), np.array([[-3.0], [1.0]]), np.full((2, 1, 1), 0.5))
-    assert two.mean == pytest.approx([0.0])
-    assert two.covariance == pytest.approx(0.5 + 0.25 * 9 + 0.75 * 1)
-
-
 @settings(max_examples=30)
 @given(seed=st.integers(0, 999), rank=st.integers(0, 4))
 def test_samples_of_singular_covariances(seed, rank):

@@ -30,26 +30,6 @@ def test_the_rig_that_saw_is_found_again(rig, box, seen, degrees):
     np.testing.assert_allclose(end, truth, atol=0.05)
 
 
-def test_a_part_that_moved_by_rows_hardly_counts(rig, box, seen):
-    found = seen(rig, rig, noise=0.02)
-    pixels = np.asarray(rig.right.project(found.right))
-    moved = pixels[..., 0] < 100.0
-    right = np.where(moved[..., None], rig.right.rays(pixels + np.array([0.0, 3.0])), found.right).astype(np.float32)
-    rows, weight = rows_of_groups(replace(found, right=right), box, np.zeros(5))
-    away = np.abs(rows.differences) > 2.0
-    assert 0 < away.sum() < 0.3 * away.size
-    assert weight[away].mean() < 0.1 * weight[~away].mean()
-
-
-def test_a_group_counts_by_its_matches(rig, box, seen):
-    """Far off, all count less; the shares stay."""
-    found, off = seen(rig, rig, noise=0.02), np.array([0.5, 0.0, 0.3, 0.0, 0.0])
-    near, far = (rows_of_groups(found, box, at)[1] for at in (np.zeros(5), off))
-    assert far.mean() < 0.1 * near.mean()
-    half = replace(found, weight=np.asarray(found.weight) * (np.arange(found.weight.size) % 2))
-    assert rows_of_groups(half, box, np.zeros(5))[1].sum() < 0.8 * near.sum()
-
-
 def test_of_nothing_there_is_nothing(rig, box, seen):
     found = seen(rig, rig)
     assert rows_of_groups(replace(found, weight=0.0 * np.asarray(found.weight)), box, np.zeros(5)) is None

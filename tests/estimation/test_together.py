@@ -45,16 +45,6 @@ def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, t
         assert np.median(sigmas(one)[6:] / sigmas(single)[6:]) < 0.97
 
 
-def test_they_agree_about_intrinsics(recordings, together, prior):
-    alone = [estimate(one.found, one.rig, prior) for one in recordings]
-
-    def apart(several) -> np.ndarray:
-        return np.ptp([one.theta[6:] for one in several], axis=0) / sigmas(together[0])[6:]
-
-    assert apart(together).max() < 1.0
-    assert np.median(apart(together)) < 0.5 * np.median(apart(alone))
-
-
 def test_their_order_does_not_matter(recordings, together):
     again = estimate_together(recordings[::-1])[::-1]
     for one, other in zip(together, again, strict=True):

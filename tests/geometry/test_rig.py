@@ -46,14 +46,6 @@ def test_the_order_of_the_axes():
         np.testing.assert_allclose(rig(extrinsics).rotation, expected, atol=1e-15)
 
 
-def test_with_extrinsics_keeps_the_cameras_and_copies():
-    values = IDEAL.copy()
-    other = rig().with_extrinsics(values)
-    values[:] = 0
-    np.testing.assert_array_equal(other.extrinsics, IDEAL)
-    assert other.left is LENS
-
-
 @pytest.mark.parametrize(
     ("extrinsics", "words"),
     [

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from parts_of_estimates import OF_LENSES, FilterEstimate, Measurement, SequentialTest, at_start
+from parts_of_estimates import FilterEstimate, Measurement, SequentialTest, at_start
 
 from stereorecal.online import Config, init
 from stereorecal.synthetic import default_rig
@@ -132,13 +132,6 @@ def test_a_covariance_stays_one(seed, events):
         assert estimate.later(config).covariance[5, 5] <= 0.25 + 1e-9
 
 
-def test_a_look_that_says_nothing_changes_nothing():
-    estimate = at_start(PRIOR, STILL)
-    nothing = Measurement(0, np.full(5, 9.0), np.zeros((5, 5)), np.zeros(5))
-    np.testing.assert_allclose(estimate.updated(nothing).mean, estimate.mean, atol=1e-12)
-    assert estimate.chance_of(nothing) == 1.0
-
-
 def trial_over(looks: int, truth: np.ndarray, candidate: np.ndarray, draw: np.random.Generator) -> SequentialTest:
     trial = SequentialTest(candidate, "looks", 0)
     for frame in range(looks):
@@ -225,15 +218,6 @@ def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
         assert spread == pytest.approx(np.hypot(least, 0.03 / np.sqrt(400)), rel=0.02)
 
 
-def test_windows_in_common_error_are_no_proof_however_many():
-    """All of them tell a yaw of 0.03 degrees, which the lenses leave."""
-    draw, trial = np.random.default_rng(9), SequentialTest(np.array([0.0, 0.03, 0.0, 0.0, 0.0]), "looks", 0)
-    for frame in range(1, 200):
-        told = by_motion(frame, 0.03, draw)
-        trial = trial.moved(np.zeros(5), replace(told, doubt=OF_LENSES))
-    assert trial.evidence < -np.log(1e-3)
-
-
 @pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])
 def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)
@@ -247,13 +231,3 @@ def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     assert again.pace.config(config) == learnt  # a knock says nothing of it
     wider = again.later().estimate.covariance[0, 0] - again.estimate.covariance[0, 0]
     assert wider == pytest.approx(config.heating[0] ** 2 + learnt.wander[0] ** 2, rel=1e-6)
-
-
-def test_heat_is_as_likely_after_an_hour_as_at_first():
-    """Rates are forgotten as fast as new ones come."""
-    config = Config()
-    start = after = at_start(PRIOR, config)
-    for _ in range(2000):
-        after = after.later(config)
-    rates = slice(6, 9)
-    np.testing.assert_allclose(np.diag(after.covariance)[rates], np.diag(start.covariance)[rates], rtol=1e-9)

@@ -30,15 +30,6 @@ def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
     assert reading(end).condition is sr.recalibration.Condition.HEALTHY
 
 
-def test_events_are_plain_data(ridden: list[Stepped]):
-    for stepped in ridden:
-        for event in stepped.events:
-            told = event.as_dict()
-            assert told["schema"] == "stereorecal.events/1"
-            assert sr.io.parse_json(sr.io.json_text(told)) is not None
-            assert str(event.frame) in str(event)
-
-
 def test_events_and_readings_are_those_of_the_page(ridden: list[Stepped]):
     """Those of other kinds have no keys of their own, but for a candidate that loses and a request to recalibrate."""
     events = [event.as_dict() for stepped in ridden for event in stepped.events]
@@ -171,11 +162,6 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
             happened += [event.kind for event in events]
         told.append(happened)
     assert told == [[Kind.LATE], [Kind.KNOCK]]
-
-
-def test_pairs_between_looks_only_tell_the_motion(ride: Ride, ridden: list[Stepped]):
-    steps = list(run(ride.rig, ride.pairs[:4], Config(every=2)))
-    assert [stepped.state.seen for stepped in steps] == [1, 1, 2, 2]
 
 
 WRONG = (

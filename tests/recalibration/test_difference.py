@@ -162,14 +162,6 @@ def test_text():
     assert str(difference(rig(), rig(left=RIGHT))).splitlines()[-1] == "cameras   the intrinsics differ too"
 
 
-@pytest.mark.parametrize("better", [rig(yaw=3), rig(yaw=-3), rig(yaw=80), rig(x=-400.0), rig(x=-0.0004)])
-def test_text_without_numbers_that_nobody_can_read(better: StereoRig):
-    for text in (str(difference(rig(), better)), str(difference(better, rig()))):
-        assert "inf " not in text
-        assert "nan" not in text
-        assert all(abs(float(word)) <= 100 for word in text.split() if word[0] in "+-" and word[1:].isdecimal())
-
-
 def test_nothing_is_seen_by_both():
     text = str(difference(rig(), rig(yaw=120)))
     assert "no point of the view is seen by both cameras" in text

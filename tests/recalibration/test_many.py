@@ -64,16 +64,6 @@ def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
     assert len({repair.solution.score_before.count for repair in serial}) == 3
 
 
-class Seeded(AbstractStrategy):
-    def run(self, objective, start, seed):
-        raise KeyError(f"the seed is {seed}")
-
-
-def test_the_seed_arrives(scenes):
-    (found,) = recalibrate_many(scenes[:1], **{**OPTIONS, "schedule": sr.Schedule.count(Seeded())}, seed=41)
-    assert "the seed is 41" in found.error
-
-
 def test_recordings_that_cannot_be_repaired_are_errors(scenes, serial, scene):
     bad = [
         replace(scenes[0], name="no rig", rig=None),

@@ -53,20 +53,6 @@ def test_nothing_to_look_at():
     assert left.as_dict()["place"] == []
 
 
-def test_what_neighbours_share_is_told_from_what_each_region_errs_by():
-    rng = np.random.default_rng(0)
-    alone = misfit(seen(lambda x, y: 0.3 * rng.choice([-1.0, 1.0], 48)[place_of(x, y)], noise=0.02))
-    lens = misfit(seen(lambda x, y: 0.6 * (x * x + y * y) * y, noise=0.02))
-    assert alone.rms > 0.2
-    assert alone.alike < 0.5 * alone.rms
-    assert lens.alike > 0.6 * lens.rms
-
-
-def place_of(x, y):
-    """Which of 8 by 6 places a point lies in."""
-    return (np.clip((y + 1) * 3, 0, 5).astype(int) * 8 + np.clip((x + 1) * 4, 0, 7).astype(int)).astype(int)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["harbour", "coast", "street"])
 def test_a_shutter_that_rolls_replaces_no_calibration(scene, kind):

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.recalibration import Schedule, ScoreKind, Stage
+from stereorecal.recalibration import Schedule, Stage
 from stereorecal.strategies import AbstractStrategy, Need, strategy
 
 COMPASS = strategy("compass")
@@ -85,14 +85,6 @@ def test_using_a_strategy_where_it_fits(made, replaced):
         assert (new.scale, new.score, new.rounds, new.pixels) == (old.scale, old.score, old.rounds, old.pixels)
     assert after.name == before.name
     assert before == Schedule.default()
-
-
-def test_using_a_solver_on_the_count_alone_changes_nothing():
-    schedule = Schedule.count(COMPASS, 0.5)
-    assert schedule.using(Solver()) == schedule
-    assert schedule.using(Climber()).stages[0].strategy == Climber()
-    assert schedule.name == "count"
-    assert schedule.stages == (Stage(COMPASS, 0.5, ScoreKind.COUNT),)
 
 
 def test_all_frames_are_decided_on_however_few_the_last_stage_looks_at(scene):

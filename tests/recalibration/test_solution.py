@@ -7,8 +7,7 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
-from stereorecal.objectives import Reach
-from stereorecal.recalibration import Reason, Schedule, Stage, recalibrate
+from stereorecal.recalibration import Reason, Schedule, recalibrate
 from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, Status, strategy
 
@@ -103,20 +102,3 @@ def test_budget(scene, drifted, solution, limit):
     assert found.status is Status.BUDGET
     np.testing.assert_array_equal(found.trace.points, solution.trace.points[: int(limit)])
     assert found.score_after.count == found.trace.values.max()
-
-
-def test_stages_share_the_budget(scene, drifted):
-    stages = Schedule("two", (Stage(COMPASS, 0.5), Stage(COMPASS, 1.0)))
-    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=stages, budget=Budget(evaluations=60))
-    assert found.cost.budgeted <= 60 + 1e-9
-    coarse = found.evaluations - len(found.trace.values)
-    assert coarse > 40
-    assert found.cost.search == pytest.approx(0.25 * coarse + len(found.trace.values))
-    assert found.score_after.count > found.score_before.count
-
-
-def test_reach_is_the_limit(scene, drifted):
-    narrow = Reach(degrees=0.1, baseline_fraction=0.001)
-    found = recalibrate(drifted, scene().pairs, matcher=SAD_24, schedule=COUNT, reach=narrow)
-    assert np.abs(found.change[:3]).max() <= np.radians(0.1) + 1e-12
-    assert np.abs(found.change[3:]).max() <= 0.001 * drifted.baseline + 1e-12

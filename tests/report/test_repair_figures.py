@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_repair import made_up, misfit
 
-from stereorecal.report._expected_regions import larger_than_expected, unmeasured
+from stereorecal.report._expected_regions import larger_than_expected
 from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
 from stereorecal.report.repair_report import Conclusion, Rows
 
@@ -77,20 +77,9 @@ def test_where_measured_rows_are_larger_than_expected():
     assert larger_than_expected(replace(report, expected=np.full((13, 17), np.nan))) == []
 
 
-def test_where_nothing_was_measured():
-    left = {key: value[3:] for key, value in misfit().items()}
-    assert unmeasured(made_up(misfit=left)) == [0, 1, 2]
-
-
 def test_marks_are_drawn_and_named():
     plain = expected_figure(np.ones((13, 17)), IMAGE, [], [])
     assert "fill: url(#" not in plain
     marked = expected_figure(np.ones((13, 17)), IMAGE, [3], [4, 5])
     assert marked.count("fill: url(#") == 3 + 2  # in the map, and in its legend
     assert {"measured row error is larger there", "nothing matched there: extrapolated"} <= set(words(marked))
-
-
-def test_corners_do_not_take_all_colours():
-    expected = np.full((13, 17), 0.4)
-    expected[0, 0] = 40.0
-    assert "0.5" in words(expected_figure(expected, IMAGE, [], []))

@@ -19,13 +19,6 @@ def test_text():
     assert str(Score(0, 999)) == "0 of 999 pixels (0.0 %)"
 
 
-def test_scale_scales_the_images_and_the_range(scene):
-    given_scene = scene()
-    half = score(given_scene.rig, given_scene.pairs, matcher=SAD_32, scale=0.5)
-    assert half.pixels == 160 * 120
-    assert half.fraction == half.count / half.pixels > 0.25
-
-
 def test_what_is_seen_are_numpy_arrays_of_the_images_size(scene):
     given_scene = scene()
     left, right = rectify(given_scene.rig, given_scene.pairs[0])
@@ -68,14 +61,6 @@ def test_count_is_the_sum_of_valid_over_frames_each_of_which_is_as_alone(scene, 
     np.testing.assert_array_equal(counts(both, points, matcher), np.sum(single, axis=0))
     for point, *alone in zip(points, *single, strict=True):
         assert [one.valid.sum() for one in disparities(both, point, matcher)] == alone
-
-
-@pytest.mark.parametrize("matcher", MATCHERS)
-def test_disparity_shows_what_score_counts(scene, matcher):
-    given_scene = scene()
-    found = disparity(given_scene.rig, given_scene.pairs[0], matcher=matcher)
-    assert found.valid.sum() == score(given_scene.rig, given_scene.pairs, matcher=matcher).count
-    assert found.values[found.valid].min() >= 0
 
 
 @pytest.mark.parametrize("matcher", MATCHERS)

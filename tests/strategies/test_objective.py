@@ -99,15 +99,6 @@ def test_a_step_that_fits_may_begin(counter):
     assert counter.objective(cost=0.25).gradient_cost == 0.75  # one evaluation more than there are coordinates
 
 
-def test_a_fresh_meter(counter):
-    objective = counter.objective(evaluations=1)
-    objective.value(np.zeros(2))
-    again = objective.with_budget(objective.budget)
-    assert again.spent == 0
-    again.value(np.zeros(2))
-    assert len(objective.trace.values) == 1
-
-
 # --- the unit box -------------------------------------------------------------------------------------------
 
 
@@ -126,13 +117,6 @@ def test_wrong_number_of_coordinates(counter, shape):
         counter.objective().batch(np.zeros(shape))
     with pytest.raises(ValueError, match="shape"):
         counter.objective().charge(1.0, best=np.zeros(1))
-
-
-def test_the_border_belongs_to_the_box_and_no_points_cost_nothing(counter):
-    objective = counter.objective(evaluations=4)
-    assert objective.batch(np.zeros((0, 2))).shape == (0,)
-    assert objective.spent == 0
-    assert len(objective.batch(np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]))) == 4
 
 
 # --- the trace ----------------------------------------------------------------------------------------------

@@ -118,16 +118,6 @@ def test_of_charged_points_the_last_one_is_judged(told, nominated, best):
     assert run.trace.total_cost == 0.5 * len(told)
 
 
-def test_every_run_gets_the_whole_budget_whatever_was_spent_before():
-    objective = problem(hill, Budget(evaluations=0.5))
-    objective.batch(np.array([[0.1], [0.2]]))
-    for _ in range(2):
-        run = run_strategy(Scripted((0.3, 0.4), (0.4,)), objective, np.zeros(1))
-        assert run.status is Status.CONVERGED
-        assert run.trace.total_cost == 0.5
-    assert objective.spent == 0.5
-
-
 def test_no_signal():
     """Of which one point tells nothing: a budget of one evaluation, spent on the start."""
     run = judged(Scripted((0.2, 0.8), (0.8,)), lambda x: 7.0)
@@ -139,11 +129,6 @@ def test_no_signal():
 def test_a_nomination_that_is_no_point_is_the_strategys_fault(bad):
     with pytest.raises(StrategyError, match=r"strategy Scripted \(.*\) nominated no point of the unit box"):
         judged(Scripted((), bad))
-
-
-def test_message():
-    assert judged(Scripted((0.2,), (0.2,))).message == Status.CONVERGED.value
-    assert judged(Scripted((0.2,), (0.2,), message="it stood still")).message == "it stood still"
 
 
 @dataclass(frozen=True)
