@@ -77,6 +77,7 @@ class Tolerances:
 
 DEFAULT = Tolerances()
 STEPS = 8  # in which a change of depth is made
+COSTS = (4.0, 16.0, 64.0)  # times that its square may cost: half the change each
 LIMITS = DEFAULT.limits
 
 
