@@ -2,7 +2,7 @@
 it has not seen."""
 
 import enum
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -127,9 +127,7 @@ def decide_together(
         each = zip(several, before, thetas, strict=True)
         return all(_harm(losses, one.losses(theta), limits) <= limits.harm for one, losses, theta in each)
 
-    for thetas, share, kept in _candidates(several, free):
-        if harmless(thetas):
-            break
+    thetas, share, kept = _candidate(several, free, harmless)
     return [_decision(one, free, theta, share, kept, limits) for one, theta in zip(several, thetas, strict=True)]
 
 
@@ -140,18 +138,24 @@ def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances
     return _harm(estimate.losses(np.zeros_like(theta)), estimate.losses(theta), limits)
 
 
-def _candidates(
-    several: Sequence[Estimate], free: Sequence[str]
-) -> Iterator[tuple[list[Float[np.ndarray, "n"]], float, float]]:
-    """Of each calibration, from losing least to keeping depth, and on to where its change costs more; with how far they
-    lie from keeping depth to losing least, and that cost."""
+def _candidate(
+    several: Sequence[Estimate], free: Sequence[str], harmless: Callable[[list[Float[np.ndarray, "n"]]], bool]
+) -> tuple[list[Float[np.ndarray, "n"]], float, float]:
+    """Of each calibration the first that is harmless, from losing least to keeping depth, and on to where its change
+    costs more; how far they lie from keeping depth to losing least, and that cost."""
     least = with_free_together(several, free)
-    yield least, 1.0, 1.0
+    if harmless(least):
+        return least, 1.0, 1.0
     kept = with_free_together(several, free, keep_depth=1.0)
-    for share in np.arange(STEPS)[::-1] / STEPS:
-        yield [near + share * (far - near) for near, far in zip(kept, least, strict=True)], float(share), 1.0
+    for share in (np.arange(STEPS)[::-1] / STEPS).tolist():
+        thetas = [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
+        if harmless(thetas):
+            return thetas, share, 1.0
     for cost in COSTS:
-        yield with_free_together(several, free, keep_depth=cost), 0.0, cost
+        kept = with_free_together(several, free, keep_depth=cost)
+        if harmless(kept):
+            return kept, 0.0, cost
+    return kept, 0.0, COSTS[-1]
 
 
 def _decision(
