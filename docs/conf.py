@@ -20,6 +20,7 @@ html_title = f"stereorecal {version}"
 myst_heading_anchors = 4  # links such as method.md#the-soft-count, as repository pages have them
 
 # Docstrings are Google's, types stand in the signatures, and what a class holds is told in its own docstring.
+autodoc_default_options = {"members": True, "imported-members": True}
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints_format = "short"
