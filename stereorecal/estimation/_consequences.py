@@ -113,19 +113,34 @@ def readings(
     Args:
         view: the view in which rows and disparities are read; default a pinhole.
     """
+    seen = zip(seen_by(true, points), (true.left, true.right), (used.left, used.right), strict=True)
+    left, right = (rays_read(*each) for each in seen)
+    return readings_of_rays(used, left, right, points, view)
+
+
+def seen_by(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> tuple[Float[np.ndarray, "p 3"], ...]:
+    """Points in the frame of each camera."""
+    return points, points @ rig.rotation.T + rig.translation
+
+
+def rays_read(points: Float[np.ndarray, "p 3"], true: Camera, used: Camera) -> Float[np.ndarray, "p 3"]:
+    """Rays at depth 1 that a used camera gives to the pixels in which the true one sees points."""
+    at_1 = points / points[:, 2:]
+    return at_1 if same_camera(true, used) else reread(at_1, true, used)
+
+
+def readings_of_rays(
+    used: StereoRig,
+    left: Float[np.ndarray, "p 3"],
+    right: Float[np.ndarray, "p 3"],
+    points: Float[np.ndarray, "p 3"],
+    view: View | None = None,
+) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
+    """`readings` of the rays that the used cameras give, of points in the frame of the true left camera."""
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-
-    def read(ray: Float[np.ndarray, "p 3"], true_camera, used_camera, rotation) -> Float[np.ndarray, "p 3"]:
-        at_1 = ray / ray[:, 2:]
-        at_used_depth = at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
-        return at_used_depth @ rotation.T
-
-    left = read(points, true.left, used.left, to_left)
-    right = read(points @ true.rotation.T + true.translation, true.right, used.right, to_right)
-    rows, nearness = _rows_and_nearness(_formulas(view), left, right)
-    return np.asarray(_focal(used) * rows / _stretch(used, points, view)), points[:, 2] / float(
-        used.baseline
-    ) * nearness - 1.0
+    rows, nearness = _rows_and_nearness(_formulas(view), left @ to_left.T, right @ to_right.T)
+    relative = points[:, 2] / float(used.baseline) * nearness - 1.0
+    return np.asarray(_focal(used) * rows / _stretch(used, points, view)), relative
 
 
 def nearness_of(

@@ -149,6 +149,12 @@ class Estimate:
     def _losses_of(self) -> dict[bytes, Losses]:
         return {}
 
+    def rows_seen(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
+        """Row errors [pixels] of the rig at θ = used, if the one at the posterior's mean is true, at points that stand
+        for what the images show, and the weights of these, which sum to 1."""
+        seen = self._errors.seen
+        return self.matters.rows_px * self._errors.of(used)[: len(seen)], seen
+
     def judged_by(self, matters: Matters) -> "Estimate":
         """The same, where another row error and another error of depth are noticed."""
         return self if self.matters == matters else replace(self, matters=matters)

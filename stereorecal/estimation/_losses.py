@@ -10,11 +10,19 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._consequences import Consequences, consequences, nearness_of, readings, within_lens
+from stereorecal.estimation._consequences import (
+    Consequences,
+    consequences,
+    nearness_of,
+    rays_read,
+    readings_of_rays,
+    seen_by,
+    within_lens,
+)
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._posterior import Posterior
-from stereorecal.geometry import StereoRig, View, reread
-from stereorecal.objectives import RigChart
+from stereorecal.geometry import Camera, StereoRig, View, reread
+from stereorecal.objectives import SIDES, RigChart
 
 _OF_SHOWN = 2.0 / 3.0  # of the weight of rows: where images show something; the rest is even over the view
 _MOST_SHOWN = 250  # points that stand for what images show
@@ -71,13 +79,31 @@ class Errors:
         """The errors of the rig at θ, if the one at `at` is true: rows, then depth. Read once: where a search ends, the
         decision begins."""
         if (key := theta.tobytes()) not in self._read:
-            points = np.concatenate(self.consequences.points)
-            self._read[key] = self._in_units(*readings(self.chart.rig_at(theta), self.true, points, self.view))
+            used = self.chart.rig_at(theta)
+            left, right = (self._rays(side, getattr(used, side)) for side in SIDES)
+            self._read[key] = self._in_units(*readings_of_rays(used, left, right, self._points, self.view))
         return self._read[key]
 
     @cached_property
     def _read(self) -> dict[bytes, Float[np.ndarray, "q"]]:
         return {}
+
+    @cached_property
+    def _points(self) -> Float[np.ndarray, "p 3"]:
+        return np.concatenate(self.consequences.points)
+
+    def _rays(self, side: str, camera: Camera) -> Float[np.ndarray, "p 3"]:
+        """What a camera makes of the pixels of the true one; of the given one once: most candidates keep it."""
+        given = camera is getattr(self.chart.rig, side)
+        return self._given_rays[side] if given else self._rays_of(side, camera)
+
+    @cached_property
+    def _given_rays(self) -> dict[str, Float[np.ndarray, "p 3"]]:
+        return {side: self._rays_of(side, getattr(self.chart.rig, side)) for side in SIDES}
+
+    def _rays_of(self, side: str, camera: Camera) -> Float[np.ndarray, "p 3"]:
+        points = seen_by(self.true, self._points)[side == "right"]
+        return rays_read(points, getattr(self.true, side), camera)
 
     def _in_units(
         self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]

@@ -126,10 +126,12 @@ def _depth(solution: AbstractResult) -> Iterator[Fact]:
 
 def _matchers(solution: AbstractResult) -> Iterator[Fact]:
     """What the epipolar error means to matchers."""
-    if solution.decision is None or not solution.reason.healthy:
+    estimate = solution.estimate
+    if estimate is None or not solution.reason.healthy:
         return
-    both = solution.decision.rows_px[: 1 + solution.accepted, 0]
-    yield Fact("matchers", "; now ".join(dict.fromkeys(map(matcher_loss, both))), "matchers")
+    both = (estimate.chart.coordinates_of(rig) for rig in (solution.initial, solution.rig))
+    told = dict.fromkeys(matcher_loss(*estimate.rows_seen(theta)) for theta in both)
+    yield Fact("matchers", "; now ".join(told), "matchers")
 
 
 def changed_axes(solution: AbstractResult) -> list[Change]:

@@ -178,7 +178,7 @@ class Health:
         shifts = ", ".join(f"{name} {_plus_minus(axes[name], 2)}" for name in _SHIFTS)
         lines += [
             f"epipolar   {rows.value:.2f} px ({rows.low:.2f} to {rows.high:.2f}) where the images show something",
-            f"matchers   {matcher_loss(rows.value)}",
+            f"matchers   {matcher_loss(*found.estimate.rows_seen(np.zeros_like(found.decision.theta)))}",
             *(f"depth      error at {error.where} {error}" for error in self.depth),
             f"correction {angles} deg; {shifts} % of the baseline",
         ]

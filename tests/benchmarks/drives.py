@@ -84,7 +84,7 @@ def driven(drive: Drive, config: Config) -> Seen:
         seen.events.extend(stepped.events)
         if np.any(state.using != before):
             seen.switches += 1
-            seen.harmful += harmful(state, before - truth, state.using - truth)
+            seen.harmful += harmful(state, state.rig_at(before), drive.truth(frame))
         before = state.using
         if frame in knocks:
             waiting = 0
@@ -107,15 +107,13 @@ def mean_errors(errors: list) -> str:
     return f"{mean[0]:.4f} {mean[1]:.3f} {mean[2]:.4f}°, y {mean[3]:.2f} %, z {mean[4]:.2f} %"
 
 
-def harmful(state: State, before: np.ndarray, after: np.ndarray) -> bool:
+def harmful(state: State, before: StereoRig, true: StereoRig) -> bool:
     """Whether a switch made it worse: rows over the view by more than 0.02 pixels, or depth at 30 baselines by a point.
 
     Args:
-        before, after: errors of the calibrations in use, as offsets.
+        before: the calibration that was in use.
     """
-    truth = state.using - after
-    rigs = [state.rig_at(truth + error) for error in (before, after)]
-    rows, depth = zip(*(effects(rig, state.rig_at(truth), state) for rig in rigs), strict=True)
+    rows, depth = zip(*(effects(rig, true, state) for rig in (before, state.rig)), strict=True)
     return rows[1] > rows[0] + HARM_ROWS or depth[1] > depth[0] + HARM_DEPTH
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from accuracy import as_if_turned, turned_rig
-from drives import ALARMS, harmful
+from drives import ALARMS, effects, harmful
 from processes import first_cores, last_line, memory_mb
 from real_scenes import real, rig_of
 from rich.table import Table
@@ -110,30 +110,30 @@ def kill(times: int = 12) -> Table:
 
 
 def knocked(scene: Scene, degrees: tuple[float, float, float], sign: float) -> tuple[int | None, int, int, str]:
-    """Pairs until it was noticed, switches, harmful ones, and the error at the end."""
+    """Pairs until it was noticed, switches, harmful ones, and the errors of rows [px] and depth [%] at the end. True is
+    a repair of the whole sequence before the knock, lenses and all."""
     turn, forth, rig = cv2.Rodrigues(sign * np.radians(degrees))[0], list(scene.pairs), rig_of(scene)
     truth = sr.recalibrate(rig, forth).rig
     there = [Pair(pair.left, as_if_turned(pair.right, rig.right, turn), pair.name) for pair in forth]
     pairs = [*forth, *there[::-1], *there]
-    state, before = sr.online.init(rig), np.zeros(5)
-    noticed, switches, worse, apart = None, 0, 0, before
+    state = sr.online.init(rig)
+    noticed, switches, worse, before, true = None, 0, 0, state.rig, truth
     for number, pair in enumerate(pairs):
         state, events = sr.online.step(state, pair, float("inf"))
         after = number - len(forth) + 1
         if after > 0 and noticed is None and any(event.kind in ALARMS for event in events):
             noticed = after
-        true = state.offset_of(turned_rig(truth, np.eye(3), turn) if after > 0 else truth)
-        apart = state.using - true
-        if np.any(state.using != before):
+        true = turned_rig(truth, np.eye(3), turn) if after > 0 else truth
+        if np.any(state.rig.extrinsics != before.extrinsics):
             switches += 1
-            worse += harmful(state, before - true, apart)
-        before = state.using
-    return noticed, switches, worse, " ".join(f"{value:+.3f}" for value in apart[:3])
+            worse += harmful(state, before, true)
+        before = state.rig
+    return noticed, switches, worse, "{:.3f} px, {:.1f} %".format(*effects(before, true, state))
 
 
 def real_sequences() -> Table:
     table = table_of(
-        "sequence | knock | noticed with pair | switches | harmful | left: pitch, yaw, roll", title="real", left=2
+        "sequence | knock | noticed with pair | switches | harmful | left: rows, depth at 30 B", title="real", left=2
     )
     for scene in real(SEQUENCES, None):
         for axis, degrees in KNOCKS.items():
