@@ -204,7 +204,7 @@ def yaw_and_centre() -> None:
         axes[2].plot(distances, 100.0 * (1.0 / (1.0 + readings(used, rig, ahead)[1]) - 1.0), label=title)
         print(title, "rows", np.abs(rows).mean().round(3), "px")
     assert shown is not None
-    figure.colorbar(shown, ax=axes[:2], label="row error, px")
+    figure.colorbar(shown, ax=axes[:2], label="epipolar error, px")
     axes[2].set(xlabel="distance, baselines", ylabel="error of depth, %", title="what it does to depth")
     axes[2].legend(fontsize=8)
     save(figure, HERE / "yaw-and-centre.png")
