@@ -55,7 +55,7 @@ def report() -> None:
     assert shown is not None
     blank = (shown == shown[-1, -1]).all(axis=(1, 2))
     shown = shown[: np.flatnonzero(~blank)[-1] + _GAP]
-    # Side by side, since a page of docs is wide, not long: cut at the gap above a heading that is nearest to the middle.
+    # Side by side, since docs are wide, not long: cut at the gap above a heading that is nearest to the middle.
     gaps = [row for row in range(_GAP, len(shown) - _GAP) if blank[row - _GAP : row].all()]
     cut = min(gaps, key=lambda row: abs(row - len(shown) // 2))
     first, second = shown[:cut], shown[cut:]
