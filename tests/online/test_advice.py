@@ -1,12 +1,15 @@
 """What to show next: what narrows most an interval that is too wide, by the filter's own covariance."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pytest
 from rides import BEFORE
 
+from stereorecal.io import load_scene
 from stereorecal.matching import matcher
-from stereorecal.online import BETWEEN, PARTS, Config, Kind, State, Stepped, _advice, advice, init
+from stereorecal.online import BETWEEN, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
 from stereorecal.online._filter import Measurement
 from stereorecal.recalibration import DISTANCES
 from stereorecal.synthetic import default_rig
@@ -108,3 +111,24 @@ def test_the_sea_is_near_below_and_far_above(ridden: list[Stepped]):
     nearest = [int(np.flatnonzero(row.sum(axis=0))[0]) for row in coverage]
     assert nearest[0] > nearest[2]
     assert coverage[2].sum(axis=1).all()
+
+
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("first", ["garden01", "sundial01", "chair01"])
+def test_on_real_images_what_is_advised_narrows_most(data_dir: Path, first: str):
+    """Of four scenes that one rig took, one shows something as near as is asked for."""
+    folder = data_dir / "boofcv_bumblebee2"
+    pairs = {name: load_scene(folder / name).pairs[0] for name in ("garden01", "stones01", "sundial01", "chair01")}
+    rig, config = load_scene(folder / first).rig, Config(motion=False, repair=False)
+    assert rig is not None
+    state, _ = step(init(rig, config), pairs[first])
+    show = advice(state).show
+    assert show is not None
+    assert (show.narrows.error, show.distance) == ("epipolar", 5.0)
+    left = {
+        name: next(one.half_width for one in advice(step(state, pair)[0]).undetermined if one.distance == 5.0)
+        for name, pair in pairs.items()
+    }
+    assert min(left, key=lambda name: left[name]) == "stones01"
+    assert left["stones01"] == pytest.approx(show.half_width, rel=0.25)
+    assert left["stones01"] < 0.6 * show.narrows.half_width
