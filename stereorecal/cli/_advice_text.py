@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from stereorecal.online import BETWEEN, Advice, Showing, Undetermined
+from stereorecal.online import BAND_EDGES, Advice, Showing, Undetermined
 from stereorecal.report.number_text import distance
 
 _WORDS = {"epipolar": "epipolar error", "depth": "depth"}
@@ -65,11 +65,11 @@ def _half_width(one: Undetermined, baseline: float) -> str:
 
 def away(baselines: float, baseline: float) -> str:
     """The distances that count as one: "within 85 cm", "85 cm to 2.1 m away", "farther than 6.6 m"."""
-    lengths = [distance(edge * baseline) for edge in BETWEEN]
-    band = sum(edge < baselines for edge in BETWEEN)
+    lengths = [distance(edge * baseline) for edge in BAND_EDGES]
+    band = sum(edge < baselines for edge in BAND_EDGES)
     if band == 0:
         return f"within {lengths[0]}"
-    if band == len(BETWEEN):
+    if band == len(BAND_EDGES):
         return f"farther than {lengths[-1]}"
     low, high = lengths[band - 1 : band + 1]
     number, unit = low.split()

@@ -11,6 +11,7 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
+from stereorecal.cli._advice_text import next_step
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._html_page import check_rerun
 from stereorecal.cli._live_view import Lines, live
@@ -139,10 +140,10 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
 def _summary(options: MonitorOptions, state: State) -> None:
     if options.prints:
         found = reading(state)
-        print(f"{found.condition.value}{_reason(found)}; {_calibration_note(options, state)}")
+        print(f"{found.condition.value}{_reason(found, state)}; {_calibration_note(options, state)}")
 
 
-def _reason(found: Reading) -> str:
+def _reason(found: Reading, state: State) -> str:
     """Why nothing can be told, and what would tell; nothing where something can."""
     if found.condition is not Condition.CANNOT_TELL or found.decision is None:
         return ""
@@ -151,7 +152,8 @@ def _reason(found: Reading) -> str:
     if found.change is not None:
         return " (another calibration is better on average; later pairs decide)"
     low, high = max(found.rows_px.low, 0.0), found.rows_px.high
-    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; more pairs, with texture and in motion, would tell)"
+    step = next_step(advice(state), float(state.initial.baseline))
+    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; next: {step})"
 
 
 def _raise(error: Exception) -> None:

@@ -173,7 +173,7 @@ class _Error:
     by: Float[np.ndarray, "q 11"]
 
     def half_width(self, estimate: FilterEstimate) -> float:
-        """Of its 95 % interval."""
+        """Half the width of its 95 % interval."""
         variance = float(np.einsum("qi,ij,qj->", self.by, estimate.covariance, self.by))
         return NORMAL_95 * float(np.sqrt(max(variance, 0.0)))
 
@@ -182,7 +182,7 @@ class _Error:
         return self.half_width(estimate) / self.matters
 
     def told(self, estimate: FilterEstimate) -> Undetermined:
-        """What is told of it."""
+        """The error and how well it is known."""
         return Undetermined(self.error, self.distance, self.half_width(estimate), self.matters)
 
 

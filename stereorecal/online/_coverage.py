@@ -11,7 +11,7 @@ from stereorecal.recalibration import DISTANCES
 
 PARTS = (3, 3)  # rows and columns of the left image
 # Baselines, halfway between the distances at which depth is read.
-BETWEEN = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
+BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
 
 
 def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
@@ -24,7 +24,7 @@ def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray,
 
 def band_of(baselines: Float[np.ndarray, "*n"] | float) -> Int[np.ndarray, "*n"]:
     """The number of the distance that each distance counts to."""
-    return np.searchsorted(BETWEEN, baselines)
+    return np.searchsorted(BAND_EDGES, baselines)
 
 
 def no_coverage() -> Int[np.ndarray, "parts distances"]:

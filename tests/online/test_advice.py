@@ -9,7 +9,7 @@ from rides import BEFORE
 
 from stereorecal.io import load_scene
 from stereorecal.matching import matcher
-from stereorecal.online import BETWEEN, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
+from stereorecal.online import BAND_EDGES, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
 from stereorecal.online._filter import Measurement
 from stereorecal.recalibration import DISTANCES
 from stereorecal.synthetic import default_rig
@@ -81,7 +81,7 @@ def test_from_afar_motion_tells_nothing_until_something_is_near():
 
 def test_what_the_matcher_does_not_seek_is_not_asked_for():
     state = init(default_rig())
-    near = state.view.focal / BETWEEN[0]
+    near = state.view.focal / BAND_EDGES[0]
     distances = {one.distance for one in advice(state).undetermined}
     limited = state.replace(matcher=matcher("sad", num_disparities=16 * int(near // 16)))
     fewer = {one.distance for one in advice(limited).undetermined}
