@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import as_input_error, extra
 from stereorecal.cli._live_view import AXIS_UNITS
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import write_bytes
@@ -34,10 +34,8 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
         stream, memory = memory_stream(layout, name)
         streams.append(stream)
     if options.show:
-        try:
+        with as_input_error(NoViewer):
             streams.append(viewer_stream(layout, name))
-        except NoViewer as error:
-            raise InputError(str(error)) from error
     for stream in streams:
         log_curve_styles(stream, _CURVES)
 

@@ -32,7 +32,7 @@ def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate
         filtered: the filter's estimate.
         view: in which rows and depth are judged.
     """
-    chart, keystone = _around(initial, using, view)
+    chart, keystone = chart_and_keystone(initial, using, view)
     numbers = [*range(SIZE), KEYSTONE]
     ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])
     true = rig_with(initial, filtered.offset)
@@ -55,7 +55,9 @@ def prior_now(state: State) -> Prior:
 
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use
-def _around(initial: StereoRig, using: tuple[float, ...], view: View) -> tuple[RigChart, Float[np.ndarray, "n"]]:
+def chart_and_keystone(
+    initial: StereoRig, using: tuple[float, ...], view: View
+) -> tuple[RigChart, Float[np.ndarray, "n"]]:
     """Changes of the calibration in use; and a degree of keystone in their units, the rows of a yaw that is none of
     depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
     (of a lens with distortion, principal points bend them, too)."""
