@@ -97,6 +97,19 @@ def existing_folder(folder: str | PathLike[str]) -> Path:
 
 
 @contextmanager
+def as_input_error(kind: type[Exception]) -> Iterator[None]:
+    """Around what raises such an error where the user can do something about it.
+
+    Raises:
+        InputError: in its place.
+    """
+    try:
+        yield
+    except kind as error:
+        raise InputError(str(error)) from error
+
+
+@contextmanager
 def extra(name: str, purpose: str) -> Iterator[None]:
     """Around imports of what the extra `name` installs.
 

@@ -62,7 +62,9 @@ def made_up(
         else None,
         "axes": [Change("pitch", "°", 0.1, 0.8, 0.002, True), Change("z", "mm", 1.0, 1.0, None, False)],
         "intrinsics": [("left", Change("focal length", "px", 500.0, 1.25, 0.75, True, 2))],
-        "depths": [Depth(5, 1.8, -7.6, (-1.0, 1.2)), Depth(100, 35.6, float("inf"), None)] if healthy else [],
+        "depths": [Depth(1.8, (-8.1, -7.2), (-1.0, 1.2)), Depth(35.6, (3.0, float("inf")), (-9.0, 240.0))]
+        if healthy
+        else [],
         "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
         "way": Climb("median row error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
         "frames": [("0001.png", "used", ""), ("0002.png", "left out", "it shows another rig than the others")],

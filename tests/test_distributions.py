@@ -115,3 +115,15 @@ def test_plugins_ask_for_what_the_library_asks_for(built):
             except ValueError:
                 continue
             assert theirs.specifier == built[ROOT].requirement(name).specifier, project.name
+
+
+def test_all_is_every_distribution_and_every_extra(built):
+    metadata = built[ROOT].metadata
+
+    def brought(extra: str) -> set[str]:
+        needed = map(Requirement, metadata.get_all("Requires-Dist"))
+        return {one.name for one in needed if one.marker and one.marker.evaluate({"extra": extra})}
+
+    extras = set(metadata.get_all("Provides-Extra")) - {"all", "docs", "test"}
+    plugins = {built[project].metadata["Name"] for project in PLUGINS}
+    assert brought("all") == plugins.union(*map(brought, extras))

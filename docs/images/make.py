@@ -22,6 +22,7 @@ from stereorecal.geometry import changed_camera
 from stereorecal.synthetic import Knock
 
 HERE = Path(__file__).parent
+_GAP = 24  # blank rows of pixels above a heading, at least
 _BASELINES, _APART = 30, 2  # of motion: a distance, and pairs from the first of a window to the second
 
 
@@ -48,17 +49,20 @@ def report() -> None:
     with tempfile.TemporaryDirectory() as name:
         page, picture = Path(name) / "report.html", Path(name) / "report.png"
         sr.recalibrate(bad, scene.pairs).to_html(page, scene.pairs, name="harbour")
-        size = ["--window-size=1000,3850", "--hide-scrollbars", f"--screenshot={picture}"]
+        size = ["--window-size=1000,6000", "--hide-scrollbars", f"--screenshot={picture}"]
         subprocess.run(["chromium", "--headless", "--no-sandbox", *size, page.as_uri()], check=True)
         shown = cv2.imread(str(picture))
     assert shown is not None
-    first, second = (
-        shown[:1840],
-        shown[1840:],
-    )  # side by side: a README is wide, not long; cut above "Epipolar error over the view"
-    first = np.pad(first, ((0, len(second) - len(first)), (0, 0), (0, 0)), constant_values=255)
-    halves = np.concatenate([first, second], axis=1)
-    cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(halves, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
+    blank = (shown == shown[-1, -1]).all(axis=(1, 2))
+    shown = shown[: np.flatnonzero(~blank)[-1] + _GAP]
+    # Side by side, since docs are wide, not long: cut at the gap above a heading that is nearest to the middle.
+    gaps = [row for row in range(_GAP, len(shown) - _GAP) if blank[row - _GAP : row].all()]
+    cut = min(gaps, key=lambda row: abs(row - len(shown) // 2))
+    first, second = shown[:cut], shown[cut:]
+    longest = max(len(first), len(second))
+    halves = [np.pad(half, ((0, longest - len(half)), (0, 0), (0, 0)), constant_values=255) for half in (first, second)]
+    whole = np.concatenate(halves, axis=1)
+    cv2.imwrite(str(HERE / "report.jpg"), cv2.resize(whole, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA))
 
 
 def drive() -> None:
@@ -204,7 +208,7 @@ def yaw_and_centre() -> None:
         axes[2].plot(distances, 100.0 * (1.0 / (1.0 + readings(used, rig, ahead)[1]) - 1.0), label=title)
         print(title, "rows", np.abs(rows).mean().round(3), "px")
     assert shown is not None
-    figure.colorbar(shown, ax=axes[:2], label="row error, px")
+    figure.colorbar(shown, ax=axes[:2], label="epipolar error, px")
     axes[2].set(xlabel="distance, baselines", ylabel="error of depth, %", title="what it does to depth")
     axes[2].legend(fontsize=8)
     save(figure, HERE / "yaw-and-centre.png")

@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import InputError, as_input_error, extra
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._shared_options import RerunOptions
 from stereorecal.recalibration import Repair
@@ -47,10 +47,8 @@ def check_rerun(options: RerunOptions, module: str) -> None:
     if options.rrd == "-":
         raise InputError("--rrd - has no meaning; give a file.")
     if options.show:
-        try:
+        with as_input_error(streams.NoViewer):
             streams.check_screen()
-        except streams.NoViewer as error:
-            raise InputError(str(error)) from error
 
 
 def write_report(

@@ -1,8 +1,10 @@
-"""The live view of a rig that is watched: its axes, its health over time, what happened."""
+"""The live view of a rig that is watched: what to show next, its axes and health over time, what was covered, what
+happened."""
 
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Group
@@ -11,8 +13,10 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.online import FAR, Reading, Stepped, reading
-from stereorecal.recalibration import Condition, Interval
+from stereorecal.cli._advice_text import away, next_step, reason, undetermined
+from stereorecal.online import FAR, PARTS, Advice, Reading, State, Stepped, reading
+from stereorecal.recalibration import DISTANCES, Condition, Interval
+from stereorecal.report.number_text import distance
 
 _COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNOT_TELL: "yellow"}
 _BARS = "▁▂▃▄▅▆▇█"
@@ -21,48 +25,77 @@ _EVENTS = 8
 AXIS_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
 
 
-def lines(stepped: Stepped) -> None:
-    """The events of a step, a line each."""
-    for event in stepped.events:
-        print(event, flush=True)
+@dataclass
+class Lines:
+    """Lines of what happens, and of what to show next whenever that changes."""
+
+    said: str | None = None
+
+    def __call__(self, stepped: Stepped, found: Advice) -> None:
+        for event in stepped.events:
+            print(event, flush=True)
+        step = next_step(found, float(stepped.state.initial.baseline))
+        if step != self.said:
+            print(f"{stepped.state.frame - 1:6d}  next: {step}", flush=True)
+        self.said = step
 
 
 @contextmanager
-def live(name: str) -> Iterator[Callable[[Stepped], None]]:
+def live(name: str) -> Iterator[Callable[[Stepped, Advice], None]]:
     """A view that is drawn anew after each step."""
     history: deque[Reading] = deque(maxlen=_LONG)
     happened: deque[str] = deque(maxlen=_EVENTS)
 
-    def show(stepped: Stepped) -> None:
+    def show(stepped: Stepped, found: Advice) -> None:
         history.append(reading(stepped.state))
         happened.extend(str(event) for event in stepped.events)
-        screen.update(view(name, stepped.state.frame, list(history), list(happened)), refresh=True)
+        screen.update(view(name, stepped.state, list(history), found, list(happened)), refresh=True)
 
     with Live(auto_refresh=False) as screen:
         yield show
 
 
-def view(name: str, pairs: int, history: list[Reading], happened: list[str]) -> Panel:
+def view(name: str, state: State, history: list[Reading], found: Advice, happened: list[str]) -> Panel:
     """The view after some pairs."""
-    last = history[-1]
+    last, baseline = history[-1], float(state.initial.baseline)
     table = Table(box=None, padding=(0, 2))
     for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
-    for axis, found in last.axes.items():
-        table.add_row(
-            axis, f"{found.value:+.3f} {AXIS_UNITS[axis]}", _interval(found), _curve([h.axes[axis] for h in history])
-        )
+    for axis, interval in last.axes.items():
+        style = "yellow" if axis in found.axes else ""
+        curve = _curve([h.axes[axis] for h in history])
+        table.add_row(axis, f"{interval.value:+.3f} {AXIS_UNITS[axis]}", _interval(interval), curve, style=style)
     table.add_row(
-        "row error", f"{last.rows_px.value:.3f} px", _interval(last.rows_px), _curve([h.rows_px for h in history])
+        "epipolar error", f"{last.rows_px.value:.3f} px", _interval(last.rows_px), _curve([h.rows_px for h in history])
     )
     depth = [h.depth_percent[FAR] for h in history]
-    table.add_row(f"depth at {FAR} B", f"{depth[-1].value:+.1f} %", _interval(depth[-1]), _curve(depth))
+    table.add_row(
+        f"depth at {distance(FAR * baseline)}", f"{depth[-1].value:+.1f} %", _interval(depth[-1]), _curve(depth)
+    )
     table.add_row(
         "late by", f"{last.delay.value:+.2f} frames", _interval(last.delay), _curve([h.delay for h in history])
     )
-    verdict = Text(f"{pairs} pairs: {last.condition.value}", style=f"bold {_COLOURS[last.condition]}")
+    verdict = Text(
+        f"{state.frame} pair{'s' * (state.frame > 1)}: {last.condition.value}", style=f"bold {_COLOURS[last.condition]}"
+    )
+    step = Text(f"Next: {next_step(found, baseline)}", style="bold")
+    missing = Text(f"not determined yet: {undetermined(found, baseline)}")
     events = Text("\n".join(happened) or "nothing has happened yet", style="dim")
-    return Panel(Group(verdict, table, Text(), events), title=name, title_align="left")
+    parts = (verdict, step, Text(reason(found, baseline), style="dim"), Text(), table, missing, Text())
+    return Panel(Group(*parts, _covered(state, baseline), Text(), events), title=name, title_align="left")
+
+
+def _covered(state: State, baseline: float) -> Table:
+    """Thirds of the view and distances, filled where matches have shown something."""
+    table = Table(box=None, padding=(0, 2))
+    table.add_column("matches so far")
+    for away_baselines in DISTANCES:
+        table.add_column(away(away_baselines, baseline), justify="center")
+    by_row = (state.coverage > 0).reshape(*PARTS, -1)
+    for title, row in zip(("top", "middle", "bottom"), by_row, strict=True):
+        cells = (" ".join("■" if shown else "·" for shown in of_distance) for of_distance in row.T.tolist())
+        table.add_row(title, *cells)
+    return table
 
 
 def _interval(found: Interval) -> str:

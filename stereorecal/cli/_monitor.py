@@ -11,9 +11,10 @@ from typing import IO
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
+from stereorecal.cli._advice_text import next_step
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._html_page import check_rerun
-from stereorecal.cli._live_view import lines, live
+from stereorecal.cli._live_view import Lines, live
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._output_places import (
     Place,
@@ -31,7 +32,19 @@ from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online import EVENTS_SCHEMA, Config, Reading, State, Stepped, init, load, reading, run as steps, save
+from stereorecal.online import (
+    EVENTS_SCHEMA,
+    Config,
+    Reading,
+    State,
+    Stepped,
+    advice,
+    init,
+    load,
+    reading,
+    run as steps,
+    save,
+)
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
@@ -72,9 +85,13 @@ def run(options: MonitorOptions) -> int:
                 attempt(partial(_keep, options, state), "--state")
                 attempt(partial(_log, log, stepped), "--json")
                 log_rerun(stepped)
-                show(stepped)
+                found = advice(stepped.state) if options.prints or options.until_sure else None
+                if found is not None:
+                    show(stepped, found)
                 if stdout_reader_gone() and not (options.output or options.state or options.rrd or options.show):
                     return 0  # nothing is left to be done
+                if options.until_sure and found is not None and found.stands:
+                    break
             hold()
     except KeyboardInterrupt:
         interrupted = True
@@ -123,10 +140,10 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
 def _summary(options: MonitorOptions, state: State) -> None:
     if options.prints:
         found = reading(state)
-        print(f"{found.condition.value}{_reason(found)}; {_calibration_note(options, state)}")
+        print(f"{found.condition.value}{_reason(found, state)}; {_calibration_note(options, state)}")
 
 
-def _reason(found: Reading) -> str:
+def _reason(found: Reading, state: State) -> str:
     """Why nothing can be told, and what would tell; nothing where something can."""
     if found.condition is not Condition.CANNOT_TELL or found.decision is None:
         return ""
@@ -135,7 +152,8 @@ def _reason(found: Reading) -> str:
     if found.change is not None:
         return " (another calibration is better on average; later pairs decide)"
     low, high = max(found.rows_px.low, 0.0), found.rows_px.high
-    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; more pairs, with texture and in motion, would tell)"
+    step = next_step(advice(state), float(state.initial.baseline))
+    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; next: {step})"
 
 
 def _raise(error: Exception) -> None:
@@ -209,10 +227,10 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | N
 def _shown_steps(options: MonitorOptions, scene: Scene):
     """What is called with each step: a live view in a terminal, else events as lines."""
     if not options.prints:
-        yield lambda stepped: None
+        yield lambda stepped, found: None
         return
     with ExitStack() as stack:
-        yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else lines
+        yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else Lines()
 
 
 def _check_places(options: MonitorOptions, appended: bool) -> list[Place]:

@@ -260,8 +260,8 @@ class MonitorOptions(
     CommonOptions,
 ):
     """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
-    shutters. Repair it, and switch to a repair that is better on later pairs. A terminal shows a live view, other
-    outputs get lines. The calibration file stays as it is.
+    shutters. Repair it, and switch to a repair that is better on later pairs. Say what to show it next. A terminal
+    shows a live view, other outputs get lines. The calibration file stays as it is.
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
     tell; 130 interrupted."""
@@ -271,6 +271,10 @@ class MonitorOptions(
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
     once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
+    until_sure: bool = option(
+        "end once the verdict stands, and epipolar errors and depth are known as well as matters (a service goes on)",
+        False,
+    )
 
     def check(self) -> None:
         if self.camera is None:

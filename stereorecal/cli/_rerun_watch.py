@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import as_input_error, extra
 from stereorecal.cli._live_view import AXIS_UNITS
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import write_bytes
@@ -17,8 +17,12 @@ _CURVES = {
 
 
 def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped], None], Callable[[], None]]:
-    """What is called with each step, and what writes the recording, whole or not at all; both do nothing unless a
-    recording is wanted."""
+    """Two functions: one to call with each step, and one that writes the recording, whole or not at all. Both do
+    nothing unless the options ask for a recording or the viewer.
+
+    Raises:
+        InputError: if Rerun is not installed, or its viewer does not start.
+    """
     if options.rrd is None and not options.show:
         return lambda stepped: None, lambda: None
     with extra("rerun", "a Rerun recording"):
@@ -30,10 +34,8 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
         stream, memory = memory_stream(layout, name)
         streams.append(stream)
     if options.show:
-        try:
+        with as_input_error(NoViewer):
             streams.append(viewer_stream(layout, name))
-        except NoViewer as error:
-            raise InputError(str(error)) from error
     for stream in streams:
         log_curve_styles(stream, _CURVES)
 
@@ -50,6 +52,7 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
 
 
 def _curves(found: Reading) -> dict[str, tuple[float, float, float]]:
+    """Value, low and high end of the 95 % interval, by the name of the curve; units as in `_CURVES`."""
     intervals = {
         **found.axes,
         "epipolar_error": found.rows_px,

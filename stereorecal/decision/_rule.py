@@ -2,7 +2,7 @@
 it has not seen."""
 
 import enum
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import json_data
-from stereorecal.decision._tolerances import DEFAULT, STEPS, Tolerances
+from stereorecal.decision._tolerances import COSTS, DEFAULT, STEPS, Tolerances
 from stereorecal.estimation import Estimate, HeldOut, Losses, median_and_interval, with_free_together
 
 
@@ -92,7 +92,7 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
     """Choose between a calibration, and changes of its free parameters.
 
     1. The candidate is the one of least expected loss, rows and depth; where that may harm, as near to it as does no
-       harm on the way to the one to which a change of depth costs its square.
+       harm on the way to the one to which a change of depth costs its square, and on to where it costs more.
     2. It replaces the calibration if it meets three criteria:
 
        - it gains: the expected loss falls by a unit at least, and to seven tenths; with 90 % probability it falls;
@@ -121,8 +121,14 @@ def decide_together(
     """
     limits = DEFAULT if tolerances is None else tolerances
     several = [one.judged_by(limits.matters) for one in several]
-    thetas, share = _candidates(several, free, limits)
-    return [_decision(one, free, theta, share, limits) for one, theta in zip(several, thetas, strict=True)]
+    before = [one.losses(np.zeros(len(one.names))) for one in several]
+
+    def harmless(thetas: list[Float[np.ndarray, "n"]]) -> bool:
+        each = zip(several, before, thetas, strict=True)
+        return all(_harm(losses, one.losses(theta), limits) <= limits.harm for one, losses, theta in each)
+
+    thetas, share, kept = _candidate(several, free, harmless)
+    return [_decision(one, free, theta, share, kept, limits) for one, theta in zip(several, thetas, strict=True)]
 
 
 def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
@@ -132,26 +138,33 @@ def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances
     return _harm(estimate.losses(np.zeros_like(theta)), estimate.losses(theta), limits)
 
 
-def _candidates(
-    several: Sequence[Estimate], free: Sequence[str], limits: Tolerances
-) -> tuple[list[Float[np.ndarray, "n"]], float]:
-    """Of each calibration, and how far they go from keeping depth to losing least: as far as harms none of them."""
-    least, share = with_free_together(several, free), 1.0
-    before = [one.losses(np.zeros(len(one.names))) for one in several]
-
-    def harmless(thetas: list[Float[np.ndarray, "n"]]) -> bool:
-        each = zip(several, before, thetas, strict=True)
-        return all(_harm(losses, one.losses(theta), limits) <= limits.harm for one, losses, theta in each)
-
-    thetas, kept = least, [] if harmless(least) else with_free_together(several, free, keep_depth=True)
-    while kept and share > 0.0 and (share == 1.0 or not harmless(thetas)):
-        share -= 1.0 / STEPS
+def _candidate(
+    several: Sequence[Estimate], free: Sequence[str], harmless: Callable[[list[Float[np.ndarray, "n"]]], bool]
+) -> tuple[list[Float[np.ndarray, "n"]], float, float]:
+    """Of each calibration the first that is harmless, from losing least to keeping depth, and on to where its change
+    costs more; how far they lie from keeping depth to losing least, and that cost."""
+    least = with_free_together(several, free)
+    if harmless(least):
+        return least, 1.0, 1.0
+    kept = with_free_together(several, free, keep_depth=1.0)
+    for share in (np.arange(STEPS)[::-1] / STEPS).tolist():
         thetas = [near + share * (far - near) for near, far in zip(kept, least, strict=True)]
-    return thetas, share
+        if harmless(thetas):
+            return thetas, share, 1.0
+    for cost in COSTS:
+        kept = with_free_together(several, free, keep_depth=cost)
+        if harmless(kept):
+            return kept, 0.0, cost
+    return kept, 0.0, COSTS[-1]
 
 
 def _decision(
-    estimate: Estimate, free: Sequence[str], theta: Float[np.ndarray, "n"], share: float, limits: Tolerances
+    estimate: Estimate,
+    free: Sequence[str],
+    theta: Float[np.ndarray, "n"],
+    share: float,
+    kept: float,
+    limits: Tolerances,
 ) -> Decision:
     """The decision between θ = 0 and a candidate."""
     zero = np.zeros_like(theta)
@@ -160,7 +173,7 @@ def _decision(
     better, worse = float(np.mean(after.total < before.total)), _harm(before, after, limits)
     gains = expected[1] < min(expected[0] - 1.0, limits.leaves * expected[0]) and better >= limits.better
     harmless = worse <= limits.harm  # NaN is no proof of harmlessness
-    held_out = estimate.held_out(free, share) if gains and harmless else []
+    held_out = estimate.held_out(free, share, kept) if gains and harmless else []
     rows_alone = not (estimate.matched_ranges or estimate.windows)
     predicted = estimate.shown is None or predicts(held_out, limits, rows_alone=rows_alone)
     failed = next((one for one, met in zip(Criterion, (gains, harmless, predicted), strict=True) if not met), None)

@@ -1,5 +1,5 @@
-"""What a change must gain, what counts as worse, how sure that must be, and what images must show: all numbers of the
-decision."""
+"""All numbers of the decision: what a change must gain, what counts as worse, how sure that must be, and what the
+images must show."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -18,17 +18,18 @@ class Tolerances:
     """What is asked of a change of calibration. The defaults are the same for all rigs.
 
     Attributes:
-        rows_px: of row error, that a matcher notices: the unit of the loss, and more than this is worse.
-        depth_points: the same of the error of depth, in percentage points.
-        leaves: share of the expected loss that a repair leaves, at most; it gains one unit of it, at least.
-        better: probability that the loss falls, at least.
-        harm: probability that rows, or depth ahead at the farthest distance, become worse, at most.
-        predicts: row error of parts of the images that were left out, under what the rest says, at most, as a share of
-            theirs under the initial calibration; and the share of what the candidate gains on them that is there, too,
-            at least.
-        good_rows_px: row error of a good calibration, at most, where images show something.
-        good_surely: probability of that, at least.
-        distances: in baselines, at which rows and depth count over the view.
+        rows_px: the epipolar error [px] that a matcher notices. It is the unit of the loss; a mean that grows by more
+            is worse.
+        depth_points: the same for the depth error, in percentage points.
+        leaves: the largest share of the expected loss that a repair may leave; it must gain one unit at least.
+        better: the least probability that the loss falls.
+        harm: the largest probability that the epipolar error, or the depth error ahead at the farthest distance,
+            becomes worse.
+        predicts: parts of the images are left out in turn, and predicted by the rest. This is the largest share of
+            their epipolar error that may remain, and the least share of the candidate's gain on them to be predicted.
+        good_rows_px: the largest epipolar error [px] of a good calibration, where the images show something.
+        good_surely: the least probability of that.
+        distances: in baselines, at which epipolar and depth errors count over the view.
 
     Raises:
         InputError: if a value makes no sense.
@@ -66,17 +67,18 @@ class Tolerances:
 
     @property
     def limits(self) -> dict[str, float]:
-        """All but the distances, by name."""
+        """All values but the distances, by name."""
         return {name: value for name, value in asdict(self).items() if name != "distances"}
 
     @property
     def matters(self) -> Matters:
-        """What counts as an error."""
+        """The units of the loss, and the distances."""
         return Matters(self.rows_px, self.depth_points, self.distances)
 
 
 DEFAULT = Tolerances()
 STEPS = 8  # in which a change of depth is made
+COSTS = (4.0, 16.0, 64.0)  # times that its square may cost: half the change each
 LIMITS = DEFAULT.limits
 
 
@@ -102,15 +104,15 @@ class Enough:
     """What images must show for a verdict.
 
     Attributes:
-        matches: correspondences: five parameters from fewer would be guessing.
-        covered: share of the image that they cover: good rigs cover a half, chance matches a twentieth.
-        places: tiles of a frame that show something.
-        of_texture: share of what has texture that an aligned rig covers: a half and more; rigs a degree out a fifth.
-            Below twice this, mistakes in the input are looked for.
-        lost: of what the candidate matches, what it may lose where the initial calibration matches: 0 to 0.11 where
-            repairs end well.
-        reach: how far a candidate may lie away, in reaches: the search goes so far.
-        misfit_px: systematic errors in no parameter: more is no rig.
+        matches: the least number of correspondences; five parameters from fewer would be a guess.
+        covered: the least share of the image that they cover; good rigs cover a half, chance matches a twentieth.
+        places: the least number of tiles of a frame that show something.
+        of_texture: the least share of the textured image that matches cover: under an aligned rig they cover a half and
+            more, under one that is a degree off a fifth. Below twice this, mistakes in the input are looked for.
+        lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
+            0.11 where repairs end well.
+        reach: the largest distance of a candidate, in reaches; the search goes no farther.
+        misfit_px: the largest systematic epipolar error [px] that no parameter explains.
     """
 
     matches: int = 60

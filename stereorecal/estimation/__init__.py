@@ -20,6 +20,7 @@ from stereorecal.estimation._calibration_prior import (
 )
 from stereorecal.estimation._consequences import (
     consequences as consequences,
+    nearness_of as nearness_of,
     points_of_view as points_of_view,
     readings as readings,
 )

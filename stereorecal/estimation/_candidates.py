@@ -43,7 +43,7 @@ def least_loss(
     free: Bool[np.ndarray, "n"],
     shared: Bool[np.ndarray, "n"],
     *,
-    keep_depth: bool = False,
+    keep_depth: float = 0.0,
     linear: bool = False,
 ) -> list[Float[np.ndarray, "n"]]:
     """θ of each rig, which together lose least, of those whose held parameters are as given (0); 0, if no rigs stand
@@ -55,8 +55,8 @@ def least_loss(
         several: rigs, with the same parameters.
         free: which parameters may change.
         shared: which are the same for all.
-        keep_depth: a change of depth ahead, against the initial rig, costs its square: depth changes by little where
-            rows need it, and by less where nothing does.
+        keep_depth: times that a change of depth ahead, against the initial rig, costs its square: depth changes by
+            little where rows need it, and by less where nothing does.
         linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
     """
     searches = [_Search(one, keep_depth, linear) for one in several]
@@ -106,9 +106,9 @@ def least_loss(
 class _Search:
     """One rig's part of the loss."""
 
-    def __init__(self, known: Known, keep_depth: bool, linear: bool) -> None:
+    def __init__(self, known: Known, keep_depth: float, linear: bool) -> None:
         posterior = merged(known.posterior, 1 if linear else _NORMALS)
-        self.known, self.keep_depth, self.linear = known, keep_depth, linear
+        self.known, self.kept, self.linear = known, _KEPT * keep_depth, linear
         self.loss = PointwiseLoss.under(known.errors, posterior)
         scale = known.deviations
         self.far = _FAR * np.linalg.inv(
@@ -124,8 +124,8 @@ class _Search:
         """What is minimised."""
         away = theta - self.known.posterior.mean
         loss = self.loss.expected(found) + float(away @ self.far @ away)
-        if self.keep_depth:
-            loss += _KEPT * float(self.known.errors.depth_ahead @ (found - self.known.initial) ** 2)
+        if self.kept:
+            loss += self.kept * float(self.known.errors.depth_ahead @ (found - self.known.initial) ** 2)
         return loss
 
     def quadratic(
@@ -134,8 +134,8 @@ class _Search:
         """Curvature and slope of a bound, by θ."""
         slopes = self.known.errors.slopes
         curvature, slope = self.loss.quadratic(found)
-        if self.keep_depth:
-            kept = 2.0 * _KEPT * self.known.errors.depth_ahead
+        if self.kept:
+            kept = 2.0 * self.kept * self.known.errors.depth_ahead
             curvature, slope = curvature + kept, slope + kept * (found - self.known.initial)
         by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self.far
         return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.known.posterior.mean)

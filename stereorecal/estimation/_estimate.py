@@ -105,12 +105,12 @@ class Estimate:
         return self.windows.linear_at(self.chart, self.theta)
 
     @one_blas_thread()
-    def with_free(self, names: Sequence[str], *, keep_depth: bool = False) -> Float[np.ndarray, "n"]:
+    def with_free(self, names: Sequence[str], *, keep_depth: float = 0.0) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change; as given, if no rig stands there.
 
         Args:
-            keep_depth: whether a change of depth costs its square, so that it changes only where rows need it, or it is
-                known better than it matters.
+            keep_depth: times that a change of depth costs its square, so that it changes only where rows need it, or it
+                is known better than it matters.
 
         Raises:
             InputError: if a name is unknown.
@@ -165,12 +165,13 @@ class Estimate:
         return self._loss.expected(self._errors.of(used))
 
     @one_blas_thread()
-    def held_out(self, names: Sequence[str], share: float = 1.0) -> list[HeldOut]:
+    def held_out(self, names: Sequence[str], share: float = 1.0, keep_depth: float = 1.0) -> list[HeldOut]:
         """What parts of the images say of the candidates of the rest, each part left out in turn.
 
         Args:
             names: as `with_free` has them.
             share: where the candidate lies between the one that keeps depth (0), and the one that loses least (1).
+            keep_depth: of the former, as `with_free` has it.
         """
         if self.shown is None:
             return []
@@ -182,7 +183,7 @@ class Estimate:
             known, shared = replace(self.known, posterior=posterior), np.zeros_like(free)
             (theta,) = least_loss([known], free, shared, linear=True)
             if share < 1.0:
-                (kept,) = least_loss([known], free, shared, keep_depth=True, linear=True)
+                (kept,) = least_loss([known], free, shared, keep_depth=keep_depth, linear=True)
                 theta = kept + share * (theta - kept)
             return rows + slopes @ (theta - at)
 
@@ -240,13 +241,13 @@ class Estimate:
 
 @one_blas_thread()
 def with_free_together(
-    estimates: Sequence[Estimate], names: Sequence[str], *, keep_depth: bool = False
+    estimates: Sequence[Estimate], names: Sequence[str], *, keep_depth: float = 0.0
 ) -> list[Float[np.ndarray, "n"]]:
     """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
     but the extrinsics of a drift are the same for all; as given, if no rigs stand there.
 
     Args:
-        keep_depth: whether a change of depth costs its square.
+        keep_depth: times that a change of depth costs its square.
 
     Raises:
         InputError: if a name is unknown.

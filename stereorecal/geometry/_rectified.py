@@ -52,14 +52,14 @@ class Rectification:
 
     @property
     def P2(self) -> Projection:
-        """(3, 4) projection matrix of the right one; P2[0, 3] is minus the focal length times the baseline."""
+        """(3, 4) projection matrix of the right rectified camera; P2[0, 3] is minus focal length times baseline."""
         found = np.column_stack([self._matrix("P2", self.view.matrix_right), np.zeros(3)])
         found[0, 3] = -float(self.view.focal) * self.baseline
         return found
 
     @property
     def Q(self) -> Float[np.ndarray, "4 4"]:
-        """(4, 4), maps (column, row, disparity, 1) to homogeneous points in the left rectified frame."""
+        """(4, 4) matrix that maps (column, row, disparity, 1) to homogeneous points in the left rectified frame."""
         left, found = self._matrix("Q", self.view.matrix_left), np.eye(4)
         found[:3, 3] = -left[0, 2], -left[1, 2], float(self.view.focal)
         found[2, 2] = 0.0
@@ -81,8 +81,8 @@ class Rectification:
         `cv2.StereoSGBM` and `StereoBM` compute int16 in sixteenths of a pixel: divide by 16.0.
 
         Args:
-            disparity: for a pinhole of any shape, else an image; or an `sr.Disparity`, which gives NaN where it is not
-                valid.
+            disparity: an array, for a view other than a pinhole an image; or an `sr.Disparity`, which gives NaN where
+                it is not valid.
 
         Raises:
             InputError: if the disparities are integers, or, for a view other than a pinhole, no image of its size.
@@ -106,7 +106,7 @@ class Rectification:
         return (self._directions() * np.where(np.isfinite(distance), distance, np.nan)[..., None]) @ np.asarray(self.R1)
 
     def _over(self, nearness: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-        """Metres."""
+        """Distances [m]: inf where the nearness is 0 or less, NaN where it is NaN."""
         with np.errstate(divide="ignore"):
             return np.where(nearness > 0.0, self.baseline / nearness, np.where(np.isnan(nearness), np.nan, np.inf))
 
@@ -136,7 +136,7 @@ def _checked(disparity: Any) -> Float[np.ndarray, "*n"]:
 
 
 def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
-    """Rectification for users of OpenCV, in one call.
+    """The rectification of a rig: matrices and maps as OpenCV has them.
 
     Args:
         view: default `sr.view(rig)`, which is no pinhole for wide lenses; `solution.view` is that of a repair; or the
@@ -157,7 +157,7 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
 
 
 def _of_image_taken(one: Float[np.ndarray, "2 h w"], size: tuple[int, int], turn: int) -> tuple[Plane, Plane]:
-    """The map of a turned image, changed to one of the image as it was taken."""
+    """(map_x, map_y) for the image as it was taken, from the map for the turned image."""
     if turn:
         mapped = (one != -1.0).any(axis=0)
         back = np.moveaxis(turned_pixels(np.moveaxis(one, 0, -1), size, -turn), -1, 0)

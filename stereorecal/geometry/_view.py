@@ -100,8 +100,11 @@ class View:
         return xp.stack([x, y, z + 0.0 * x], axis=-1)
 
     def pixels(self, directions: Float[AnyArray, "*n 3"], side: int) -> tuple[AnyArray, AnyArray]:
-        """Columns and rows, (*n,) each, of directions in the rectified frame, of any length, in one image; those of a
-        pinhole must have z > 0."""
+        """Columns and rows [px], `(*n,)` each, of directions of any length in the rectified frame; for a pinhole z > 0.
+
+        Args:
+            side: of the image: 0 left, 1 right.
+        """
         u, v = self.formulas.project(*(directions[..., axis] for axis in range(3)))
         return self.focal * u + (self.centre_left, self.centre_right)[side], self.focal * v + self.centre_row
 

@@ -33,18 +33,18 @@ class LinearResiduals:
 
     @property
     def least(self) -> Float[np.ndarray, "n"]:
-        """The point of the box at which their squares sum to least, walls left aside."""
+        """The point with the least sum of squares in all of space, clipped to the box."""
         return np.clip(np.linalg.lstsq(self.jacobian, -np.asarray(self.at_centre), rcond=None)[0], -1.0, 1.0)
 
 
 def linear_residuals(rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float) -> LinearResiduals:
-    """The residuals of row differences. However many there are, 2 n + 1 numbers say all of them.
+    """2 n + 1 residuals with the same sum of squares as all weighted row differences and the prior.
 
     Args:
         rows: the row differences, linear around the start of the run.
         precision: weight of each squared row difference, 1 / pixels².
-        prior: standard deviation of each parameter, in half widths of the box, which the initial calibration is the
-            centre of.
+        prior: standard deviation of each parameter around the centre of the box, the initial calibration, in half
+            widths of the box.
     """
     dim = rows.z.size
     few = _reduced(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
@@ -53,7 +53,7 @@ def linear_residuals(rows: LinearRows, precision: Float[np.ndarray, "k m"], prio
 
 
 def epipolar_objective(residuals: LinearResiduals, budget: Budget | None = None) -> Objective:
-    """The value is -½ |residuals|².
+    """The objective whose value is -½ |residuals|².
 
     Args:
         budget: default unlimited.
@@ -68,7 +68,7 @@ def epipolar_objective(residuals: LinearResiduals, budget: Budget | None = None)
 
 
 def _reduced(columns: Float[np.ndarray, "c m"], precision: Float[np.ndarray, "m"]) -> Float[np.ndarray, "c c"]:
-    """A square matrix with the same normal equations as all m weighted rows, so every sum of squares is the same.
-    Made from the normal matrix, which is accurate enough here in float64."""
+    """A square matrix with the same normal equations as all m weighted rows, and so with the same sums of squares. It
+    is made from the normal matrix, which is accurate enough in float64."""
     spread, axes = np.linalg.eigh((columns * precision) @ columns.T)
     return np.sqrt(np.maximum(spread, 0.0))[:, None] * axes.T

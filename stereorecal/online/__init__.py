@@ -4,7 +4,14 @@ A `State` is all there is; `step` is a function of it and of the next pair. `run
 `MonitorProcess` steps in a process of its own, beside a capture loop.
 """
 
+from stereorecal.online._advice import (
+    Advice as Advice,
+    Showing as Showing,
+    Undetermined as Undetermined,
+    advice as advice,
+)
 from stereorecal.online._config import Config as Config
+from stereorecal.online._coverage import BAND_EDGES as BAND_EDGES, PARTS as PARTS
 from stereorecal.online._events import EVENTS_SCHEMA as EVENTS_SCHEMA, Event as Event, Kind as Kind
 from stereorecal.online._monitor_process import MonitorProcess as MonitorProcess
 from stereorecal.online._reading import FAR as FAR, Reading as Reading, reading as reading

@@ -5,11 +5,19 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Estimate, Posterior, consequences, rig_parameters
+from stereorecal.estimation import (
+    CalibrationCovariance,
+    Estimate,
+    Posterior,
+    Prior,
+    consequences,
+    is_exact,
+    rig_parameters,
+)
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
-from stereorecal.online._state import rig_with
+from stereorecal.online._state import State, rig_with
 
 _YAW, _PRINCIPAL_POINT = EXTRINSICS.index("yaw"), "right.cx"
 _ROWS_AT, _DEPTH_AT = 10, 30  # baselines, as a keystone is measured
@@ -24,7 +32,7 @@ def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate
         filtered: the filter's estimate.
         view: in which rows and depth are judged.
     """
-    chart, keystone = _around(initial, using, view)
+    chart, keystone = chart_and_keystone(initial, using, view)
     numbers = [*range(SIZE), KEYSTONE]
     ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])
     true = rig_with(initial, filtered.offset)
@@ -34,8 +42,22 @@ def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate
     return Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.diag(covariance), view=view)
 
 
+def prior_now(state: State) -> Prior:
+    """What is known of the calibration in use, for an estimate by other pairs: of exact intrinsics only that they are;
+    else its errors, with the keystone, which rows show and no change of the extrinsics should take up."""
+    if is_exact(state.config.prior) or not state.estimate.is_finite:
+        return state.config.prior
+    posterior = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view).posterior
+    names = rig_parameters(state.rig).names
+    some = [names.index(name) for name in (*EXTRINSICS, _PRINCIPAL_POINT)]
+    covariance = posterior.covariance[np.ix_(some, some)]
+    return CalibrationCovariance([names[index] for index in some], covariance, posterior.mean[some])
+
+
 @lru_cache(maxsize=2)  # the same until another calibration is in use
-def _around(initial: StereoRig, using: tuple[float, ...], view: View) -> tuple[RigChart, Float[np.ndarray, "n"]]:
+def chart_and_keystone(
+    initial: StereoRig, using: tuple[float, ...], view: View
+) -> tuple[RigChart, Float[np.ndarray, "n"]]:
     """Changes of the calibration in use; and a degree of keystone in their units, the rows of a yaw that is none of
     depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
     (of a lens with distortion, principal points bend them, too)."""

@@ -17,7 +17,7 @@ from stereorecal.scoring.host import Corners, corner_tracks, corners
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
-_AHEAD = 0.5  # baselines: in less, depth is hardly told
+AHEAD = 0.5  # baselines: in less, depth is hardly told
 _LEFT = 0.4  # of the corners that were found: if fewer are seen again, sooner
 # Pairs, where their times are not known, and seconds, after which nothing is the same.
 _LONGEST, _SECONDS = 16, 2.0
@@ -59,7 +59,7 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
     tracked = window(tracks, chart, np.zeros(chart.dim))
     lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
-    short_travel = tracked.metres[0] < _AHEAD * float(state.rig.baseline)
+    short_travel = tracked.metres[0] < AHEAD * float(state.rig.baseline)
     tracking_gap = (
         max(state.tracked_pairs // 2, 1)
         if lost
@@ -71,7 +71,7 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
     if tracked.motion is None or not tracked.informative:
         return state
     turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
-    return _after_window(state, _measurement(state, tracked.normal, turned))
+    return _after_window(state, motion_measurement(state, tracked.normal, turned))
 
 
 def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
@@ -87,7 +87,7 @@ def _longest(state: State) -> int:
     return max(_LONGEST - _LONGEST % state.config.every, 1)
 
 
-def _measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
+def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
     """What a window says of the offset, near the calibration in use.
 
     Args:

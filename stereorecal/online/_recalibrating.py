@@ -1,18 +1,17 @@
 """A recalibration on request, in place of waiting until looks ask for one."""
 
-import numpy as np
-
 from stereorecal._errors import InputError
+from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._filter import SIZE
+from stereorecal.online._filter_posterior import prior_now
 from stereorecal.online._state import State
-from stereorecal.online._switching import AFTER_REPAIR, calibration_data, switched
+from stereorecal.online._switching import calibration_data, switched, told_by
 from stereorecal.recalibration import recalibrate as recalibrated
 from stereorecal.recordings import Pairs, check_pairs
 
 
 def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
-    """What `sr.recalibrate` finds from the calibration in use, which takes its place if the decision accepts it; else
+    """What `sr.recalibrate` finds of the extrinsics in use, which takes their place if the decision accepts it; else
     the state stays as it is. A state that is frozen stays so.
 
     Args:
@@ -22,12 +21,19 @@ def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
         The state, and RECALIBRATED, or REJECTED with the reason.
     """
     try:
-        options = {"matcher": state.config.matcher, "view": state.config.view, "motion": False}
         pairs = check_pairs(state.rig, pairs)
-        solution = recalibrated(state.rig, pairs, **options)
+        solution = recalibrated(
+            state.rig,
+            pairs,
+            matcher=state.config.matcher,
+            view=state.config.view,
+            motion=False,
+            free=EXTRINSICS,
+            prior=prior_now(state),
+        )
     except InputError as error:
         return state, (Event(state.frame, Kind.REJECTED, str(error)),)
-    if not solution.accepted or solution.covariance is None:
+    if not solution.accepted or solution.estimate is None:
         return state, (Event(state.frame, Kind.REJECTED, solution.reason.value),)
     offset, rows = state.offset_of(solution.rig), solution.row_errors
     proof = {
@@ -38,6 +44,6 @@ def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
         "row_error_after_px": None if rows is None else float(rows.after),
     }
     facts = {"old": calibration_data(state, state.using), "new": calibration_data(state, offset), "proof": proof}
-    estimate = state.estimate.moved(offset, solution.covariance + np.eye(SIZE) * AFTER_REPAIR**2)
-    state = switched(state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0, reported=None), offset)
+    state = told_by(state, solution.estimate).replace(outlier=None, outliers_in_a_row=0, reported=None)
+    state = switched(state, offset)
     return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
-from stereorecal.objectives import EXTRINSICS, Parameters, Reach
+from stereorecal.objectives import Parameters, Reach
 from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter_posterior import prior_now
 from stereorecal.online._job import Job
 from stereorecal.online._reading import reading
 from stereorecal.online._state import State
@@ -33,7 +33,7 @@ def continued(state: State) -> tuple[State, list[Event]]:
     assert matcher is not None
     rig = state.rig
     try:
-        case = Case(pyramid(rig, job.pairs, state.config.view), matcher, Reach(), Parameters())
+        case = Case(pyramid(rig, job.pairs, state.config.view), matcher, Reach(), Parameters(), prior_now(state))
         ended = next_slice(case, Schedule.default(), Progress(rig.with_extrinsics(job.at), job.done))
     except InputError as error:  # such as: images that are exchanged
         return state.replace(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
@@ -43,23 +43,13 @@ def continued(state: State) -> tuple[State, list[Event]]:
 
 
 def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
-    if not solution.accepted or solution.covariance is None:
+    if not solution.accepted or solution.estimate is None:
         return state, [_rejected(state, solution)]
-    offset = state.offset_of(_depth_kept(solution))
+    offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.reported is Kind.KNOCK else [knock]
-    return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.covariance), events
-
-
-def _depth_kept(solution: Solution) -> StereoRig:
-    """The repair; if no row needs another depth, the one that keeps it: looks know more of depth than some pairs do."""
-    estimate, decision = solution.estimate, solution.decision
-    if estimate is None or decision is None:
-        return solution.rig
-    kept = estimate.with_free(EXTRINSICS, keep_depth=True)
-    rows, of_kept = (float(np.median(estimate.losses(theta).even)) for theta in (decision.theta, kept))
-    return estimate.chart.rig_at(kept) if of_kept <= rows + solution.settings.tolerances.rows_px else solution.rig
+    return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.estimate), events
 
 
 def too_far(state: State) -> bool:

@@ -27,7 +27,7 @@ from stereorecal.online._state import State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/11"
+SCHEMA = "stereorecal.state/12"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (

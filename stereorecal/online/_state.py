@@ -1,15 +1,16 @@
 """All that is known of a rig on the vehicle."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
+from stereorecal.online._coverage import no_coverage
 from stereorecal.online._events import Kind
 from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._job import Job
@@ -59,6 +60,7 @@ class State:
         ready: the pair from which on a candidate may be nominated.
         previous: offsets of calibrations that were in use before, the last one last.
         reported: the last standing event, so that each is said once.
+        coverage: looks so far that showed each part of the view (by rows) at each of the distances where depth is read.
     """
 
     config: Config
@@ -88,6 +90,7 @@ class State:
     ready: int = 0
     previous: tuple[Offset, ...] = ()
     reported: Kind | None = None
+    coverage: Int[np.ndarray, "parts distances"] = field(default_factory=no_coverage)
 
     def alone(self) -> "State":
         """Without what only a pair that comes at once could be compared with: the last image, the corners that are

@@ -11,6 +11,7 @@ from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
+from stereorecal.online._coverage import covered_by
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, at_start
 from stereorecal.online._keystone import left_of_yaw
@@ -138,6 +139,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     state = state.replace(
         seen=state.seen + 1,
         row_error=look.rows(state.rig),
+        coverage=state.coverage + covered_by(look, state.view),
         unmatched_in_a_row=0,
         attempt=_FIRST,
     )

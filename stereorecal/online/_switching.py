@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal.decision import chance_of_harm
+from stereorecal.estimation import Estimate
+from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, Measurement
 from stereorecal.online._filter_posterior import known
@@ -16,7 +17,7 @@ from stereorecal.online._state import Offset, State
 
 Outcome = tuple[State, list[Event]]
 
-AFTER_REPAIR = 0.1  # degrees and percent: how well a repair of few frames is trusted, beyond its own covariance
+_TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
 
 
 def trial_after_look(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
@@ -121,11 +122,19 @@ def nominated(state: State) -> Outcome:
     return state.replace(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
 
 
-def after_repair(state: State, offset: Offset, covariance: Float[np.ndarray, "5 5"]) -> State:
+def after_repair(state: State, offset: Offset, estimate: Estimate) -> State:
     """A candidate of a repair on trial, unless nothing is to be switched."""
-    estimate = state.estimate.moved(offset, covariance + np.eye(SIZE) * AFTER_REPAIR**2)
     trial = SequentialTest(offset, "repair", state.frame) if state.config.repair else None
-    return state.standing_at(estimate).replace(trial=trial, outlier=None)
+    return told_by(state, estimate).replace(trial=trial, outlier=None)
+
+
+def told_by(state: State, estimate: Estimate) -> State:
+    """The state that knows of the rig what an estimate by some pairs does, which is trusted less than it says: they may
+    err together."""
+    extrinsics = np.where(np.isin(estimate.names, EXTRINSICS), estimate.theta, 0.0)
+    offset = state.offset_of(estimate.chart.rig_at(extrinsics))
+    covariance = estimate.posterior.covariance[:SIZE, :SIZE] + np.eye(SIZE) * _TRUSTED**2
+    return state.standing_at(state.estimate.moved(offset, covariance))
 
 
 def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:

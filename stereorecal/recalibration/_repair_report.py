@@ -75,7 +75,7 @@ def report_of(
         expected_said=expected and _expected_text(solution, expected.rows_px),
         axes=changed_axes(solution) if telling else (),
         intrinsics=changed_intrinsics(solution) if telling else (),
-        depths=_depths(solution) if solution.reason.healthy else (),  # a wrong candidate tells none
+        depths=_depths(solution),
         climbs=climbs_of(solution.stages),
         way=way,
         frames=[
@@ -116,15 +116,10 @@ def _facts(solution: AbstractResult, *, telling: bool) -> dict[str, tuple[str, s
 
 
 def _depths(solution: AbstractResult) -> list[Depth]:
-    expected, baseline = solution.expected, float(solution.candidate.baseline)
+    both = zip(solution.depth_before, solution.depth, strict=True)
     return [
-        Depth(
-            distance,
-            distance * baseline,
-            error,
-            expected and (expected.depth_percent[distance].low, expected.depth_percent[distance].high),
-        )
-        for distance, error in solution.depth_error_percent.items()
+        Depth(used.distance, (before.percent.low, before.percent.high), (used.percent.low, used.percent.high))
+        for before, used in both
     ]
 
 

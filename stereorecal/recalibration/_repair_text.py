@@ -54,5 +54,5 @@ def _line(heading: str, text: str) -> str:
 
 def _axis(axis: Change) -> str:
     unit = "deg" if axis.unit == "°" else axis.unit
-    line = f"{axis.name:<8} {axis.before:+9.3f} -> {axis.after:+9.3f} {unit:<3} changed by {axis.change:+8.3f}"
+    line = f"{axis.name:<8} {axis.before:+z9.3f} -> {axis.after:+z9.3f} {unit:<3} changed by {axis.change:+z8.3f}"
     return line if axis.half_width is None else f"{line} ± {axis.half_width:.3f}"

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from stereorecal._errors import InputError, extra
+from stereorecal._errors import as_input_error, extra
 from stereorecal.recalibration._as_dict import solution_as_dict
 from stereorecal.recalibration._repair_text import repair_text
 from stereorecal.recalibration._result import AbstractResult
@@ -112,10 +112,8 @@ class Solution(AbstractResult):
         report = report_of(self, as_pairs(pairs), name, None, {}, ())
         layout = repair_layout(report)
         if path is None:
-            try:
+            with as_input_error(NoViewer):
                 stream = viewer_stream(layout, name)
-            except NoViewer as error:
-                raise InputError(str(error)) from error
             log_repair(stream, report)
             stream.flush()
             return

@@ -110,12 +110,12 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
     """
     largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
     marks = {
-        "measured row error is larger there": (_LARGER, larger),
+        "measured epipolar error is larger there": (_LARGER, larger),
         "nothing matched there: extrapolated": (_UNMEASURED, unmeasured),
     }
     with style(("expected", largest, *larger, -1, *unmeasured)):
         figure, axis = _map(
-            expected, image, "YlOrBr", Normalize(0.0, largest), "row error, 95 % below [px]", extend="max"
+            expected, image, "YlOrBr", Normalize(0.0, largest), "epipolar error, 95 % below [px]", extend="max"
         )
         for hatch, places in marks.values():
             for place in places:
@@ -126,7 +126,9 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
         if hatches:
             handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in hatches.items()]
             figure.legend(handles=handles, frameon=False, loc="outside lower left")
-        return svg(figure, "Map over the view: the row error to expect at each place, with the calibration to use.")
+        return svg(
+            figure, "Map over the view: the epipolar error to expect at each place, with the calibration to use."
+        )
 
 
 def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:

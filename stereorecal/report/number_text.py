@@ -7,7 +7,7 @@ METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
 
 def number(value: float | None, digits: int) -> str:
     """The value with `digits` decimals."""
-    return "-" if value is None else f"{value:.{digits}f}"
+    return "-" if value is None else f"{value:z.{digits}f}"
 
 
 def count(value: float | None) -> str:

@@ -92,18 +92,18 @@ class Change:
 
 @dataclass(frozen=True)
 class Depth:
-    """Errors of depth at one distance, in percent; infinite where points seem to lie beyond infinity.
+    """Errors of depth at one distance: ends of the 95 % intervals, percent of the distance; infinite where points seem
+    to lie beyond infinity.
 
     Attributes:
-        baselines, metres: the distance.
-        before: of the calibration that the repair started from, if the candidate is right.
-        expected: ends of the 95 % interval of that of the calibration to use; None if it is not known.
+        metres: the distance.
+        before: of the calibration that the repair started from.
+        used: of the one to use.
     """
 
-    baselines: int
     metres: float
-    before: float
-    expected: tuple[float, float] | None
+    before: tuple[float, float]
+    used: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup as Markup  # which jinja2 brings: the one that people install is missed first
 
-from stereorecal.report.number_text import change, count, number, percent
+from stereorecal.report.number_text import between, change, count, distance, number, percent
 
 
 def rendered(template: str | Path, **values: Any) -> str:
@@ -19,7 +19,7 @@ def rendered(template: str | Path, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"number": number, "count": count, "percent": percent, "change": change}
+    environment.filters |= {one.__name__: one for one in (between, change, count, distance, number, percent)}
     return environment.get_template(Path(template).name).render(values)
 
 

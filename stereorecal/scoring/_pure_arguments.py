@@ -1,4 +1,4 @@
-"""The arguments of the pure scores: extrinsics of one candidate, and a matcher at the scale of the images."""
+"""Checks of the arguments of the pure scores: the extrinsics of one candidate, and the matcher."""
 
 from typing import Any
 
@@ -16,7 +16,7 @@ def checked_extrinsics(extrinsics: Any) -> Float[jax.Array | np.ndarray, "6"]:
     """The extrinsics of one candidate, (6,).
 
     Raises:
-        InputError: if they are something else.
+        InputError: if they are a rig, or have another shape.
     """
     if isinstance(extrinsics, StereoRig):
         raise InputError("the extrinsics are a rig; give rig.extrinsics.")

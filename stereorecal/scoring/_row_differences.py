@@ -30,7 +30,7 @@ def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) ->
 
 
 def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyArray, "k m"]:
-    """`row_differences`, not compiled by itself."""
+    """`row_differences` (k, m), for callers that compile it as a part of their own program."""
     xp = namespace(found.left, extrinsics)
     first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
@@ -43,7 +43,7 @@ def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyA
     return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
 
 
-# Factors of the derivative are found anew: in reverse, some seventy small ones would each cost time in Python.
+# `checkpoint`: in reverse mode, to keep some seventy small factors of the derivative takes longer than to compute them.
 _compiled = jax.jit(jax.checkpoint(differences_of))
 
 

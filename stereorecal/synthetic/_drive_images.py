@@ -36,11 +36,11 @@ _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
 
 
 def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] | None = None) -> Iterator[Pair]:
-    """The pairs of a drive, from frame `first` on. They are rendered when first needed, 50 at a time, a quarter of a
-    second each, and cached.
+    """The pairs of a drive, from frame `first` on. They are rendered when they are first needed, place by place, a
+    quarter of a second each, and cached.
 
     Args:
-        folder: of the cache, 15 MB for 100 frames; default in the user's cache.
+        folder: of the cache (15 MB for 100 frames); default: in the user's cache.
     """
     cache_folder = user_cache_path("stereorecal") / "drives" if folder is None else Path(folder)
     place, images = -1, None
@@ -53,6 +53,7 @@ def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] 
 
 
 def _cached(drive: Drive, place: int, folder: Path) -> Images:
+    """The images at a place, left and right, from the cache or rendered."""
     frames = drive.frames_at(place)
     key = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
     numbers = drive.extrinsics[frames[0] : frames[-1] + 1].tobytes() + drive.late[frames[0] : frames[-1] + 1].tobytes()
@@ -103,7 +104,7 @@ def _rendered(drive: Drive, place: int) -> Images:
 
 
 def _moving(kind: str, draw: np.random.Generator, eye: float) -> tuple[tuple[Patch, np.ndarray], ...]:
-    """Patches of a boat or a car, and how far each moves in a frame."""
+    """The patches of a boat or a car, each with its way in a frame, (3,) metres."""
     studio, sign = Studio(draw, eye), float(draw.choice([-1.0, 1.0]))
     speed, far = sign * draw.uniform(*_MOVING), draw.uniform(8.0, 14.0)
     if kind == "street":

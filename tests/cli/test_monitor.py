@@ -5,12 +5,13 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from rides import Ride
+from rides import BEFORE, Ride
 
 import stereorecal as sr
 from stereorecal.io import save_scene
@@ -80,7 +81,7 @@ def test_what_would_tell_is_said_where_nothing_can_be_told(command, scene: Path,
         cv2.imwrite(str(image), noise.integers(127, 130, shape).astype(np.uint8))
     answer = command("monitor", grey, "--once", "--pairs", ":2")
     assert answer.code == 4
-    assert "more pairs, with texture and in motion, would tell" in answer.out
+    assert "px with 95 %; next: turn the rig towards something with texture" in answer.out
 
 
 def test_every_pair_of_a_long_recording_is_watched(command, scene: Path, tmp_path: Path):
@@ -149,8 +150,19 @@ def test_the_live_view_shows_axes_and_events(command, terminal, scene: Path, mon
     terminal("stdout")
     monkeypatch.setenv("COLUMNS", "110")
     shown = command("monitor", scene, "--once", "--pairs", ":5").out
-    for word in ("pitch", "yaw", "row error", "depth at 30 B", "late by", "95 % interval", "fits the images"):
+    for word in ("pitch", "yaw", "epipolar error", "depth at 11 m", "late by", "95 % interval", "fits the images"):
         assert word in shown
+    for word in ("Next: ", "not determined yet: ", "matches so far", "within 2.5 m", "farther than 20 m"):
+        assert word in shown
+
+
+def test_until_sure_it_ends_when_the_answer_stands(command, scene: Path, tmp_path: Path):
+    answer = command("monitor", scene, "--once", "--until-sure", "--state", tmp_path / "state")
+    assert answer.code == 0
+    assert load(tmp_path / "state").frame < BEFORE
+    steps = [line.partition("next: ")[2] for line in answer.out.splitlines() if "next: " in line]
+    assert steps[-1] == "nothing: the answer stands"
+    assert all(one != other for one, other in pairwise(steps))  # said when it changes
 
 
 @pytest.mark.parametrize("yaw", [3.0, -3.0])
@@ -166,4 +178,4 @@ def test_the_live_view_of_depth_beyond_infinity(
     save(beyond, tmp_path / "state")
     answer = command("monitor", scene, "--once", "--pairs", 0, "--state", tmp_path / "state")
     assert answer.code in (1, 4)
-    assert "depth at 30 B" in answer.out
+    assert "depth at 11 m" in answer.out

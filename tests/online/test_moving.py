@@ -59,17 +59,17 @@ def test_corners_that_are_not_seen_again_are_looked_for_sooner(ridden):
 def test_what_lenses_leave_of_the_yaw_is_in_common_to_all_windows(ridden):
     """It does not blur each of them by itself, or many would be surer of it."""
     state, info = ridden[-1].state, np.diag([0.0, 1e6, 0.0, 0.0, 0.0])
-    told = _moving._measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
+    told = _moving.motion_measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
     assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
     assert told.doubt == 0.02
     exact = state.replace(config=replace(state.config, prior="exact"))
-    assert _moving._measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
+    assert _moving.motion_measurement(exact, Normal(info, np.zeros(5), 0.0), np.zeros(3)).doubt == 0.0
 
 
 def told_yaw(state, degrees, sigma=0.02):
     """By a window whose own deviation is so much, wider than its tracks say by three."""
     info, yaw = np.diag([0.0, 9.0 * sigma**-2.0, 0.0, 0.0, 0.0]), state.estimate.offset[1] + degrees
-    return _moving._measurement(state, Normal(info, info @ (yaw * np.eye(5)[1] - state.using), 0.0), np.zeros(3))
+    return _moving.motion_measurement(state, Normal(info, info @ (yaw * np.eye(5)[1] - state.using), 0.0), np.zeros(3))
 
 
 def test_a_boat_that_crosses_the_view_has_no_say(ridden):
@@ -124,5 +124,5 @@ def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_swit
     using, further = np.array([0.1, 0.4, -0.2, 1.0, -2.0]), np.array([0.0, 0.05, 0.0, 0.0, 0.0])
     information = np.diag([1e4, 1e4, 1e4, 1e2, 1e2])
     told = Normal(information, information @ further, 0.0)
-    measured = _moving._measurement(init(default_rig()).using_now(using), told, np.zeros(3))
+    measured = _moving.motion_measurement(init(default_rig()).using_now(using), told, np.zeros(3))
     np.testing.assert_allclose(measured.offset, using + further, atol=1e-9)

@@ -7,6 +7,15 @@ import pytest
 from parts_of_repairs import _recalibrating
 from rides import BEFORE, Ride, error
 
+from stereorecal.estimation import (
+    Estimate,
+    Posterior,
+    consequences,
+    points_of_view,
+    readings,
+    rig_parameters,
+)
+from stereorecal.geometry import StereoRig
 from stereorecal.online import Config, Kind, freeze, init, reading, recalibrate, rollback
 from stereorecal.recalibration import Reason, RowErrors
 
@@ -25,11 +34,13 @@ def test_a_knock(ride: Ride):
 
 @pytest.mark.parametrize("reason", Reason, ids=lambda reason: reason.name)
 def test_only_what_the_decision_accepts_is_in_use(ride: Ride, monkeypatch: pytest.MonkeyPatch, reason: Reason):
+    chart = rig_parameters(ride.rig)
+    posterior = Posterior(np.ones(1), chart.coordinates_of(ride.knocked)[None], 1e-4 * np.eye(chart.dim)[None])
     found = SimpleNamespace(
         accepted=reason.accepted,
         reason=reason,
         rig=ride.knocked if reason.accepted else ride.rig,
-        covariance=1e-4 * np.eye(5),
+        estimate=Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.ones(chart.dim)),
         row_errors=RowErrors(3.0, 0.1, 9.0),
     )
     monkeypatch.setattr(_recalibrating, "recalibrated", lambda *given, **options: found)
@@ -44,6 +55,33 @@ def test_only_what_the_decision_accepts_is_in_use(ride: Ride, monkeypatch: pytes
     assert np.array_equal(after.previous, [state.using])
     assert not after.config.repair  # frozen, as it was
     assert np.array_equal(rollback(after).rig.extrinsics, ride.rig.extrinsics)
+
+
+def depth_error(used: StereoRig, true: StereoRig) -> float:
+    """Percent, at 30 baselines, on average over the view."""
+    _, nearness = readings(used, true, points_of_view(true, 30.0))
+    return abs(100.0 * (1.0 / (1.0 + float(np.mean(nearness))) - 1.0))
+
+
+def with_wrong_lenses(true: StereoRig, pixels: float) -> StereoRig:
+    """A principal point so many pixels off, and the yaw that makes up for it in depth, though not in rows."""
+    chart = rig_parameters(true)
+    near, yaw, principal_point = (
+        consequences(chart, np.zeros(chart.dim), (30,)).mean_nearness[0],
+        chart.names.index("yaw"),
+        chart.names.index("right.cx"),
+    )
+    theta = np.zeros(chart.dim)
+    theta[principal_point], theta[yaw] = pixels, -pixels * near[principal_point] / near[yaw]
+    return chart.rig_at(theta)
+
+
+def test_extrinsics_are_not_taken_without_the_lenses_that_they_go_with(ride: Ride):
+    """Rows alone would undo the yaw, and with it depth."""
+    given = with_wrong_lenses(ride.rig, 10.0)
+    after, (event,) = recalibrate(init(given), ride.pairs[:3])
+    assert depth_error(given, ride.rig) < 1.0
+    assert depth_error(after.rig, ride.rig) < 3.0, event.kind
 
 
 def test_pairs_that_cannot_be_used(ride: Ride):

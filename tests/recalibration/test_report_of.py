@@ -52,9 +52,9 @@ def test_what_was_good_speaks_of_itself(harbour):
     assert found.conclusion is Conclusion.GOOD
     assert not found.accepted
     assert found.when == "before"
-    assert solution.expected is not None
-    low, high = found.depths[0].expected
-    assert (low, high) == (solution.expected.depth_percent[5].low, solution.expected.depth_percent[5].high)
+    assert [depth.metres for depth in found.depths] == [error.distance for error in solution.depth]
+    told = [(error.percent.low, error.percent.high) for error in solution.depth]
+    assert [depth.used for depth in found.depths] == [depth.before for depth in found.depths] == told
     assert any("not taken" in title for title in found.calibrations)
 
 

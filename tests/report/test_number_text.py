@@ -5,7 +5,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.report.number_text import between, change, distance, offset
+from stereorecal.report.number_text import between, change, distance, number, offset
 
 
 @pytest.mark.parametrize(
@@ -67,3 +67,7 @@ def test_an_interval_that_holds_0_has_signs_and_others_a_side(low: float, width:
 def test_distances(metres: float, text: str):
     assert distance(metres) == text
     assert offset(metres).endswith(" too far")
+
+
+def test_what_is_nothing_has_no_sign():
+    assert number(-0.0004, 3) == "0.000"

@@ -82,4 +82,4 @@ def test_marks_are_drawn_and_named():
     assert "fill: url(#" not in plain
     marked = expected_figure(np.ones((13, 17)), IMAGE, [3], [4, 5])
     assert marked.count("fill: url(#") == 3 + 2  # in the map, and in its legend
-    assert {"measured row error is larger there", "nothing matched there: extrapolated"} <= set(words(marked))
+    assert {"measured epipolar error is larger there", "nothing matched there: extrapolated"} <= set(words(marked))

@@ -26,7 +26,7 @@ class Block(NamedTuple):
 
 
 def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> list[Disparity]:
-    """The disparity of each frame, NumPy arrays, in pixels of the scale of `data`.
+    """The disparity of each frame: NumPy arrays, in pixels of the scale of `data`.
 
     Args:
         matcher: any, with `num_disparities` in full-size pixels.
@@ -46,13 +46,13 @@ def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rect
 
 @cached_program
 def rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
-    """The images and areas of that frame, in the order of `Rectified`."""
+    """The rectified images and areas of the one frame of `data`, in the order of `Rectified`."""
     frames = rectify_frames(data, extrinsics, lambda frame: frame)
     return frames.left[0], frames.right[0], frames.left_area[0], frames.right_area[0]
 
 
 def match_in_blocks(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
-    """The disparity of a frame, NumPy arrays."""
+    """The disparity of a frame, NumPy arrays; its blocks of rows are matched on all cores."""
     parts = blocks(frame.left.shape[0], matcher)
     if len(parts) == 1:
         return jax.tree.map(np.asarray, _match(matcher, frame))
@@ -66,8 +66,8 @@ def match_in_blocks(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
 
 
 def blocks(height: int, matcher: AbstractMatcher) -> list[Block]:
-    """A frame in as many blocks as there are cores, all of one shape, with the matcher's halo on both sides; in fewer
-    where the halos would cost more than a tenth, in one if the matcher has none."""
+    """The blocks of a frame, all of one shape, with the matcher's halo on both sides: one for each core; fewer where
+    the halos would cost more than a tenth; one if the matcher has no halo."""
     if matcher.halo is None:
         return [Block(slice(0, height), slice(0, height))]
     halo = max(matcher.halo, matcher.block_size // 2 + 1)  # the core's texture check needs that many rows

@@ -1,0 +1,45 @@
+"""Which parts of the view, and which distances, have been covered by matches."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from stereorecal.decision import ENOUGH
+from stereorecal.estimation import nearness_of
+from stereorecal.geometry import StereoRig, View
+from stereorecal.online._pair_estimate import PairEstimate
+from stereorecal.recalibration import DISTANCES
+
+PARTS = (3, 3)  # rows and columns of the left image
+# Baselines, halfway between the distances at which depth is read.
+BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
+
+
+def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
+    """The part of the left image in which each point appears, numbered by rows."""
+    pixels = np.asarray(rig.left.project(points / points[:, 2:]))
+    share = pixels / np.array(rig.left.size) * PARTS[::-1]
+    column, row = np.clip(share.astype(int), 0, np.array(PARTS[::-1]) - 1).T
+    return row * PARTS[1] + column
+
+
+def band_of(baselines: Float[np.ndarray, "*n"] | float) -> Int[np.ndarray, "*n"]:
+    """The number of the distance that each distance counts to."""
+    return np.searchsorted(BAND_EDGES, baselines)
+
+
+def no_coverage() -> Int[np.ndarray, "parts distances"]:
+    """The coverage before the first look."""
+    return np.zeros((PARTS[0] * PARTS[1], len(DISTANCES)), int)
+
+
+def covered_by(look: PairEstimate, view: View) -> Bool[np.ndarray, "parts distances"]:
+    """Whether a look shows each part of the view at each distance: in as large a share of the part as a whole image
+    must be covered by."""
+    found, rig = look.found, look.chart.rig
+    assert found is not None
+    valid = np.asarray(found.weight[0]) > 0
+    left, right = (np.asarray(rays[0], float)[valid] for rays in (found.left, found.right))
+    away = 1.0 / np.maximum(nearness_of(rig, left, right, view), 1e-9)
+    counts = no_coverage()
+    np.add.at(counts, (part_of(rig, left), band_of(away)), 1)
+    return counts >= ENOUGH.covered * found.weight.shape[1] / len(counts)

@@ -1,0 +1,134 @@
+"""What to show next: what narrows most an interval that is too wide, by the filter's own covariance."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rides import BEFORE
+
+from stereorecal.io import load_scene
+from stereorecal.matching import matcher
+from stereorecal.online import BAND_EDGES, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
+from stereorecal.online._filter import Measurement
+from stereorecal.recalibration import DISTANCES
+from stereorecal.synthetic import default_rig
+
+EVERYWHERE = np.ones((PARTS[0] * PARTS[1], len(DISTANCES)), int)
+TOLD = np.array([0.003, 0.003, 0.003, 0.02, 0.02])  # degrees, percent
+
+
+def known_but_for(yaw: float, config: Config = Config()) -> State:  # noqa: B008  frozen
+    """Rows are known everywhere, and depth is not: a yaw may be the rig's, or of the intrinsics."""
+    state = init(default_rig(), config)
+    rows = Measurement(0, np.zeros(5), np.diag(TOLD**-2), np.zeros(5))
+    estimate = state.estimate.updated(rows).with_yaw_of_others(yaw)
+    return state.replace(estimate=estimate, coverage=EVERYWHERE, seen=9)
+
+
+def test_a_rig_of_which_nothing_is_known_is_shown_something():
+    found = advice(init(default_rig()))
+    assert found.show is not None
+    assert found.show.part is not None
+    assert not found.show.motion
+    assert found.show.narrows == found.undetermined[0]
+    assert {"pitch", "roll", "y", "z"} <= set(found.axes)
+    excess = [one.half_width / one.matters for one in found.undetermined]
+    assert excess == sorted(excess, reverse=True)
+    assert excess[-1] > 1.0
+    assert not found.stands
+
+
+def test_what_was_shown_is_known():
+    """Followed again and again, the advice ends: it never asks for what would tell nothing."""
+    state, shown = init(default_rig(), Config(prior="exact", motion=False)), []
+    while (found := advice(state)).undetermined:
+        assert found.show is not None
+        _, around = _advice._around(state.initial, (0.0,) * 5, state.view, _advice._distances(state))
+        asked = (found.show.part, found.show.distance)
+        shown.append(asked)
+        assert len(shown) < 9
+        (seen,) = [one for one in _advice._looks(state, around) if (one.part, one.distance) == asked]
+        state = state.replace(estimate=state.estimate.updated(seen.measures))
+        after = {(one.error, one.distance): one.half_width for one in advice(state).undetermined}
+        narrowed = found.show.narrows
+        assert after.get((narrowed.error, narrowed.distance), 0.0) <= found.show.half_width * (1 + 1e-9)
+    assert len(set(shown)) > 1
+
+
+def test_depth_that_rows_do_not_tell_needs_motion():
+    found = advice(known_but_for(yaw=0.3))
+    assert found.undetermined[0].error == "depth"
+    assert found.show is not None
+    assert (found.show.motion, found.show.part, found.show.distance) == (True, None, None)
+    assert found.show.half_width < found.undetermined[0].half_width / 2.0
+    assert "yaw" in found.axes
+
+
+def test_of_a_rig_that_is_not_followed_nothing_tells_depth():
+    found = advice(known_but_for(0.3, Config(motion=False)))
+    assert found.undetermined
+    assert found.show is None
+
+
+def test_from_afar_motion_tells_nothing_until_something_is_near():
+    far = np.where(np.array(DISTANCES) == DISTANCES[-1], EVERYWHERE, 0)
+    found = advice(known_but_for(0.3).replace(coverage=far))
+    assert found.show is not None
+    assert found.show.motion
+    assert found.show.distance in (5.0, 10.0, 30.0)
+
+
+def test_what_the_matcher_does_not_seek_is_not_asked_for():
+    state = init(default_rig())
+    near = state.view.focal / BAND_EDGES[0]
+    distances = {one.distance for one in advice(state).undetermined}
+    limited = state.replace(matcher=matcher("sad", num_disparities=16 * int(near // 16)))
+    fewer = {one.distance for one in advice(limited).undetermined}
+    assert distances - fewer == {5.0}
+
+
+def test_a_dark_pair_and_no_number():
+    state = init(default_rig()).replace(reported=Kind.TOO_LITTLE_TEXTURE)
+    assert advice(state).blind
+    estimate = replace(state.estimate, mean=np.full_like(state.estimate.mean, np.nan))
+    assert advice(state.replace(estimate=estimate)).show is None
+
+
+def test_the_answer_stands(ridden: list[Stepped]):
+    """Before the knock; not while pairs hardly match, or a repair is on trial."""
+    stands = [advice(stepped.state).stands for stepped in ridden]
+    assert stands[BEFORE - 1]
+    assert not any(stands[BEFORE : BEFORE + 2])
+    trials = [one.state for one in ridden if one.state.trial is not None]
+    assert trials
+    assert not any(advice(state).stands for state in trials)
+
+
+def test_the_sea_is_near_below_and_far_above(ridden: list[Stepped]):
+    coverage = ridden[BEFORE - 1].state.coverage.reshape(*PARTS, -1)
+    assert coverage.max() <= BEFORE
+    nearest = [int(np.flatnonzero(row.sum(axis=0))[0]) for row in coverage]
+    assert nearest[0] > nearest[2]
+    assert coverage[2].sum(axis=1).all()
+
+
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("first", ["garden01", "sundial01", "chair01"])
+def test_on_real_images_what_is_advised_narrows_most(data_dir: Path, first: str):
+    """Of four scenes that one rig took, one shows something as near as is asked for."""
+    folder = data_dir / "boofcv_bumblebee2"
+    pairs = {name: load_scene(folder / name).pairs[0] for name in ("garden01", "stones01", "sundial01", "chair01")}
+    rig, config = load_scene(folder / first).rig, Config(motion=False, repair=False)
+    assert rig is not None
+    state, _ = step(init(rig, config), pairs[first])
+    show = advice(state).show
+    assert show is not None
+    assert (show.narrows.error, show.distance) == ("epipolar", 5.0)
+    left = {
+        name: next(one.half_width for one in advice(step(state, pair)[0]).undetermined if one.distance == 5.0)
+        for name, pair in pairs.items()
+    }
+    assert min(left, key=lambda name: left[name]) == "stones01"
+    assert left["stones01"] == pytest.approx(show.half_width, rel=0.25)
+    assert left["stones01"] < 0.6 * show.narrows.half_width
