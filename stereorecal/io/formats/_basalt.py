@@ -15,7 +15,7 @@ from stereorecal.io.formats._lens_numbers import check_model, coefficients, has_
 from stereorecal.io.formats._numbers import image_size, scalars, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Values, under
+from stereorecal.io.formats.text._nodes import Values, under
 
 _USUAL = ("0", "1")
 _PLACE, _TURN = ("px", "py", "pz"), ("qx", "qy", "qz", "qw")

@@ -13,7 +13,7 @@ from stereorecal.io.formats._lens_numbers import check_model, coefficients, pinh
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
 from stereorecal.io.formats._rigid_motions import inverse, left_to_right, pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values, at, leaves, under
+from stereorecal.io.formats.text._nodes import Keys, Values, at, leaves, under
 
 _SIDES = ("left", "right")
 _PINHOLE, _NUMBERS = "pinhole_radial_tangential", ("fx", "fy", "cx", "cy")

@@ -15,7 +15,7 @@ from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values, under
+from stereorecal.io.formats.text._nodes import Keys, Values, under
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}

@@ -8,7 +8,7 @@ from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._nodes import Values
 
 # Names of OpenCV's k1 k2 p1 p2: in EuRoC's files, and in those of Kalibr and ROS.
 _RADIAL_TANGENTIAL = ("radial-tangential", "radtan", "plumb_bob")

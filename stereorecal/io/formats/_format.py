@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats.text._document import Document, Syntax
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._nodes import Values
 
 Documents = tuple[Document, ...]  # one, or those of the left and of the right camera
 YAML, JSON, COLONS = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}, {".json": Syntax.JSON}, {".txt": Syntax.COLONS}

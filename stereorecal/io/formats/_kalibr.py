@@ -21,7 +21,7 @@ from stereorecal.io.formats._lens_numbers import (
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, optional, unpacked, value
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
 _USUAL = ("cam0", "cam1")

@@ -17,7 +17,7 @@ from stereorecal.io.formats._numbers import image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
 _COUNTS = {"S": 2, "K": 9, "D": 5, "R": 9, "T": 3, "S_rect": 2, "R_rect": 9, "P_rect": 12}

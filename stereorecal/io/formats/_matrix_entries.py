@@ -15,7 +15,7 @@ from stereorecal.io.formats._format import Documents
 from stereorecal.io.formats._matrix_values import Array
 from stereorecal.io.formats._numbers import array_or_none, unpacked
 from stereorecal.io.formats.text._document import Document, read_document
-from stereorecal.io.formats.text._splice import Keys
+from stereorecal.io.formats.text._nodes import Keys
 
 _SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
           ("master", "slave"), ("primary", "secondary"), ("izq", "der"), ("links", "rechts"))  # fmt: skip

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.io.formats._numbers import numbers, unpacked
-from stereorecal.io.formats.text._splice import Keys, at
+from stereorecal.io.formats.text._nodes import Keys, at
 
 Array = Float[np.ndarray, "..."]
 

@@ -42,7 +42,7 @@ from stereorecal.io.formats._rectification_matrices import (
     rectification_of,
 )
 from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
 _DISTORTIONS = ("D", "distCoeffs", "dist_coeffs_", "distortion_coefficients_")

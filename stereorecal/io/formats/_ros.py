@@ -20,7 +20,7 @@ from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")

@@ -15,7 +15,7 @@ from stereorecal.io.formats._matrix_roles import has_cameras
 from stereorecal.io.formats._numbers import image_size, numbers, optional, value
 from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._nodes import Values
 
 NAME = "stereorecal"
 _SIDES = ("left", "right")
