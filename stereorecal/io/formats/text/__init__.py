@@ -1,3 +1,3 @@
-"""Texts of calibration files: one module per syntax, which knows no keys. It says which values a text has, and, of those
-that are written, where they stand: a tree of nodes (`_nodes.py`), into whose places other values go.
+"""Texts of calibration files: one module per syntax, which knows no keys. It says which values a text has, and where
+those stand that may be written: in a tree of nodes (`_nodes.py`), into whose places other values go.
 """
