@@ -14,7 +14,7 @@ from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Synta
 from stereorecal.io.formats._lens_numbers import coefficients
 from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._table import Motion, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values, under
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
@@ -162,14 +162,14 @@ def _uncut(camera: Camera, whole: tuple[int, int]) -> Camera:
     return replace(camera, size=before, matrix=matrix).resized(whole)
 
 
-def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
+def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Motion]:
     """To which camera the pose of a camera leads, and the pose."""
     stated = value(_data(content, socket), "extrinsics")
     shift = scalars(value(stated, "translation"), "xyz")
     return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
 
 
-def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Pose, int, Callable[[Pose], Pose]]:
+def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Motion, int, Callable[[Motion], Motion]]:
     """Left to right; the socket of the camera whose stated pose says so, and what makes that pose of left to right."""
     left, right = _sockets(content, hints)
     (from_left, left_pose), (from_right, right_pose) = _link(content, left), _link(content, right)

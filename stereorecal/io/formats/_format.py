@@ -18,7 +18,7 @@ class Hints:
 
     Attributes:
         size: (width, height) of the images in pixels.
-        cameras: the names of the left and the right camera, as `_camera_choice.py` has them.
+        cameras: the names of the left and the right camera, as `_read_rig.py` has them.
         rectified: of a file of cameras and of their rectified images, which of these the images are.
         common_size: whether cameras of two sizes are read at the smaller one.
     """

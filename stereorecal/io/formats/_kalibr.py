@@ -13,8 +13,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import numbers, optional, unpacked, value
-from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
-from stereorecal.io.formats._table import Lens, Table
+from stereorecal.io.formats._table import Lens, Motion, Table, inverse, left_to_right, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
@@ -77,7 +76,7 @@ def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
     return chain[chain.index(first) + 1 : chain.index(last) + 1]
 
 
-def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Pose:
+def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Motion:
     """What takes points of one camera to a later one of the chain."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
@@ -98,7 +97,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
     return stated[0]
 
 
-def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
+def _along(content: Mapping[str, Any], links: Sequence[str]) -> Motion:
     """What takes points of the camera before these links to the last one."""
     motion = np.eye(4)
     for name in links:
@@ -106,13 +105,13 @@ def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
     return motion
 
 
-def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Pose:
+def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Motion:
     """What takes points of the IMU to a camera."""
     stated = _pose(content, name, key)
     return stated if key == _FROM_IMU else inverse(stated)
 
 
-def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
+def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
     """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
         stated = unpacked(value(content[name], key))
@@ -156,7 +155,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     return [values]
 
 
-def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Pose) -> dict[Keys, Any]:
+def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Motion) -> dict[Keys, Any]:
     """What to write where `motion` takes points of one camera to a later one."""
     values: dict[Keys, Any] = {}
     links = _links(chain, first, last)

@@ -16,8 +16,7 @@ from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syn
 from stereorecal.io.formats._lens_numbers import check_straight
 from stereorecal.io.formats._numbers import image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats._table import Lens, Pose, Table
+from stereorecal.io.formats._table import Lens, Pose, Table, pose, rig_of
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 

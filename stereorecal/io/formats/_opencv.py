@@ -14,9 +14,11 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._lens_numbers import check_held, coefficients, model_named
-from stereorecal.io.formats._matrix_entries import WAY_OUT, Entry, entries_of
-from stereorecal.io.formats._matrix_roles import (
+from stereorecal.io.formats._matrix_search import (
+    WAY_OUT,
+    Entry,
     cameras_in,
+    entries_of,
     lenses_in,
     may_be_between,
     may_be_camera,
@@ -41,7 +43,7 @@ from stereorecal.io.formats._rectification_matrices import (
     options_of,
     rectification_of,
 )
-from stereorecal.io.formats._rigid_motions import pose, rig_of
+from stereorecal.io.formats._table import pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")

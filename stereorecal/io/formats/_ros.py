@@ -18,7 +18,7 @@ from stereorecal.io.formats._lens_numbers import check_held, check_model, check_
 from stereorecal.io.formats._matrix_values import matrix_values, size_of
 from stereorecal.io.formats._numbers import numbers, pixels, value
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
-from stereorecal.io.formats._rigid_motions import pose, rig_of
+from stereorecal.io.formats._table import pose, rig_of
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS

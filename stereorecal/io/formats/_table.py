@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, StereoRig
+from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._lens_numbers import (
@@ -21,8 +22,36 @@ from stereorecal.io.formats._lens_numbers import (
 )
 from stereorecal.io.formats._matrix_values import matrix_values
 from stereorecal.io.formats._numbers import image_size, numbers, pixels, value
-from stereorecal.io.formats._rigid_motions import Pose as Motion, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, at, leaves
+
+Motion = Float[np.ndarray, "4 4"]
+
+
+def pose(rotation: Mat3, translation: Vec3) -> Motion:
+    """The rigid motion x -> R x + T as a matrix (4, 4)."""
+    made = np.eye(4)
+    made[:3, :3], made[:3, 3] = rotation, translation
+    return made
+
+
+def inverse(motion: Motion) -> Motion:
+    """The inverse of a rigid motion (4, 4)."""
+    try:
+        return np.linalg.inv(motion)
+    except np.linalg.LinAlgError:
+        raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
+
+
+def left_to_right(rig: StereoRig) -> Motion:
+    """The pose that takes points of the left camera's frame to the right one's."""
+    return pose(np.asarray(rig.rotation), np.asarray(rig.translation))
+
+
+def rig_of(left: Camera, right: Camera, motion: Motion) -> StereoRig:
+    """The rig of the first and the second camera of a file, and the motion from the first frame to the second one:
+    `_read_rig.py` says which is the left one."""
+    return StereoRig(left, right, extrinsics_of(motion[:3, :3], motion[:3, 3]), source=AS_IN_FILE)
+
 
 Array = Float[np.ndarray, "..."]
 Places = str | tuple[str, ...]
@@ -129,8 +158,8 @@ class Table:
         assert self.pose is not None
         where = " and ".join(document.name for document in documents) if len(documents) > 1 else self.pose.where
         with about(where) if where else nullcontext():
-            first, second = motions
-            return rig_of(*cameras, inverse(second) @ first if self.pose.inverted else second @ inverse(first))
+            (left, right), (first, second) = cameras, motions
+            return rig_of(left, right, inverse(second) @ first if self.pose.inverted else second @ inverse(first))
 
     def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""

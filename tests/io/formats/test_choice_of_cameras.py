@@ -14,10 +14,9 @@ from refusals import refused
 
 from stereorecal.geometry import METRES, StereoRig
 from stereorecal.io import gather_scene, load_rig, save_rig
-from stereorecal.io.formats._camera_choice import as_in_file
 from stereorecal.io.formats._format import Target
 from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._read_rig import scaled
+from stereorecal.io.formats._read_rig import as_in_file, scaled
 from stereorecal.io.formats.text._document import document
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
