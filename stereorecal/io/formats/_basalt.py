@@ -8,9 +8,8 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Syntax, Target
-from stereorecal.io.formats._lens_numbers import has_lens
-from stereorecal.io.formats._table import Array, Lens, Pose, Table, places
+from stereorecal.io.formats._format import JSON, Array, Documents, Format, Lens, Pose, Syntax, Table, Target, places
+from stereorecal.io.formats._numbers import has_lens
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 

@@ -5,10 +5,8 @@ from collections.abc import Mapping
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._lens_numbers import check_model
-from stereorecal.io.formats._numbers import numbers, value
-from stereorecal.io.formats._table import Lens, Pose, Table, places
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Lens, Pose, Syntax, Table, places
+from stereorecal.io.formats._numbers import check_model, numbers, value
 
 _PINHOLE, _LENS = "pinhole_radial_tangential", "{}/radial_tangential"
 _TABLE = Table(

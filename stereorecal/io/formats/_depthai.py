@@ -10,11 +10,21 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import coefficients
-from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
+from stereorecal.io.formats._format import (
+    JSON,
+    Documents,
+    Format,
+    Hints,
+    Motion,
+    Syntax,
+    Target,
+    inverse,
+    left_to_right,
+    pose,
+    rig_of,
+)
+from stereorecal.io.formats._numbers import coefficients, numbers, pixels, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats._table import Motion, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values, under
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)

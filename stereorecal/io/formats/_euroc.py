@@ -1,9 +1,8 @@
 """EuRoC's sensor.yaml (ASL format), one file for each camera: its intrinsics and its pose on the body."""
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import YAML, Format, Syntax
-from stereorecal.io.formats._lens_numbers import check_held
-from stereorecal.io.formats._table import Lens, Pose, Table
+from stereorecal.io.formats._format import YAML, Format, Lens, Pose, Syntax, Table
+from stereorecal.io.formats._numbers import check_held
 
 _TERMS = "distortion_coefficients"
 # Names of OpenCV's k1 k2 p1 p2: in EuRoC's files, and in those of Kalibr and ROS.

@@ -1,12 +1,32 @@
-"""What a calibration format is, and what its reader and its writer work with."""
+"""What a calibration format is: two functions, or a frozen table of where the numbers of a rig stand and by which
+conventions, over which there is one reader and one writer."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from typing import Any
 
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, StereoRig
+from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
+from stereorecal.io._read_files import about
+from stereorecal.io.formats._numbers import (
+    check_model,
+    check_no_lens,
+    coefficients,
+    image_size,
+    matrix_values,
+    numbers,
+    pinhole_matrix,
+    pinhole_numbers,
+    pixels,
+    value,
+)
 from stereorecal.io.formats.text._document import Document, Syntax
-from stereorecal.io.formats.text._nodes import Values
+from stereorecal.io.formats.text._nodes import Keys, Values, at, leaves
 
 Documents = tuple[Document, ...]  # one, or those of the left and of the right camera
 YAML, JSON, COLONS = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}, {".json": Syntax.JSON}, {".txt": Syntax.COLONS}
@@ -118,3 +138,268 @@ class Format:
         """The texts of the documents of a target with the numbers of a rig."""
         values = self.write(rig, target)
         return tuple(document.with_values(new) for document, new in zip(target.documents, values, strict=True))
+
+
+Motion = Float[np.ndarray, "4 4"]
+
+
+def pose(rotation: Mat3, translation: Vec3) -> Motion:
+    """The rigid motion x -> R x + T as a matrix (4, 4)."""
+    made = np.eye(4)
+    made[:3, :3], made[:3, 3] = rotation, translation
+    return made
+
+
+def inverse(motion: Motion) -> Motion:
+    """The inverse of a rigid motion (4, 4)."""
+    try:
+        return np.linalg.inv(motion)
+    except np.linalg.LinAlgError:
+        raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
+
+
+def left_to_right(rig: StereoRig) -> Motion:
+    """The pose that takes points of the left camera's frame to the right one's."""
+    return pose(np.asarray(rig.rotation), np.asarray(rig.translation))
+
+
+def rig_of(left: Camera, right: Camera, motion: Motion) -> StereoRig:
+    """The rig of the first and the second camera of a file, and the motion from the first frame to the second one:
+    `_read_rig.py` says which is the left one."""
+    return StereoRig(left, right, extrinsics_of(motion[:3, :3], motion[:3, 3]), source=AS_IN_FILE)
+
+
+Array = Float[np.ndarray, "..."]
+Places = str | tuple[str, ...]
+"""Where an array stands, or each of its numbers: keys with `/` between them, and `{}` for a camera's name."""
+
+
+def places(above: str, keys: str) -> tuple[str, ...]:
+    """The places of some keys, with spaces between them, below another one."""
+    return tuple(f"{above}/{key}" for key in keys.split())
+
+
+@dataclass(frozen=True)
+class Pose:
+    """How a camera stands: the motion from a body to the camera.
+
+    Attributes:
+        rotation: nine numbers, or four rows with the translation in them.
+        inverted: whether the file has the motion from the camera to the body.
+        between: whether the body is the left camera.
+        decode, encode: what else than a matrix the rotation is: make the matrix of the numbers, and the numbers of it.
+        count: how many numbers that are.
+    """
+
+    rotation: Places
+    translation: Places = ()
+    inverted: bool = False
+    between: bool = False
+    decode: Callable[[Array], Array] | None = None
+    encode: Callable[[Array], Array] | None = None
+    count: int = 9
+    where: str = ""
+
+    def read(self, content: Any, name: str) -> Motion:
+        """The motion of the camera of a name, as the file has it."""
+        with about(self.where) if self.where else nullcontext():
+            if self.translation:
+                turn = stated(content, self.rotation, name, (self.count,))
+                turn = turn.reshape(3, 3) if self.decode is None else self.decode(turn)
+                return pose(turn, stated(content, self.translation, name, (3,)))
+            return stated(content, self.rotation, name, (4, 4))
+
+    def values(self, content: Any, name: str, motion: Motion) -> dict[Keys, Any]:
+        """What to write for it."""
+        if not self.translation:
+            return to_write(content, self.rotation, name, motion)
+        turn = motion[:3, :3] if self.encode is None else self.encode(motion[:3, :3])
+        return to_write(content, self.rotation, name, turn) | to_write(content, self.translation, name, motion[:3, 3])
+
+
+@dataclass(frozen=True)
+class Lens:
+    """What a file has of a lens.
+
+    Attributes:
+        terms: the coefficients, in the order of `Camera`; with radial ones apart, the tangential two.
+        model: that of `Camera`.
+        counts: how many coefficients of a pinhole may be written, rising.
+        before: how many coefficients stand before fx.
+        becomes: of a lens that is said to have none, the word for it once it has some.
+        radial: the place of k1 k2 k3, as many as there are, where they are a list of their own.
+    """
+
+    terms: Places = ()
+    model: str = Camera.model
+    counts: tuple[int, ...] = (4,)
+    before: int = 0
+    becomes: str = ""
+    radial: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Where the numbers of a rig stand.
+
+    Attributes:
+        size: (width, height).
+        matrix, shape: fx fy cx cy, or the camera matrix, and its shape in the file.
+        lenses: by the words that tell the lens, with spaces between them.
+        words: where they stand.
+        pose: None if a table cannot say it.
+        names: of the left and the right camera, if none are chosen.
+        where: what messages about a camera begin with.
+        holder: whose model of a lens it is, for messages.
+    """
+
+    size: Places
+    matrix: Places
+    lenses: Mapping[str, Lens]
+    words: tuple[str, ...] = ()
+    pose: Pose | None = None
+    shape: tuple[int, ...] = (4,)
+    names: tuple[str, str] = ("left", "right")
+    where: str = ""
+    holder: str = ""
+
+    def read(self, documents: Documents, hints: Hints) -> StereoRig:
+        """The rig, with T in the file's unit."""
+        cameras, motions = [], []
+        for side, name in enumerate(hints.cameras or self.names):
+            document = documents[min(side, len(documents) - 1)]
+            with about(document.name) if len(documents) > 1 else nullcontext():
+                cameras.append(self.camera(document.content, name))
+                motions.append(self.motion(document.content, name, side))
+        assert self.pose is not None
+        where = " and ".join(document.name for document in documents) if len(documents) > 1 else self.pose.where
+        with about(where) if where else nullcontext():
+            (left, right), (first, second) = cameras, motions
+            return rig_of(left, right, inverse(second) @ first if self.pose.inverted else second @ inverse(first))
+
+    def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
+        """What to write: the right camera moves, the left one stays where it is."""
+        assert self.pose is not None
+        names, last = target.hints.cameras or self.names, len(target.documents) - 1
+        contents, found = (
+            [document.content for document in target.documents],
+            [dict[Keys, Any]() for _ in target.documents],
+        )
+        first, motion = self.motion(contents[0], names[0], 0), left_to_right(rig)
+        second = first @ inverse(motion) if self.pose.inverted else motion @ first
+        found[last] |= self.pose.values(contents[last], names[1], second)
+        for side, camera in target.cameras(rig):
+            found[min(side, last)] |= self.values(contents[min(side, last)], names[side], camera)
+        return found
+
+    def motion(self, content: Any, name: str, side: int) -> Motion:
+        """The motion of the left (0) or the right camera (1), as the file has it."""
+        assert self.pose is not None
+        return np.eye(4) if self.pose.between and not side else self.pose.read(content, name)
+
+    def lens(self, content: Any, name: str) -> Lens:
+        """What the file says that a lens is."""
+        stated_words = [value(*holder_of(content, place, name)) for place in self.words]
+        found = self.lenses.get(" ".join(map(str, stated_words)))
+        if found is None:
+            camera = stated_words[:-1] or ["pinhole"]
+            check_model(stated_words[-1], (), camera[0])
+        assert found is not None
+        return found
+
+    def camera(self, content: Any, name: str) -> Camera:
+        """The camera of a name."""
+        with about(self.where.format(name)) if self.where else nullcontext():
+            lens = self.lens(content, name)
+            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
+            first, matrix = np.split(stated(content, self.matrix, name, shape).ravel(), [lens.before])
+            terms = stated(content, lens.terms, name, (-1,)) if lens.terms else np.zeros(0)
+            terms = _with_radial(content, lens.radial, name, terms) if lens.radial else terms
+            if lens.becomes:
+                check_no_lens("none", terms)
+                terms = np.zeros(4) if lens.before else terms
+            matrix = pinhole_matrix(matrix) if matrix.size == 4 else matrix.reshape(3, 3)
+            if isinstance(self.size, str):
+                size = image_size(*holder_of(content, self.size, name))
+            else:
+                width, height = (pixels(*holder_of(content, place, name)) for place in self.size)
+                size = width, height
+            return Camera(size, matrix, np.concatenate([first, terms]), model=lens.model)
+
+    def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
+        """What to write for a camera."""
+        lens, terms = self.lens(content, name), np.asarray(camera.distortion, float)
+        if lens.model == Camera.model:
+            counts = lens.counts if isinstance(lens.terms, str) or lens.radial else (len(lens.terms),)
+            terms = coefficients(camera, counts, self.holder, "opencv, ros or depthai")
+        first, terms = np.split(terms, [lens.before])
+        matrix = pinhole_numbers(camera) if self.shape == (4,) else np.asarray(camera.matrix).ravel().tolist()
+        found = to_write(content, self.matrix, name, np.array([*first, *matrix]))
+        if lens.becomes and not np.any(terms):
+            return found
+        if lens.radial:
+            found |= _radial_values(content, lens.radial, name, terms[[0, 1, 4]])
+            terms = terms[2:4]
+        found |= {keys_of(content, self.words[-1], name): lens.becomes} if lens.becomes else {}
+        return found | (to_write(content, lens.terms, name, terms) if lens.terms else {})
+
+
+def _with_radial(content: Any, place: str, name: str, tangential: Array) -> Array:
+    """The coefficients in OpenCV's order; without a third radial one, four."""
+    holder, key = holder_of(content, place, name)
+    radial = numbers(holder, key, (-1,)) if holder.get(key) else np.zeros(0)
+    if radial.size > 3:
+        raise InputError(f"{key} has {radial.size} terms, and OpenCV's model three; calibrate with fewer.")
+    return np.array([*np.pad(radial[:2], (0, max(0, 2 - radial.size))), *tangential, *radial[2:]])
+
+
+def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[Keys, Any]:
+    """What to write for the radial coefficients: as many as the file has, or more if they are needed."""
+    holder, key = holder_of(content, place, name)
+    count, needed = len(holder.get(key) or []), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
+    if needed and not count:
+        raise InputError(f"{name}: the file has no {key} terms; add `{key}: [0.0, 0.0]` to write new ones.")
+    return {keys_of(content, place, name): radial[: max(count, needed)].tolist()} if count else {}
+
+
+# --- places
+
+
+def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:
+    """What holds the last key of a place, and that key; of an item of a list, the list's."""
+    key, *more = place.format(name).split("/")
+    for last in more:
+        inside = value(content, key)
+        if not isinstance(inside, list):
+            content, key = inside, last
+        elif len(inside) < max(2, int(last) + 1):
+            raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
+        else:
+            content = {key: inside[int(last)]}
+    return content, key
+
+
+def keys_of(content: Any, place: str, name: str) -> Keys:
+    """The keys of a place, which are numbers in lists."""
+    found: list[str | int] = []
+    for key in place.format(name).split("/"):
+        found.append(int(key) if isinstance(content, list) else key)
+        content = at(content, (found[-1],))
+    return tuple(found)
+
+
+def stated(content: Any, place: Places, name: str, shape: tuple[int, ...]) -> Array:
+    """The array at a place; nine numbers may stand in rows."""
+    if not isinstance(place, str):
+        return np.array([float(numbers(*holder_of(content, one, name), ())) for one in place])
+    holder, key = holder_of(content, place, name)
+    if shape == (9,) and isinstance(holder.get(key), list):
+        holder = {key: list(leaves(holder[key]))}
+    return numbers(holder, key, shape)
+
+
+def to_write(content: Any, place: Places, name: str, array: Array) -> dict[Keys, Any]:
+    """What to write for an array at a place."""
+    if isinstance(place, str):
+        return matrix_values(content, keys_of(content, place, name), array)
+    return {keys_of(content, one, name): float(number) for one, number in zip(place, array.ravel(), strict=True)}

@@ -10,10 +10,21 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._matrix_values import matrix_values
-from stereorecal.io.formats._numbers import numbers, optional, unpacked, value
-from stereorecal.io.formats._table import Lens, Motion, Table, inverse, left_to_right, rig_of
+from stereorecal.io.formats._format import (
+    YAML,
+    Documents,
+    Format,
+    Hints,
+    Lens,
+    Motion,
+    Syntax,
+    Table,
+    Target,
+    inverse,
+    left_to_right,
+    rig_of,
+)
+from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"

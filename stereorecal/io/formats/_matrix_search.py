@@ -14,8 +14,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents
-from stereorecal.io.formats._matrix_values import Array
-from stereorecal.io.formats._numbers import array_or_none, unpacked
+from stereorecal.io.formats._numbers import Array, array_or_none, unpacked
 from stereorecal.io.formats.text._document import Document, read_document
 from stereorecal.io.formats.text._nodes import Keys
 

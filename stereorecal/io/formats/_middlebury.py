@@ -5,10 +5,8 @@ from typing import Any
 import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight
-from stereorecal.io.formats._numbers import numbers, pixels
-from stereorecal.io.formats._table import pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._numbers import ROUNDING, check_straight, numbers, pixels
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _CAMERAS = ("cam0", "cam1")

@@ -6,10 +6,8 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._table import Motion, inverse, pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, Motion, inverse, pose, rig_of
+from stereorecal.io.formats._numbers import image_size, numbers, pinhole_matrix, value
 from stereorecal.io.formats.text._document import Document
 
 _MODELS = {"LENSMODEL_PINHOLE": 4, "LENSMODEL_OPENCV4": 8, "LENSMODEL_OPENCV5": 9, "LENSMODEL_OPENCV8": 12,

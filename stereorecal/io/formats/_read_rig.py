@@ -13,7 +13,7 @@ from stereorecal.geometry import AS_IN_FILE, METRES, StereoRig, checked_unit, eu
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._format_list import half_of, named, recognised, unknown
-from stereorecal.io.formats._lens_numbers import trimmed
+from stereorecal.io.formats._numbers import trimmed
 from stereorecal.io.formats._rig_file import ENDING, RigFile, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
 from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL

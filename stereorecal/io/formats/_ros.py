@@ -12,13 +12,20 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._kitti import in_projection
-from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
-from stereorecal.io.formats._matrix_values import matrix_values, size_of
-from stereorecal.io.formats._numbers import numbers, pixels, value
+from stereorecal.io.formats._numbers import (
+    check_held,
+    check_model,
+    check_no_lens,
+    coefficients,
+    matrix_values,
+    numbers,
+    pixels,
+    size_of,
+    value,
+)
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
-from stereorecal.io.formats._table import pose, rig_of
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS

@@ -6,8 +6,7 @@ import re
 from typing import Any
 
 from stereorecal.io._strict_json import without_duplicates
-from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._nodes import Node, words
+from stereorecal.io.formats.text._nodes import Node, number_or_word, words
 
 _SECTION = re.compile(r"\[(.+)\]")
 _TITLE = re.compile(r"\[([^\]\n]+)\]\s*")

@@ -7,7 +7,6 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._strict_json import without_duplicates
-from stereorecal.io.formats._numbers import number_or_word
 
 Keys = tuple[str | int, ...]
 Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
@@ -34,6 +33,14 @@ def mapping(pairs: Sequence[tuple[str, Node]], start: int, end: int) -> Node:
     """A node of keys and the nodes under them; a number may not be said twice."""
     without_duplicates([(key, plain(node)) for key, node in pairs])
     return Node(dict(pairs), start, end)
+
+
+def number_or_word(word: str) -> float | str:
+    """A word of a text file as a number if it is one, else as it is."""
+    try:
+        return float(word) if word.isascii() and "_" not in word else word  # float() would read "1_0" as 10
+    except ValueError:
+        return word
 
 
 def words(text: str, start: int, end: int, read: Callable[[str], Any] = number_or_word) -> Node:

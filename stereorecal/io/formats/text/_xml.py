@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._nodes import Node, mapping, words
+from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word, words
 
 _DAMAGED = "not an XML file as OpenCV writes it, or truncated; correct or copy it again."
 

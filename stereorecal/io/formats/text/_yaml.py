@@ -9,8 +9,7 @@ from yaml.composer import Composer
 from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._nodes import Node, mapping
+from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word
 
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
