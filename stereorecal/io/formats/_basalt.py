@@ -7,9 +7,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Array, Documents, Format, Lens, Pose, Syntax, Table, Target, places
-from stereorecal.io.formats._numbers import has_lens
+from stereorecal.io.formats._format import JSON, Array, Documents, Format, Lens, Pose, Table, Target, places
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 
@@ -19,15 +17,15 @@ _TERMS = {_RADTAN8: "k1 k2 p1 p2 k3 k4 k5 k6", "kb4": "k1 k2 k3 k4", "ds": "xi a
 _MODELS = {"kb4": "equidistant", "ds": "ds", "eucm": "eucm"}  # the others are OpenCV's
 # Keys that Basalt's reader requires; the numbers of an unknown IMU are those of its EuRoC example.
 _IMU = {
-    "calib_accel_bias": [0.0] * 9,
-    "calib_gyro_bias": [0.0] * 12,
-    "imu_update_rate": 200.0,
-    "accel_noise_std": [0.016] * 3,
-    "gyro_noise_std": [0.000282] * 3,
-    "accel_bias_std": [0.001] * 3,
-    "gyro_bias_std": [0.0001] * 3,
-    "cam_time_offset_ns": 0,
-    "vignette": [],
+    "value0/calib_accel_bias": [0.0] * 9,
+    "value0/calib_gyro_bias": [0.0] * 12,
+    "value0/imu_update_rate": 200.0,
+    "value0/accel_noise_std": [0.016] * 3,
+    "value0/gyro_noise_std": [0.000282] * 3,
+    "value0/accel_bias_std": [0.001] * 3,
+    "value0/gyro_bias_std": [0.0001] * 3,
+    "value0/cam_time_offset_ns": 0,
+    "value0/vignette": [],
 }
 
 
@@ -55,6 +53,7 @@ _TABLE = Table(
     names=("0", "1"),
     where="value0",
     holder="Basalt's model",
+    fixed=_IMU,
 )
 
 
@@ -68,24 +67,6 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
     """The numbers of the cameras."""
     poses = documents[0].content["value0"]["T_imu_cam"]
     return tuple(map(str, range(len(poses)))) if isinstance(poses, list) else _TABLE.names
-
-
-def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """One file, with the left camera in the place of the IMU."""
-    of_radtan = _RADTAN8 if has_lens(rig) else "pinhole"
-    types = {model: name for name, model in _MODELS.items()}
-    names = [types.get(camera.model, of_radtan) for camera in (rig.left, rig.right)]
-    # Ones are numbers of every lens, so that what is blank can be read.
-    keys = [f"{_PINHOLE} {_TERMS.get(name, '')}{' rpmax' * (name == _RADTAN8)}".split() for name in names]
-    cameras = {
-        "T_imu_cam": [dict.fromkeys(f"{_PLACE} {_TURN}".split(), 0.0) | {"qw": 1.0} for _ in range(2)],
-        "intrinsics": [
-            {"camera_type": name, "intrinsics": dict.fromkeys(of_lens, 1.0)}
-            for name, of_lens in zip(names, keys, strict=True)
-        ],
-        "resolution": [list(camera.size) for camera in (rig.left, rig.right)],
-    }
-    return (strict_json_text({"value0": cameras | _IMU}),)
 
 
 def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
@@ -108,6 +89,6 @@ FORMAT = Format(
     _TABLE.read,
     cameras=_cameras,
     syntax=JSON,
-    blank=_blank,
+    blank=_TABLE.blank,
     write=_write,
 )

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Lens, Pose, Syntax, Table, places
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Lens, Pose, Table, places
 from stereorecal.io.formats._numbers import check_model, numbers, value
 
 _PINHOLE, _LENS = "pinhole_radial_tangential", "{}/radial_tangential"
@@ -16,26 +16,8 @@ _TABLE = Table(
     pose=Pose("rightToLeft/rotation", places("rightToLeft", "x y z"), inverted=True, between=True, where="rightToLeft"),
     where="{}",
     holder="BoofCV's model",
+    fixed={"model": "stereo_camera", "{}/model": _PINHOLE, "{}/pinhole/skew": 0.0, f"{_LENS}/radial": [0.0, 0.0]},
 )
-_CAMERA = """\
-{side}:
-  pinhole:
-    fx: 0.0
-    fy: 0.0
-    cx: 0.0
-    cy: 0.0
-    width: {width}
-    height: {height}
-    skew: 0.0
-  model: pinhole_radial_tangential
-  radial_tangential:
-    radial:
-    - 0.0
-    - 0.0
-    t1: 0.0
-    t2: 0.0
-"""
-_POSE = "model: stereo_camera\nrightToLeft:\n  rotation:\n" + "  - 0.0\n" * 9 + "  x: 0.0\n  y: 0.0\n  z: 0.0\n"
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
@@ -48,15 +30,6 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
     return _TABLE.read(documents, hints)
 
 
-def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """One file, its keys in BoofCV's order."""
-    left, right = (
-        _CAMERA.format(side=side, width=camera.size[0], height=camera.size[1])
-        for side, camera in zip(_TABLE.names, (rig.left, rig.right), strict=True)
-    )
-    return (f"# Intrinsic and extrinsic parameters for a stereo camera pair\n{left}{_POSE}{right}",)
-
-
 FORMAT = Format(
     "boofcv",
     "BoofCV's stereo calibration (YAML with left, right, rightToLeft)",
@@ -64,6 +37,6 @@ FORMAT = Format(
     lambda document: isinstance(document.content.get("rightToLeft"), Mapping),
     _read,
     syntax=YAML,
-    blank=_blank,
+    blank=_TABLE.blank,
     write=_TABLE.write,
 )

@@ -7,16 +7,20 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import yaml
 from jaxtyping import Float
 
 from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
 from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._numbers import (
+    check_held,
     check_model,
     check_no_lens,
     coefficients,
+    has_lens,
     image_size,
     matrix_values,
     numbers,
@@ -251,6 +255,8 @@ class Table:
         names: of the left and the right camera, if none are chosen.
         where: what messages about a camera begin with.
         holder: whose model of a lens it is, for messages.
+        fixed: what else a new file has, by places.
+        mapped: whether a new file has matrices as rows, cols and data.
     """
 
     size: Places
@@ -262,6 +268,8 @@ class Table:
     names: tuple[str, str] = ("left", "right")
     where: str = ""
     holder: str = ""
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    mapped: bool = False
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""
@@ -291,6 +299,44 @@ class Table:
         for side, camera in target.cameras(rig):
             found[min(side, last)] |= self.values(contents[min(side, last)], names[side], camera)
         return found
+
+    def blank(self, rig: StereoRig, syntax: Syntax) -> list[str]:
+        """The texts of new files: the words and sizes of a rig, no numbers, and both cameras where the body is."""
+        found = self.new_content(rig)
+        if syntax is Syntax.JSON:
+            return [strict_json_text(one) for one in found]
+        return [yaml_text(one) for one in found]
+
+    def new_content(self, rig: StereoRig) -> list[dict[str, Any]]:
+        """The keys and values of new files."""
+        apart = not any("{}" in place for place in _each(self.matrix))
+        found: list[dict[str, Any]] = [{}, {}] if apart else [{}]
+        for name, camera, content in zip(self.names, (rig.left, rig.right), (found[0], found[-1]), strict=True):
+            said = [word for word, lens in self.lenses.items() if lens.model == camera.model]
+            said = [word for word in said if self.lenses[word] != Lens() or not has_lens(rig)]
+            if not said:
+                check_held(camera, (), self.holder)
+            lens = self.lenses[said[0]]
+            zeros = [0.0] * (lens.before + int(np.prod(self.shape)))
+            new = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
+            new |= _spread(self.size, list(camera.size)) | _spread(self.matrix, zeros)
+            terms = lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)
+            new |= _spread(lens.terms, [0.0] * terms) if lens.terms else {}
+            for place, item in new.items():
+                _put(content, place.format(name).split("/"), item)
+            for place, item in self._standing().items():
+                _put(content, place.format(name).split("/"), item)
+        return [_with_lists(content) for content in found]
+
+    def _standing(self) -> dict[str, Any]:
+        """A pose where the body is."""
+        if self.pose is None:
+            return {}
+        if not self.pose.translation:
+            numbers = np.eye(4).ravel().tolist()
+            return {str(self.pose.rotation): {"rows": 4, "cols": 4, "data": numbers} if self.mapped else numbers}
+        turn = np.eye(3) if self.pose.encode is None else self.pose.encode(np.eye(3))
+        return _spread(self.pose.rotation, turn.ravel().tolist()) | _spread(self.pose.translation, [0.0] * 3)
 
     def motion(self, content: Any, name: str, side: int) -> Motion:
         """The motion of the left (0) or the right camera (1), as the file has it."""
@@ -362,7 +408,38 @@ def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[K
     return {keys_of(content, place, name): radial[: max(count, needed)].tolist()} if count else {}
 
 
+def yaml_text(content: Mapping[str, Any]) -> str:
+    """The text of a new YAML file."""
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
+
+
 # --- places
+
+
+def _each(place: Places) -> tuple[str, ...]:
+    return (place,) if isinstance(place, str) else place
+
+
+def _spread(place: Places, values: list[Any]) -> dict[str, Any]:
+    """A list at its place, or its items at theirs."""
+    return {place: values} if isinstance(place, str) else dict(zip(place, values, strict=True))
+
+
+def _put(content: dict[str, Any], keys: Sequence[str], item: Any) -> None:
+    *above, last = keys
+    for key in above:
+        content = content.setdefault(key, {})
+    content[last] = item
+
+
+def _with_lists(content: Any) -> Any:
+    """A copy, since YAML would write one list at two places as an alias; mappings whose keys are numbers are lists."""
+    if isinstance(content, list):
+        return [_with_lists(item) for item in content]
+    if not isinstance(content, dict):
+        return content
+    inside = {key: _with_lists(item) for key, item in content.items()}
+    return [*inside.values()] if inside and all(key.isdecimal() for key in inside) else inside
 
 
 def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:

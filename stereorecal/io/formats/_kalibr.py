@@ -23,6 +23,7 @@ from stereorecal.io.formats._format import (
     inverse,
     left_to_right,
     rig_of,
+    yaml_text,
 )
 from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
 from stereorecal.io.formats.text._nodes import Keys, Values
@@ -47,19 +48,6 @@ _TABLE = Table(
     where="{}",
     holder="Kalibr's radtan",
 )
-_SPHERES = ("ds", "eucm")
-_MODELS = ("omni", *_SPHERES)  # which are camera models of Kalibr
-_BLANKS = {"pinhole": "[0.0, 0.0, 0.0, 0.0]", "omni": "[0.0, 1.0, 1.0, 0.0, 0.0]"}
-_SPHERE = "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
-_CAMERA = """\
-cam{index}:
-{pose}  camera_model: {kind}
-  distortion_coeffs: {lens}
-  distortion_model: {distortion}
-  intrinsics: {numbers}
-  resolution: [{width}, {height}]
-"""
-_POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
 
 
 def _cameras(documents: Documents) -> tuple[str, ...]:
@@ -136,22 +124,11 @@ def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
     return motion
 
 
-def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """A chain of two."""
-    text = ""
-    for index, camera in enumerate((rig.left, rig.right)):
-        kind, sphere = camera.model if camera.model in _MODELS else "pinhole", camera.model in _SPHERES
-        text += _CAMERA.format(
-            index=index,
-            pose=_POSE if index else "",
-            kind=kind,
-            distortion="none" if sphere else "radtan" if kind == "omni" else camera.model,
-            lens="[]" if sphere else "[0.0, 0.0, 0.0, 0.0]",
-            numbers=_BLANKS.get(kind, _SPHERE),
-            width=camera.size[0],
-            height=camera.size[1],
-        )
-    return (text,)
+def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
+    """A chain of two; Kalibr's reader requires a list of coefficients of every lens."""
+    (content,) = _TABLE.new_content(rig)
+    left, right = ({"distortion_coeffs": [], **content[name]} for name in _TABLE.names)
+    return [yaml_text({"cam0": left, "cam1": {_FROM_LAST: np.eye(4).tolist(), **right}})]
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:

@@ -30,7 +30,7 @@ def with_values(text: str, values: Values) -> str:
     for (*above, key), value in new.items():
         place = reduce(lambda node, name: node.value[name], above, _tree(text))
         end = [*place.value.values()][-1].end
-        line = re.search(r"\n[ \t]+", text)
+        line = re.search(r"\n[ \t]+", text[place.start : end])
         space = " " if line or ", " in text else ""
         text = f"{text[:end]},{line[0] if line else space}{json.dumps(key)}:{space}{spelt(value)}{text[end:]}"
     return text
