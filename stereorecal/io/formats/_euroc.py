@@ -12,7 +12,7 @@ _TABLE = Table(
     lenses={f"pinhole {word}": Lens(_TERMS) for word in _RADIAL_TANGENTIAL}
     | {"pinhole equidistant": Lens(_TERMS, "equidistant")},
     pose=Pose("T_BS", inverted=True),
-    holder="EuRoC's radial-tangential model",
+    holder="EuRoC's layout",
     fixed={"sensor_type": "camera"},
     mapped=True,
 )

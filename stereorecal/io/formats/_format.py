@@ -317,9 +317,9 @@ class Table:
             if not said:
                 check_held(camera, (), self.holder)
             lens = self.lenses[said[0]]
-            zeros = [0.0] * (lens.before + int(np.prod(self.shape)))
             new = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
-            new |= _spread(self.size, list(camera.size)) | _spread(self.matrix, zeros)
+            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
+            new |= _spread(self.size, list(camera.size)) | _spread(self.matrix, self._new_array(np.zeros(shape)))
             terms = lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)
             new |= _spread(lens.terms, [0.0] * terms) if lens.terms else {}
             for place, item in new.items():
@@ -328,13 +328,17 @@ class Table:
                 _put(content, place.format(name).split("/"), item)
         return [_with_lists(content) for content in found]
 
+    def _new_array(self, array: Array) -> Any:
+        if self.mapped and array.ndim == 2:
+            return {"rows": len(array), "cols": len(array[0]), "data": array.ravel().tolist()}
+        return array.tolist()
+
     def _standing(self) -> dict[str, Any]:
         """A pose where the body is."""
         if self.pose is None:
             return {}
         if not self.pose.translation:
-            numbers = np.eye(4).ravel().tolist()
-            return {str(self.pose.rotation): {"rows": 4, "cols": 4, "data": numbers} if self.mapped else numbers}
+            return {str(self.pose.rotation): self._new_array(np.eye(4))}
         turn = np.eye(3) if self.pose.encode is None else self.pose.encode(np.eye(3))
         return _spread(self.pose.rotation, turn.ravel().tolist()) | _spread(self.pose.translation, [0.0] * 3)
 
@@ -420,8 +424,8 @@ def _each(place: Places) -> tuple[str, ...]:
     return (place,) if isinstance(place, str) else place
 
 
-def _spread(place: Places, values: list[Any]) -> dict[str, Any]:
-    """A list at its place, or its items at theirs."""
+def _spread(place: Places, values: Any) -> dict[str, Any]:
+    """A value at its place, or the items of a list at theirs."""
     return {place: values} if isinstance(place, str) else dict(zip(place, values, strict=True))
 
 
