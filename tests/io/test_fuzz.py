@@ -35,7 +35,7 @@ NESTED = {
         "? " * DEEP,
         "\n".join(" " * i + "a:" for i in range(2000)),
     ],
-    "a.xml": ["<a>" * DEEP, '<?xml version="1.0"?>\n<opencv_storage>' + "<a>" * DEEP],
+    "a.xml": ["<a>" * DEEP, '<?xml version="1.0"?>\n<opencv_storage>' + "<a>" * DEEP, "<a>" * 900 + "</a>" * 900],
 }
 
 

@@ -43,6 +43,7 @@ _TREES: dict[Syntax, Callable[[str], tuple[str, Node]]] = {
 # Parsers call themselves at each level of nesting. Nesting is no deeper than there are opening brackets and tags, or
 # items begun on one line, or than indentation fits into the text.
 _MOST_OPENINGS = 2000
+_NESTED = "too long or too deeply nested for a calibration; check that this is the right file."
 _LONGEST = 1 << 22  # characters; a calibration of a rig has a few thousand, and its rectifying maps some million
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -96,6 +97,8 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
             _check_flat(text)
         try:
             return Document(str(name), text, syntax, _content(text, syntax))
+        except RecursionError:
+            raise InputError(_NESTED) from None
         except InputError as error:
             if guessed and str(error) == _yaml.DAMAGED:  # not known, rather than damaged: nothing is found in it
                 return Document(str(name), text, syntax, {})
@@ -128,7 +131,7 @@ def _check_flat(text: str) -> None:
     openings = sum(text.count(bracket) for bracket in "[{<")
     items = max((line.count("- ") for line in text.splitlines()), default=0)
     if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
-        raise InputError("too long or too deeply nested for a calibration; check that this is the right file.")
+        raise InputError(_NESTED)
 
 
 def _first_line(text: str) -> str:
