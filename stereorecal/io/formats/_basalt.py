@@ -7,7 +7,8 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io.formats._format import JSON, Array, Documents, Format, Lens, Pose, Table, Target, places
+from stereorecal.io.formats._format import JSON, Documents, Format, Target
+from stereorecal.io.formats._table import Array, Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 
@@ -49,9 +50,8 @@ _TABLE = Table(
     words=("value0/intrinsics/{}/camera_type",),
     lenses={"pinhole": Lens()}
     | {name: Lens(places(_LENS, terms), _MODELS.get(name, Lens.model)) for name, terms in _TERMS.items()},
-    pose=Pose(places(_POSE, _TURN), places(_POSE, _PLACE), inverted=True, decode=_matrix, encode=_quaternion, count=4),
+    pose=Pose(places(_POSE, _TURN), places(_POSE, _PLACE), inverted=True, decode=_matrix, encode=_quaternion),
     names=("0", "1"),
-    where="value0",
     holder="Basalt's model",
     fixed=_IMU,
 )

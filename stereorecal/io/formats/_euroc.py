@@ -1,6 +1,7 @@
 """EuRoC's sensor.yaml (ASL format), one file for each camera: its intrinsics and its pose on the body."""
 
-from stereorecal.io.formats._format import YAML, Format, Lens, Pose, Table
+from stereorecal.io.formats._format import YAML, Format
+from stereorecal.io.formats._table import Lens, Pose, Table
 
 _TERMS = "distortion_coefficients"
 # Names of OpenCV's k1 k2 p1 p2: in EuRoC's files, and in those of Kalibr and ROS.

@@ -15,17 +15,15 @@ from stereorecal.io.formats._format import (
     Documents,
     Format,
     Hints,
-    Lens,
     Motion,
     Syntax,
-    Table,
     Target,
     inverse,
     left_to_right,
     rig_of,
-    yaml_text,
 )
 from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
+from stereorecal.io.formats._table import Lens, Table, yaml_text
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
@@ -45,7 +43,6 @@ _TABLE = Table(
         "eucm none": Lens((), "eucm", before=2),
     },
     names=("cam0", "cam1"),
-    where="{}",
     holder="Kalibr's radtan",
 )
 

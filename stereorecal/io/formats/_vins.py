@@ -5,8 +5,9 @@ from pathlib import Path
 from stereorecal._errors import UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints, Lens, Table, inverse, places, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, inverse, rig_of
 from stereorecal.io.formats._numbers import numbers, value
+from stereorecal.io.formats._table import Lens, Table, places
 from stereorecal.io.formats.text._document import Document, read_document
 
 _SIZE, _PROJECTION, _DISTORTION = ("image_width", "image_height"), "projection_parameters", "distortion_parameters"

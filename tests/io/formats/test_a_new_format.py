@@ -12,7 +12,8 @@ from refusals import refused
 from stereorecal import UnsupportedModelError
 from stereorecal.io import load_rig, save_rig
 from stereorecal.io.formats import _format_list
-from stereorecal.io.formats._format import JSON, YAML, Format, Lens, Pose, Table, places
+from stereorecal.io.formats._format import JSON, YAML, Format
+from stereorecal.io.formats._table import Lens, Pose, Table, places
 
 TABLE = Table(
     size="{}/resolution",
@@ -21,7 +22,6 @@ TABLE = Table(
     lenses={"radtan": Lens("{}/coeffs"), "equidistant": Lens("{}/coeffs", "equidistant")},
     pose=Pose("{}/T_BS", inverted=True),
     names=("cam0", "cam1"),
-    where="{}",
     holder="the radtan model",
 )
 TABLES = {
