@@ -315,6 +315,8 @@ def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:
         inside = value(content, key)
         if not isinstance(inside, list):
             content, key = inside, last
+        elif not last.isdecimal():
+            raise InputError(f"{key} is a list, and must have the key {last!r}; correct it, or copy the file again.")
         elif len(inside) < max(2, int(last) + 1):
             raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
         else:
