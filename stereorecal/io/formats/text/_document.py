@@ -77,7 +77,10 @@ class Document:
             if not values:
                 return self.text
             if self.syntax is Syntax.JSON:
-                return _json.with_values(self.text, values)
+                try:
+                    return _json.with_values(self.text, values)
+                except ValueError as error:  # of a number that is not finite
+                    raise InputError(f"cannot be written as JSON ({error}); use plain finite values.") from None
             if self.syntax not in _TREES:
                 raise InputError("a text without keys is read, not written; write a new file, such as calib.json.")
             return with_values(*_TREES[self.syntax](self.text), values, number_text)
