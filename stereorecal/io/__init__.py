@@ -46,9 +46,9 @@ from stereorecal.io.formats._load_and_save import (
 from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
-from stereorecal.io.images._live_cameras import camera_pairs as camera_pairs
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
 from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs
+from stereorecal.io.images._videos import camera_pairs as camera_pairs
 from stereorecal.io.layouts._load_data_set import (
     is_data_set as is_data_set,
     load_log as load_log,

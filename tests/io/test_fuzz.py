@@ -1,17 +1,23 @@
 """Damaged files are read or refused in one sentence. `tests/benchmarks/fuzz.py` does so for hours."""
 
+import json
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
+import yaml
 from damage import damaged
 from hypothesis import given, settings, strategies as st
 from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_pair, load_ranges, load_rig, save_rig
+from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.synthetic import default_rig
 
 DEEP = 200_000
@@ -35,7 +41,7 @@ NESTED = {
         "? " * DEEP,
         "\n".join(" " * i + "a:" for i in range(2000)),
     ],
-    "a.xml": ["<a>" * DEEP, '<?xml version="1.0"?>\n<opencv_storage>' + "<a>" * DEEP],
+    "a.xml": ["<a>" * DEEP, '<?xml version="1.0"?>\n<opencv_storage>' + "<a>" * DEEP, "<a>" * 900 + "</a>" * 900],
 }
 
 
@@ -94,6 +100,36 @@ def test_damaged_calibrations(good, tmp_path_factory, seed: int, format: str):
     refused_or_read(load_rig, path)
 
 
+def places_in(content: Any, place: tuple = ()) -> Iterator[tuple]:
+    """The keys of every value."""
+    items = content.items() if isinstance(content, dict) else enumerate(content) if isinstance(content, list) else ()
+    for key, inside in items:
+        yield (*place, key)
+        yield from places_in(inside, (*place, key))
+
+
+OTHERS = [None, 5, "word", "", [], [1, 2], [[1], [2, 3]], {}, {"a": 1}, {"rows": "a", "cols": [], "data": 3}]
+
+
+@pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
+@pytest.mark.parametrize("format", sorted({*FORMATS} - {"kitti-raw", "opencv"}))
+@settings(max_examples=40, deadline=None)
+@given(data=st.data())
+def test_values_of_other_kinds(good, tmp_path_factory, format: str, data: st.DataObject):
+    """A list where there should be keys, a word for a number, numbers without a key: nothing escapes but a sentence."""
+    content = yaml.safe_load(good[format])  # of which JSON is a part
+    *above, last = data.draw(st.sampled_from(list(places_in(content))))
+    reduce(lambda inside, key: inside[key], above, content)[last] = data.draw(st.sampled_from(OTHERS))
+    path = tmp_path_factory.mktemp("kinds") / FORMATS[format]
+    path.write_text(json.dumps(content))
+
+    def read_and_write(path: Path) -> None:
+        rig = load_rig(path, format=format)
+        save_rig(rig.with_extrinsics(rig.extrinsics + 1e-3), path, overwrite=True)
+
+    refused_or_read(read_and_write, path)
+
+
 @pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
 @settings(max_examples=60, deadline=None)
 @given(data=st.binary(max_size=400) | st.text(max_size=400).map(str.encode), ending=st.sampled_from(sorted(NESTED)))
@@ -129,8 +165,32 @@ def test_a_cell_without_end(tmp_path: Path):
     refused(lambda: load_ranges(path), "not a table")
 
 
+@pytest.mark.parametrize(
+    ("format", "old", "new", "words"),
+    [
+        ("depthai", '"toCameraSocket": 2', '"toCameraSocket": ""', "do not lead to each other"),
+        ("depthai", '"stereoRectificationData": {', '"stereoRectificationData": null, "a": {', ""),
+    ],
+)
+def test_values_of_other_kinds_found(tmp_path: Path, good, format: str, old: str, new: str, words: str):
+    path = tmp_path / FORMATS[format]
+    assert old in good[format].decode()
+    path.write_text(good[format].decode().replace(old, new, 1))
+
+    def read_and_write() -> None:
+        rig = load_rig(path, unit="m" if format == "boofcv" else None)
+        save_rig(rig.with_extrinsics(rig.extrinsics * 1.01), path, overwrite=True)
+
+    refused(read_and_write, words) if words else read_and_write()
+
+
+def test_a_number_that_json_has_not():
+    text = document("a.json", '{"T": [1.0]}', Syntax.JSON)
+    refused(lambda: text.with_values({("T",): [float("inf")]}), "a.json: cannot be written as JSON")
+
+
 def test_rows_of_different_lengths(tmp_path: Path, good):
     """Found by the fuzzer: a list in the place of one number of BoofCV's rotation."""
     path = tmp_path / "a.yaml"
-    path.write_text(good["boofcv"].decode().replace("rotation:\n", "rotation:\n  - [1.0, 2.0]\n"))
+    path.write_text(good["boofcv"].decode().replace("rotation: [", "rotation: [[1.0, 2.0], "))
     refused(lambda: load_rig(path), "rotation must hold 9 numbers")

@@ -11,7 +11,7 @@ import pytest
 from refusals import refused
 
 from stereorecal.io import load_pair, load_rig
-from stereorecal.io.images._image_headers import announced_size, bytes_per_pixel, ends_properly
+from stereorecal.io.images._image_files import announced_size, bytes_per_pixel, ends_properly
 
 ENDINGS = [".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm", ".webp", ".jp2"]
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)

@@ -14,7 +14,7 @@ from oriented import stored, tagged
 import stereorecal as sr
 from stereorecal import CalibrationWarning, InputError
 from stereorecal.io import gather_scene, load_log, load_pair, load_rig, load_scene, open_pairs, save_rig
-from stereorecal.io.images._image_headers import orientation
+from stereorecal.io.images._image_files import orientation
 
 SMALL, LARGE = (96, 64), (144, 128)
 _LENS = np.array([-0.2, 0.05, 0.0, 0.0])

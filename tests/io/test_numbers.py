@@ -13,7 +13,8 @@ from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_rig
-from stereorecal.io.formats._numbers import image_size, number_or_word, numbers, pixels, value
+from stereorecal.io.formats._numbers import image_size, numbers, pixels, value
+from stereorecal.io.formats.text._nodes import number_or_word
 
 SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
 leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.just(10**400)

@@ -6,6 +6,17 @@ from hypothesis import given, settings, strategies as st
 
 from stereorecal import InputError
 from stereorecal.io.formats.text import _yaml
+from stereorecal.io.formats.text._document import Syntax, document
+from stereorecal.io.formats.text._nodes import plain
+
+
+def parsed(text):
+    return plain(_yaml.tree(text)[1])
+
+
+def with_values(text, values):
+    return document("a text", text, Syntax.YAML).with_values(values)
+
 
 LOADERS = [_yaml._Loader, yaml.SafeLoader]
 
@@ -31,28 +42,28 @@ def loader(request, monkeypatch):
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
 def test_only_the_number_changes(head, end):
     text = f'{head}b: "ö"\na: [12, 3.5]\nm: !!opencv-matrix\n   data: [ 1., 2. ]\nc: 2\n'.replace("\n", end)
-    after = _yaml.with_values(text, {("a",): [7.5, 3.5, 1.0], ("m", "data"): [1.0, 4.0]})
+    after = with_values(text, {("a",): [7.5, 3.5, 1.0], ("m", "data"): [1.0, 4.0]})
     assert after == text.replace("12, 3.5", "7.5, 3.5, 1.0").replace("1., 2. ]", "1., 4.0 ]")
-    assert _yaml.parsed(after) == {"b": "ö", "a": [7.5, 3.5, 1.0], "m": {"data": [1.0, 4.0]}, "c": 2}
+    assert parsed(after) == {"b": "ö", "a": [7.5, 3.5, 1.0], "m": {"data": [1.0, 4.0]}, "c": 2}
 
 
 @pytest.mark.usefixtures("loader")
 @pytest.mark.parametrize("text", ["a: [1,\n b: ", "a: \ud800", "a: \x00", "[" * 50_000, "- 1", ""])
 def test_what_is_no_yaml_is_refused(text):
     with pytest.raises(InputError, match="not a YAML file"):
-        _yaml.parsed(text)
+        parsed(text)
 
 
 @pytest.mark.usefixtures("loader")
 def test_what_cannot_be_told_apart_is_refused():
     with pytest.raises(InputError, match="the key 'R' occurs twice"):
-        _yaml.parsed("R: [1.0]\nT: 2\nR: [3.0]\n")
+        parsed("R: [1.0]\nT: 2\nR: [3.0]\n")
     with pytest.raises(InputError, match="several YAML documents"):
-        _yaml.parsed("a: 1\n---\nb: 2\n")
-    assert _yaml.parsed("a: 1\n---\na: 2\n") == {"documents": [{"a": 1}, {"a": 2}]}  # echoed messages
+        parsed("a: 1\n---\nb: 2\n")
+    assert parsed("a: 1\n---\na: 2\n") == {"documents": [{"a": 1}, {"a": 2}]}  # echoed messages
     for end in ("---\n", "---\n---\n", "---\n...\n"):  # as `ros2 topic echo` ends
-        assert _yaml.parsed(f"a: 1\n{end}") == {"a": 1}
-    assert _yaml.parsed("a: 1\na: 1\nb: x\nb: y\n") == {"a": 1, "b": "y"}  # the same, or words
+        assert parsed(f"a: 1\n{end}") == {"a": 1}
+    assert parsed("a: 1\na: 1\nb: x\nb: y\n") == {"a": 1, "b": "y"}  # the same, or words
 
 
 @settings(max_examples=50)
@@ -62,5 +73,5 @@ def test_both_change_the_same(values, word):
     for one in LOADERS:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(_yaml, "_Loader", one)
-            after.append(_yaml.with_values(text, {("a",): values}))
+            after.append(with_values(text, {("a",): values}))
     assert after[0] == after[1]

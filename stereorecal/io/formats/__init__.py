@@ -1,8 +1,8 @@
 """Calibration files: one module per format.
 
 A new format is one new module here, with a `FORMAT` as `_format.py` describes it, and a place in the list in
-`_format_list.py`. It works in the file's own unit, and knows its keys and the direction of its transformations. It
-refuses a rig that it cannot hold, and names a format that can.
+`_format_list.py`: a table of places and conventions (`_table.py`) where the file has the cameras and how they stand,
+else two functions. It works in the file's own unit. It refuses a rig that it cannot hold, and names a format that can.
 
 - Texts are parsed, and changed in place, by `text/`; each value is read by `_numbers.py`.
 - `_read_rig.py` finds the format, converts the unit, and lets the rig remember its file (`_rig_file.py`);

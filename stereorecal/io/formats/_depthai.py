@@ -10,12 +10,22 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import coefficients
-from stereorecal.io.formats._numbers import numbers, pixels, scalars, value
+from stereorecal.io.formats._format import (
+    JSON,
+    Documents,
+    Format,
+    Hints,
+    Motion,
+    Syntax,
+    Target,
+    inverse,
+    left_to_right,
+    pose,
+    rig_of,
+)
+from stereorecal.io.formats._numbers import coefficients, numbers, pixels, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values, under
+from stereorecal.io.formats.text._nodes import Keys, Values, at, under
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
@@ -88,20 +98,20 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
     values |= under((*place, "translation"), "xyz", moved[:3, 3].tolist())
-    if sockets == _sockets(content, Hints()) and content.get(_STEREO, {}).get("rectifiedRotationLeft"):
+    if sockets == _sockets(content, Hints()) and at(content, (_STEREO, "rectifiedRotationLeft")):
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
     for side, camera in target.cameras(rig):
-        at = ("cameraData", _index(content, sockets[side]), 1)
+        data = ("cameraData", _index(content, sockets[side]), 1)
         stated = _data(content, sockets[side])
         size, least = (pixels(stated, "width"), pixels(stated, "height")), len(stated["distortionCoeff"])
         if camera.model == "equidistant":
             lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
         else:
             lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
-        values[(*at, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
-        values[(*at, "distortionCoeff")] = lens.tolist()
+        values[(*data, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
+        values[(*data, "distortionCoeff")] = lens.tolist()
     return [values]
 
 
@@ -162,14 +172,15 @@ def _uncut(camera: Camera, whole: tuple[int, int]) -> Camera:
     return replace(camera, size=before, matrix=matrix).resized(whole)
 
 
-def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Pose]:
+def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Motion]:
     """To which camera the pose of a camera leads, and the pose."""
     stated = value(_data(content, socket), "extrinsics")
     shift = scalars(value(stated, "translation"), "xyz")
-    return int(stated.get("toCameraSocket", _NOWHERE)), pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
+    to = stated.get("toCameraSocket")
+    return to if isinstance(to, int) else _NOWHERE, pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
 
 
-def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Pose, int, Callable[[Pose], Pose]]:
+def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Motion, int, Callable[[Motion], Motion]]:
     """Left to right; the socket of the camera whose stated pose says so, and what makes that pose of left to right."""
     left, right = _sockets(content, hints)
     (from_left, left_pose), (from_right, right_pose) = _link(content, left), _link(content, right)

@@ -23,7 +23,7 @@ from stereorecal.io.formats import (
     _zed,
 )
 from stereorecal.io.formats._format import Documents, Format
-from stereorecal.io.formats._matrix_entries import said_of
+from stereorecal.io.formats._matrix_search import said_of
 
 # The first that can read a file reads it.
 FORMATS = (

@@ -4,9 +4,8 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, pose, rig_of
 from stereorecal.io.formats._numbers import numbers
-from stereorecal.io.formats._rigid_motions import pose, rig_of
 from stereorecal.io.formats.text._document import Document
 
 

@@ -8,42 +8,43 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import Camera, StereoRig
+from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import (
-    check_model,
-    check_no_lens,
-    coefficients,
-    pinhole_matrix,
-    pinhole_numbers,
+from stereorecal.io.formats._format import (
+    YAML,
+    Documents,
+    Format,
+    Hints,
+    Motion,
+    Syntax,
+    Target,
+    inverse,
+    left_to_right,
+    rig_of,
 )
-from stereorecal.io.formats._matrix_values import matrix_values
-from stereorecal.io.formats._numbers import image_size, numbers, optional, unpacked, value
-from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
+from stereorecal.io.formats._table import Lens, Table, yaml_text
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _FROM_LAST, _FROM_IMU, _TO_IMU = "T_cn_cnm1", "T_cam_imu", "T_imu_cam"
-_USUAL = ("cam0", "cam1")
 _ROUNDING = 1e-3  # of the entries of a pose (metres, in its last column), as people round them
-# Of each camera model: how many numbers of the lens its intrinsics begin with, and the distortion models that it takes.
-_KINDS = {
-    "pinhole": (0, ("radtan", "equidistant", "none")),
-    "omni": (1, ("radtan", "none")),
-    "ds": (2, ("none",)),
-    "eucm": (2, ("none",)),
-}
-_BLANKS = {"pinhole": "[0.0, 0.0, 0.0, 0.0]", "omni": "[0.0, 1.0, 1.0, 0.0, 0.0]"}
-_SPHERE = "[0.0, 0.5, 1.0, 1.0, 0.0, 0.0]"
-_CAMERA = """\
-cam{index}:
-{pose}  camera_model: {kind}
-  distortion_coeffs: {lens}
-  distortion_model: {distortion}
-  intrinsics: {numbers}
-  resolution: [{width}, {height}]
-"""
-_POSE = "  T_cn_cnm1:\n" + "  - [0.0, 0.0, 0.0, 0.0]\n" * 3 + "  - [0.0, 0.0, 0.0, 1.0]\n"
+_TERMS = "{}/distortion_coeffs"
+_TABLE = Table(
+    size="{}/resolution",
+    matrix="{}/intrinsics",
+    words=("{}/camera_model", "{}/distortion_model"),
+    lenses={
+        "pinhole radtan": Lens(_TERMS),
+        "pinhole equidistant": Lens(_TERMS, "equidistant"),
+        "pinhole none": Lens(_TERMS, becomes="radtan"),
+        "omni radtan": Lens(_TERMS, "omni", before=1),
+        "omni none": Lens(_TERMS, "omni", before=1, becomes="radtan"),
+        "ds none": Lens((), "ds", before=2),
+        "eucm none": Lens((), "eucm", before=2),
+    },
+    names=("cam0", "cam1"),
+    holder="Kalibr's radtan",
+)
 
 
 def _cameras(documents: Documents) -> tuple[str, ...]:
@@ -56,11 +57,11 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
 def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig; T_cn_cnm1 takes points of the camera before to this one, and where the file has none, the poses of both
     cameras on the IMU tell."""
-    content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _USUAL
+    content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _TABLE.names
     for key in names:
         if key not in chain:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
-    left, right = (_camera(content, key) for key in names)
+    left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
     motion = _motion(content, first, last, _links(chain, first, last))
     return rig_of(left, right, motion if first == names[0] else inverse(motion))
@@ -71,7 +72,7 @@ def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
     return chain[chain.index(first) + 1 : chain.index(last) + 1]
 
 
-def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Pose:
+def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Motion:
     """What takes points of one camera to a later one of the chain."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
@@ -92,7 +93,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
     return stated[0]
 
 
-def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
+def _along(content: Mapping[str, Any], links: Sequence[str]) -> Motion:
     """What takes points of the camera before these links to the last one."""
     motion = np.eye(4)
     for name in links:
@@ -100,13 +101,13 @@ def _along(content: Mapping[str, Any], links: Sequence[str]) -> Pose:
     return motion
 
 
-def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Pose:
+def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Motion:
     """What takes points of the IMU to a camera."""
     stated = _pose(content, name, key)
     return stated if key == _FROM_IMU else inverse(stated)
 
 
-def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
+def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
     """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
         stated = unpacked(value(content[name], key))
@@ -120,70 +121,26 @@ def _pose(content: Mapping[str, Any], name: str, key: str) -> Pose:
     return motion
 
 
-def _camera(content: Mapping[str, Any], key: str) -> Camera:
-    with about(key):
-        camera = content[key]
-        kind, distortion = value(camera, "camera_model"), value(camera, "distortion_model")
-        before, known = _KINDS.get(kind, (0, ()))
-        check_model(distortion, known, kind, tuple(_KINDS))
-        lens, pinhole = np.split(numbers(camera, "intrinsics", (before + 4,)), [before])
-        if before < 2:
-            omni, none = kind == "omni", distortion == "none"
-            beside = numbers(camera, "distortion_coeffs", (4 if omni and not none else -1,))
-            check_no_lens(distortion, beside)
-            lens = np.concatenate([lens, np.zeros(4) if omni and none else beside])
-        model = kind if before else "equidistant" if distortion == "equidistant" else Camera.model
-        return Camera(image_size(camera, "resolution"), pinhole_matrix(pinhole), lens, model=model)
-
-
-def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """A chain of two."""
-    text = ""
-    for index, camera in enumerate((rig.left, rig.right)):
-        kind = camera.model if camera.model in _KINDS else "pinhole"
-        sphere = _KINDS[kind][0] == 2
-        text += _CAMERA.format(
-            index=index,
-            pose=_POSE if index else "",
-            kind=kind,
-            distortion="none" if sphere else "radtan" if kind == "omni" else camera.model,
-            lens="[]" if sphere else "[0.0, 0.0, 0.0, 0.0]",
-            numbers=_BLANKS.get(kind, _SPHERE),
-            width=camera.size[0],
-            height=camera.size[1],
-        )
-    return (text,)
+def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
+    """A chain of two; Kalibr's reader requires a list of coefficients of every lens."""
+    (content,) = _TABLE.new_content(rig)
+    left, right = ({"distortion_coeffs": [], **content[name]} for name in _TABLE.names)
+    return [yaml_text({"cam0": left, "cam1": {_FROM_LAST: np.eye(4).tolist(), **right}})]
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:
     """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
     all these on the IMU."""
     content, chain = target.documents[0].content, _cameras(target.documents)
-    names, motion = target.hints.cameras or _USUAL, left_to_right(rig)
+    names, motion = target.hints.cameras or _TABLE.names, left_to_right(rig)
     first, last = sorted(names, key=chain.index)
     values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
     for side, camera in target.cameras(rig):
-        key, lens, (before, _) = names[side], np.asarray(camera.distortion), _KINDS.get(camera.model, (0, ()))
-        if camera.model == Camera.model:
-            lens = coefficients(camera, (4,), "Kalibr's radtan", "opencv, ros or depthai")
-        values[(key, "intrinsics")] = [*lens[:before].tolist(), *pinhole_numbers(camera)]
-        if camera.model == "equidistant":
-            values |= matrix_values(content, (key, "distortion_coeffs"), lens)
-        elif before < 2:
-            values |= _radtan(content, key, lens[before:])
+        values |= _TABLE.values(content, names[side], camera)
     return [values]
 
 
-def _radtan(content: Mapping[str, Any], key: str, lens: np.ndarray) -> dict[Keys, Any]:
-    """The distortion of a camera, which is none as long as all four coefficients are zero."""
-    if content[key]["distortion_model"] != "none":
-        return matrix_values(content, (key, "distortion_coeffs"), lens)
-    if not np.any(lens):
-        return {}
-    return {(key, "distortion_model"): "radtan", **matrix_values(content, (key, "distortion_coeffs"), lens)}
-
-
-def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Pose) -> dict[Keys, Any]:
+def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Motion) -> dict[Keys, Any]:
     """What to write where `motion` takes points of one camera to a later one."""
     values: dict[Keys, Any] = {}
     links = _links(chain, first, last)
@@ -211,7 +168,7 @@ FORMAT = Format(
     "kalibr",
     "Kalibr's camchain (YAML with cam0, cam1, and T_cn_cnm1, T_cam_imu or T_imu_cam)",
     "m",
-    lambda document: any(isinstance(document.content.get(key), Mapping) for key in _USUAL),
+    lambda document: any(isinstance(document.content.get(key), Mapping) for key in _TABLE.names),
     _read,
     cameras=_cameras,
     syntax=YAML,

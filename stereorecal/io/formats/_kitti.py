@@ -1,7 +1,8 @@
 """KITTI's calibrations: calib_cam_to_cam.txt of raw data, four cameras as they are (S K D R T) and as KITTI rectified
 their images; and calib.txt of odometry and stereo 2012, the projection matrices `P = K [I | t]` of rectified images."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,33 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import check_straight, coefficients
-from stereorecal.io.formats._numbers import image_size, numbers
+from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._numbers import check_straight, image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats._rigid_motions import Pose, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._table import Lens, Pose, Table
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Values
 
 _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
-_COUNTS = {"S": 2, "K": 9, "D": 5, "R": 9, "T": 3, "S_rect": 2, "R_rect": 9, "P_rect": 12}
+_TABLE = Table(
+    size="S_{}",
+    matrix="K_{}",
+    shape=(9,),
+    lenses={"": Lens("D_{}", counts=(5,))},
+    pose=Pose("R_{}", "T_{}"),  # of camera 00 in the frame of another one
+    where="camera {}",
+    holder="KITTI's calibration",
+)
+_BLANK = """\
+S_{0}: {1} {2}
+K_{0}: 0 0 0 0 0 0 0 0 0
+D_{0}: 0 0 0 0 0
+R_{0}: 1 0 0 0 1 0 0 0 1
+T_{0}: 0 0 0
+S_rect_{0}: {1} {2}
+R_rect_{0}: 0 0 0 0 0 0 0 0 0
+P_rect_{0}: 0 0 0 0 0 0 0 0 0 0 0 0
+"""
 _RECTIFY = RectifyOptions(alpha=0.0)
 _GREY = ("P0", "P1")
 _OF_RECTIFIED = ("P0", "P1", "P2", "P3")
@@ -57,7 +75,7 @@ def _read_odometry(documents: Documents, hints: Hints) -> StereoRig:
     return _rectified_rig(documents[0].content, hints.cameras or _GREY, size)
 
 
-def _write_odometry(rig: StereoRig, target: Target) -> list[Values]:
+def _write_odometry(rig: StereoRig, target: Target) -> Sequence[Values]:
     """The projection matrix of the right camera changes."""
     check_straight(rig, "KITTI's calib.txt")
     content, keys = target.documents[0].content, target.hints.cameras or _GREY
@@ -106,18 +124,16 @@ def _read_raw(documents: Documents, hints: Hints) -> StereoRig:
     if _is_rectified(content, cameras, hints):
         keys = f"P_rect_{cameras[0]}", f"P_rect_{cameras[1]}"
         return _rectified_rig(content, keys, image_size(content, f"S_rect_{cameras[0]}"))
-    left, right = (_camera(content, name) for name in cameras)
-    to_left, to_right = (_from_first(content, name) for name in cameras)
-    return rig_of(left, right, to_right @ inverse(to_left))
+    return _TABLE.read(documents, replace(hints, cameras=cameras))
 
 
 def _blank_raw(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """The grey cameras, raw and rectified."""
-    lines = [f"{key}_{name}: {'0 ' * (count - 1)}0\n" for name in _CHOICES[0] for key, count in _COUNTS.items()]
-    return ("".join(lines),)
+    sizes = zip(_CHOICES[0], (rig.left.size, rig.right.size), strict=True)
+    return ("".join(_BLANK.format(name, *size) for name, size in sizes),)
 
 
-def _write_raw(rig: StereoRig, target: Target) -> list[Values]:
+def _write_raw(rig: StereoRig, target: Target) -> Sequence[Values]:
     """R and T of the right camera; R_rect and P_rect (alpha 0) of both, where the file has those of no other camera."""
     content, cameras = target.documents[0].content, _chosen(target.documents, target.hints)
     if _is_rectified(content, cameras, target.hints):
@@ -131,26 +147,15 @@ def _write_raw(rig: StereoRig, target: Target) -> list[Values]:
             "the file has one rectification of four cameras, which would not fit the new rig; write it as opencv, "
             "kalibr or stereorecal instead."
         )
-    fresh = not any(np.any(content[f"K_{name}"]) for name in cameras)
-    to_left = np.eye(4) if fresh else _from_first(content, cameras[0])
-    values: dict[Keys, list[float]] = {}
-    if fresh:
-        values |= _arrays(cameras[0], {"R": np.eye(3), "T": np.zeros(3)})
-        for name, camera in zip(cameras, (rig.left, rig.right), strict=True):
-            values |= _arrays(name, {"S": np.array(camera.size, float), "S_rect": np.array(camera.size, float)})
-    to_right = left_to_right(rig) @ to_left
-    values |= _arrays(cameras[1], {"R": to_right[:3, :3], "T": to_right[:3, 3]})
-    for side, camera in target.cameras(rig):
-        lens = coefficients(camera, (5,), "KITTI's calibration", "opencv, ros or depthai")
-        values |= _arrays(cameras[side], {"K": np.asarray(camera.matrix), "D": lens})
+    (values,) = _TABLE.write(rig, replace(target, hints=replace(target.hints, cameras=cameras)))
     made = rectification_of(rig, _RECTIFY)
-    for side, name in enumerate(cameras, start=1):
-        values |= _arrays(name, {"R_rect": made[f"R{side}"], "P_rect": made[f"P{side}"]})
-    return [{keys: value for keys, value in values.items() if keys[0] in content}]
-
-
-def _arrays(name: str, arrays: Mapping[str, np.ndarray]) -> dict[Keys, list[float]]:
-    return {(f"{key}_{name}",): array.ravel().tolist() for key, array in arrays.items()}
+    derived = {
+        (f"{key}_rect_{name}",): made[f"{key}{side}"].ravel().tolist()
+        for side, name in enumerate(cameras, start=1)
+        for key in "RP"
+        if f"{key}_rect_{name}" in content
+    }
+    return [values | derived]
 
 
 def _chosen(documents: Documents, hints: Hints) -> tuple[str, str]:
@@ -168,17 +173,6 @@ def _is_rectified(content: Mapping[str, Any], cameras: tuple[str, str], hints: H
         return False
     rectified, raw = (image_size(content, key) for key in keys)
     return hints.size == rectified != raw
-
-
-def _camera(content: Mapping[str, Any], name: str) -> Camera:
-    with about(f"camera {name}"):
-        matrix = numbers(content, f"K_{name}", (9,)).reshape(3, 3)
-        return Camera(image_size(content, f"S_{name}"), matrix, numbers(content, f"D_{name}", (-1,)))
-
-
-def _from_first(content: Mapping[str, Any], name: str) -> Pose:
-    """The pose that takes points of camera 00 to this camera."""
-    return pose(numbers(content, f"R_{name}", (9,)).reshape(3, 3), numbers(content, f"T_{name}", (3,)))
 
 
 RAW = Format(

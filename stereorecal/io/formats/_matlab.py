@@ -13,9 +13,8 @@ from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints
+from stereorecal.io.formats._format import Documents, Format, Hints, pose, rig_of
 from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._rigid_motions import pose, rig_of
 
 _CAMERAS = ("CameraParameters1", "CameraParameters2")
 _UNITS = {"": "mm", "millimeters": "mm", "millimetres": "mm", "mm": "mm", "centimeters": "cm", "centimetres": "cm",

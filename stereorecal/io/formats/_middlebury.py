@@ -5,15 +5,13 @@ from typing import Any
 import numpy as np
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import ROUNDING, check_straight
-from stereorecal.io.formats._numbers import numbers, pixels
-from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._numbers import ROUNDING, check_straight, numbers, pixels
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _CAMERAS = ("cam0", "cam1")
 # The lines that every scene has, but `ndisp`, which is a fact about the scene.
-_BLANK = "cam0=[0]\ncam1=[0]\ndoffs=0\nbaseline=0\nwidth={}\nheight={}\n"
+_BLANK = "cam0=[0 0 0; 0 0 0; 0 0 0]\ncam1=[0 0 0; 0 0 0; 0 0 0]\ndoffs=0\nbaseline=0\nwidth={}\nheight={}\n"
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:

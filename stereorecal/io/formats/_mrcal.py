@@ -6,10 +6,8 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats._rigid_motions import Pose, inverse, pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, Motion, inverse, pose, rig_of
+from stereorecal.io.formats._numbers import image_size, numbers, pinhole_matrix, value
 from stereorecal.io.formats.text._document import Document
 
 _MODELS = {"LENSMODEL_PINHOLE": 4, "LENSMODEL_OPENCV4": 8, "LENSMODEL_OPENCV5": 9, "LENSMODEL_OPENCV8": 12,
@@ -24,7 +22,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
         return rig_of(left, right, to_right @ inverse(to_left))
 
 
-def _camera(document: Document) -> tuple[Camera, Pose]:
+def _camera(document: Document) -> tuple[Camera, Motion]:
     """A camera, and the motion from the reference to it."""
     content = document.content
     with about(document.name):

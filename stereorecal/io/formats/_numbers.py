@@ -1,14 +1,19 @@
-"""The one reader of numbers: what a calibration file says under a key, as a finite float64 array or in one sentence."""
+"""What a calibration file says under a key, as a finite float64 array or in one sentence: numbers, matrices in the
+shapes in which files have them, and the numbers and words of lenses."""
 
 import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._errors import InputError
+from stereorecal._arrays import Mat3
+from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io.formats.text._nodes import Keys, at
 
 # A matrix nests two levels; some programs write a row or column around it. NumPy itself stops at 64.
 _DEEPEST = 4
@@ -107,14 +112,6 @@ def pixels(content: Mapping[str, Any], key: str) -> int:
     return _pixels(numbers(content, key, ()), key)
 
 
-def number_or_word(word: str) -> float | str:
-    """A word of a text file as a number if it is one, else as it is."""
-    try:
-        return float(word) if word.isascii() and "_" not in word else word  # float() would read "1_0" as 10
-    except ValueError:
-        return word
-
-
 def _array(stated: Any, key: str) -> Float[np.ndarray, "..."]:
     leaves = list(_leaves(stated))
     if any(leaf is None for leaf in leaves):
@@ -155,3 +152,213 @@ def _pixels(number: float | Float[np.ndarray, ""], key: str) -> int:
             f"{key} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; correct it."
         )
     return int(number)
+
+
+Array = Float[np.ndarray, "..."]
+
+
+def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
+    """The camera matrix under a key: 3x3, or 3x4 with a fourth column of zeros."""
+    if size_of(content, (key,)) != 12:
+        return numbers(content, key, (3, 3))
+    matrix = numbers(content, key, (3, 4))
+    if np.any(matrix[:, 3]):
+        raise InputError(
+            f"{key} is the projection matrix of rectified images (its fourth column is not zero), no camera matrix; "
+            "give the camera matrix, 3x3."
+        )
+    return matrix[:, :3]
+
+
+def rotation_matrix(content: Mapping[str, Any], key: str) -> Mat3:
+    """The rotation under a key: a matrix, or a rotation vector of `cv2.Rodrigues` [rad]."""
+    if size_of(content, (key,)) != 3:
+        return numbers(content, key, (3, 3))
+    vector = numbers(content, key, (3,))
+    if np.linalg.norm(vector) > np.pi:
+        raise InputError(
+            f"{key} has three numbers, but is no rotation vector in radians (its length is "
+            f"{np.linalg.norm(vector):.3g}, more than pi); give the rotation matrix, such as cv2.Rodrigues(rvec)[0]."
+        )
+    return cv2.Rodrigues(vector)[0]
+
+
+def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray, "n"]:
+    """The coefficients of a pinhole under a key; k1, or k1 k2, may stand alone."""
+    found = numbers(content, key, (-1,))
+    if found.size == 3:
+        raise UnsupportedModelError(
+            f"the distortion has 3 coefficients ({key}), which are k1 k2 k3 or k1 k2 p1; write them in OpenCV's order, "
+            "k1 k2 0 0 k3 or k1 k2 p1 0."
+        )
+    return np.pad(found, (0, 4 - found.size)) if found.size in (1, 2) else found
+
+
+def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[Keys, Any]:
+    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape.
+
+    A vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector.
+    """
+    stated, array = at(content, keys), np.asarray(array, float)
+    if array.shape == (3, 3) and size_of(content, keys) in (3, 12):
+        array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
+    flat = array.ravel().tolist()
+    if not isinstance(stated, Mapping):
+        shape = np.shape(stated)
+        return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}
+    values: dict[Keys, Any] = {(*keys, "data"): flat}
+    if "dt" in stated and stated["dt"] != "d":  # single precision would lose digits
+        values[(*keys, "dt")] = "d"
+    if len(flat) > len(stated["data"]) and "sizes" in stated:
+        sizes = stated["sizes"]
+        longest = max(sizes) if isinstance(sizes, list) else sizes
+        grown = [len(flat) if size == longest else size for size in sizes] if isinstance(sizes, list) else len(flat)
+        values[(*keys, "sizes")] = grown
+    elif len(flat) > len(stated["data"]):
+        if not stated["data"]:
+            values |= {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
+        else:
+            values[(*keys, "cols" if stated["rows"] == 1 else "rows")] = len(flat)
+    return values
+
+
+def size_of(content: Mapping[str, Any], keys: Keys) -> int:
+    """How many numbers stand under a key; 0 if there is none, or they are no array."""
+    stated = unpacked(at(content, keys))
+    try:
+        return int(np.size(stated)) if stated is not None else 0
+    except ValueError:  # rows of different lengths, which the reader of numbers names
+        return 0
+
+
+ROUNDING = 1e-9  # radians; and parts of the baseline
+_WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion, or as equidistant"
+# Formats that have a place for a lens model, for messages.
+_HOLDERS = {
+    "radtan": "opencv, ros or depthai",
+    "equidistant": "kalibr, ros or stereorecal",
+    "ds": "kalibr, basalt or stereorecal",
+    "eucm": "kalibr, basalt or stereorecal",
+    "omni": "kalibr or stereorecal",
+}
+
+# Names of OpenCV's pinhole model: its own, those of ROS (plumb_bob, rational_polynomial) and of Kalibr (radtan).
+_PINHOLE = frozenset({"", "none", "opencv", "plumb_bob", "rational_polynomial", "radtan"})
+_FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # anywhere in it
+_OTHER = ("equi", "omni")
+
+
+def pinhole_matrix(numbers: Float[np.ndarray, "4"]) -> Mat3:
+    """The camera matrix of fx, fy, cx, cy."""
+    fx, fy, cx, cy = numbers
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def pinhole_numbers(camera: Camera) -> list[float]:
+    """fx, fy, cx, cy."""
+    matrix = np.asarray(camera.matrix)
+    return [float(matrix[place]) for place in ((0, 0), (1, 1), (0, 2), (1, 2))]
+
+
+def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
+    """Refuse a lens of a model that a format has no place for.
+
+    Args:
+        models: that it holds.
+        what: for the message: whose lens models these are.
+    """
+    if camera.model not in models:
+        raise InputError(
+            f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} "
+            "instead."
+        )
+
+
+def has_lens(rig: StereoRig) -> bool:
+    """Whether a camera is anything but a pinhole without distortion."""
+    return any(camera.model != "radtan" or bool(np.any(camera.distortion)) for camera in (rig.left, rig.right))
+
+
+def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str) -> Float[np.ndarray, "n"]:
+    """The radial-tangential distortion in OpenCV's order, with as many coefficients as a file takes: the first count
+    that is enough.
+
+    Args:
+        counts: that are possible, rising.
+        what, instead: for the message: whose lens model is too small, and the formats that hold more.
+    """
+    check_held(camera, ("radtan",), what or "this file")
+    own = np.asarray(camera.distortion, float)
+    needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
+    for count in counts:
+        if count >= needed:
+            return np.concatenate([own, np.zeros(max(0, count - own.size))])[:count]
+    if not counts:
+        raise InputError(f"the file has more lens coefficients than {what} knows; calibrate with fewer.")
+    raise InputError(
+        f"{what} has {counts[-1]} lens coefficients, and this rig needs {needed}; write it as {instead} instead."
+    )
+
+
+def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
+    """The distortion without those rational, prism and tilt terms that are all zero: the same lens, and the same digits
+    of what is computed from it, as from a format that has no place for them."""
+    return next((distortion[:count] for count in (5, 8, 12) if not np.any(distortion[count:])), distortion)
+
+
+def check_model(
+    model: object, known: Sequence[str], camera: object = "pinhole", cameras: Sequence[str] = ("pinhole",)
+) -> None:
+    """Refuse a camera model, or a distortion model of it, that is not one of those known."""
+    if camera not in cameras or model not in known:
+        raise UnsupportedModelError(
+            f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
+        )
+
+
+def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
+    """Refuse coefficients of a lens that is said to have none."""
+    if model in ("", "none") and np.any(lens):
+        raise InputError(
+            f"the distortion model is {model!r}, but there are coefficients; name their model (plumb_bob, radtan), or "
+            "set them to zero."
+        )
+
+
+def check_straight(rig: StereoRig, what: str, off_line: object = False) -> None:
+    """Refuse a rotation of more than rounding, or a lens, in a format of rectified images.
+
+    Args:
+        off_line: whether there is anything else that such a format has no place for.
+    """
+    turned = np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING
+    if turned or off_line or has_lens(rig):
+        raise InputError(
+            f"{what} has no place for a rotation or a lens; write it as opencv, kalibr or stereorecal instead."
+        )
+
+
+def model_named(stated: Any) -> str:
+    """The model of `Camera` that a word means, which a remark may follow; that of OpenCV's pinhole for None."""
+    name = str(stated or "").lower()
+    base = re.split(r"[(;,]", name)[0].strip()
+    if any(word in name for word in _FISHEYE):
+        return "equidistant"
+    if base in ("ds", "eucm", "omni"):
+        return base
+    if not (base in _PINHOLE or base.startswith("opencv")) or any(word in name for word in _OTHER):
+        raise UnsupportedModelError(
+            f"the distortion model {stated!r} is not supported; undistort the images, or calibrate with OpenCV's "
+            "pinhole model (plumb_bob or rational_polynomial) or its fisheye (equidistant)."
+        )
+    return Camera.model
+
+
+def model_word(rig: StereoRig) -> str:
+    """The word for both lenses."""
+    if rig.left.model != rig.right.model:
+        raise InputError(
+            f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
+            "both; write the rig as kalibr or basalt instead."
+        )
+    return "opencv" if rig.left.model == Camera.model else rig.left.model

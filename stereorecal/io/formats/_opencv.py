@@ -12,11 +12,12 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import check_held, coefficients, model_named
-from stereorecal.io.formats._matrix_entries import WAY_OUT, Entry, entries_of
-from stereorecal.io.formats._matrix_roles import (
+from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._matrix_search import (
+    WAY_OUT,
+    Entry,
     cameras_in,
+    entries_of,
     lenses_in,
     may_be_between,
     may_be_camera,
@@ -25,15 +26,20 @@ from stereorecal.io.formats._matrix_roles import (
     size_in,
     translation_in,
 )
-from stereorecal.io.formats._matrix_values import (
+from stereorecal.io.formats._numbers import (
     Array,
     camera_matrix,
+    check_held,
+    coefficients,
+    image_size,
     lens_coefficients,
     matrix_values,
+    model_named,
+    numbers,
+    pixels,
     rotation_matrix,
     size_of,
 )
-from stereorecal.io.formats._numbers import image_size, numbers, pixels
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
     essential,
@@ -41,8 +47,7 @@ from stereorecal.io.formats._rectification_matrices import (
     options_of,
     rectification_of,
 )
-from stereorecal.io.formats._rigid_motions import pose, rig_of
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 _MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
 _DISTORTIONS = ("D", "distCoeffs", "dist_coeffs_", "distortion_coefficients_")

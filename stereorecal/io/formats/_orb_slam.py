@@ -8,11 +8,8 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._matrix_values import size_of
-from stereorecal.io.formats._numbers import numbers, pixels, scalars
-from stereorecal.io.formats._rigid_motions import inverse, pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, inverse, pose, rig_of
+from stereorecal.io.formats._numbers import numbers, pinhole_matrix, pixels, scalars, size_of
 from stereorecal.io.formats.text._document import Document
 
 _RIGHT_TO_LEFT = ("Stereo.T_c1_c2", "Tlr")

@@ -8,10 +8,8 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax
-from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import numbers, pixels, scalars
-from stereorecal.io.formats._rigid_motions import inverse, pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, inverse, pose, rig_of
+from stereorecal.io.formats._numbers import numbers, pinhole_matrix, pixels, scalars
 
 _PAIRS = (("Infrared 1", "Infrared 2"), ("Fisheye 1", "Fisheye 2"))
 _FISHEYE, _RADTAN = "Kannala Brandt4", "Brown Conrady"

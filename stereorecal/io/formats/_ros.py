@@ -12,15 +12,23 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._kitti import in_projection
-from stereorecal.io.formats._lens_numbers import check_held, check_model, check_no_lens, coefficients
-from stereorecal.io.formats._matrix_values import matrix_values, size_of
-from stereorecal.io.formats._numbers import numbers, pixels, value
+from stereorecal.io.formats._numbers import (
+    check_held,
+    check_model,
+    check_no_lens,
+    coefficients,
+    matrix_values,
+    numbers,
+    pixels,
+    size_of,
+    value,
+)
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
-from stereorecal.io.formats._rigid_motions import pose, rig_of
+from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
@@ -33,28 +41,6 @@ _SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
 _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
-_BLANK = """\
-image_width: {width}
-image_height: {height}
-camera_name: {name}
-camera_matrix:
-  rows: 3
-  cols: 3
-  data: {nine}
-distortion_model: {model}
-distortion_coefficients:
-  rows: 1
-  cols: {count}
-  data: {lens}
-rectification_matrix:
-  rows: 3
-  cols: 3
-  data: {nine}
-projection_matrix:
-  rows: 3
-  cols: 4
-  data: {twelve}
-"""
 
 
 @dataclass(frozen=True)
@@ -183,10 +169,15 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
     texts = []
     for number, (name, camera) in enumerate((("left", rig.left), ("right", rig.right))):
         model, lens = _lens(camera)
-        counts = {"nine": 9, "twelve": 12, "lens": lens.size}
-        blanks = {key: [float(number)] * count for key, count in counts.items()} | {"count": lens.size}
-        texts.append(_BLANK.format(width=camera.size[0], height=camera.size[1], name=name, model=model, **blanks))
+        size = {"image_width": camera.size[0], "image_height": camera.size[1], "camera_name": name}
+        lenses = {"distortion_model": model, "distortion_coefficients": _filled(1, lens.size, number)}
+        rectified = {"rectification_matrix": _filled(3, 3, number), "projection_matrix": _filled(3, 4, number)}
+        texts.append(yaml_text({**size, "camera_matrix": _filled(3, 3, number), **lenses, **rectified}))
     return texts
+
+
+def _filled(rows: int, columns: int, number: float) -> dict[str, Any]:
+    return {"rows": rows, "cols": columns, "data": [float(number)] * rows * columns}
 
 
 def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, Any]]:

@@ -9,13 +9,11 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._lens_numbers import model_named, model_word
-from stereorecal.io.formats._matrix_roles import has_cameras
-from stereorecal.io.formats._numbers import image_size, numbers, optional, value
-from stereorecal.io.formats._rigid_motions import pose, rig_of
+from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._matrix_search import has_cameras
+from stereorecal.io.formats._numbers import image_size, model_named, model_word, numbers, optional, value
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._nodes import Values
 
 NAME = "stereorecal"
 _SIDES = ("left", "right")

@@ -9,10 +9,9 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import METRES, StereoRig, checked_unit, same_camera, same_rig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._camera_choice import as_in_file, chosen_cameras
 from stereorecal.io.formats._format import Format, Hints, Target
 from stereorecal.io.formats._format_list import named, usual
-from stereorecal.io.formats._read_rig import at_common_size, rig_in, scaled
+from stereorecal.io.formats._read_rig import as_in_file, at_common_size, chosen_cameras, rig_in, scaled
 from stereorecal.io.formats._rig_file import RigFile
 from stereorecal.io.formats.text._document import Syntax, document
 

@@ -13,10 +13,8 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import Documents, Format, Hints
-from stereorecal.io.formats._lens_numbers import pinhole_matrix
-from stereorecal.io.formats._numbers import numbers, scalars, value
-from stereorecal.io.formats._rigid_motions import pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, pose, rig_of
+from stereorecal.io.formats._numbers import numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats.text._document import Document
 
 _SIZES = {"VGA": (672, 376), "HD": (1280, 720), "FHD": (1920, 1080), "2K": (2208, 1242), "SVGA": (960, 600),

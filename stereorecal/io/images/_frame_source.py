@@ -1,6 +1,8 @@
-"""The frames of one camera (files, a video, a topic of a bag), read one by one."""
+"""The frames of one camera (files, a video, a topic of a bag), read one by one; those of two cameras, matched by their
+times; and times that are the names of images."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -48,3 +50,93 @@ def _half(source: FrameSource, index: int, side: int) -> Image:
             "must have the same size."
         )
     return image[:, side * width // 2 : (side + 1) * width // 2]
+
+
+_OF_INTERVAL = 0.25  # of the time from one left frame to the next: the largest difference within a pair
+
+_EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
+
+
+def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
+    """Numbers of left and right frames that belong together: each the other's nearest, and near enough.
+
+    Args:
+        tolerance: seconds; default a quarter of the usual interval between left frames.
+    """
+    first, second = (_required_times(source) for source in (left, right))
+    if tolerance is None:
+        tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
+    if not tolerance >= 0.0:
+        raise InputError(f"a tolerance of {tolerance} s makes no sense; give seconds, such as 0.005.")
+    partners, back = _nearest(first, second), _nearest(second, first)
+    found = [
+        (index, int(partner))
+        for index, partner in enumerate(partners)
+        if back[partner] == index and abs(first[index] - second[partner]) <= tolerance + _EXACT
+    ]
+    if not found:
+        gap = float(np.min(np.abs(first - second[partners])))
+        raise InputError(
+            f"{left.where} and {right.where}: no two frames lie within {tolerance:.4g} s of each other, the nearest "
+            f"{gap:.4g} s apart; check the clocks, or give a larger tolerance."
+        )
+    return found
+
+
+def _required_times(source: FrameSource) -> Float[np.ndarray, "n"]:
+    if source.times is None:
+        raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
+    return source.times
+
+
+def _nearest(times: Float[np.ndarray, "n"], others: Float[np.ndarray, "m"]) -> np.ndarray:
+    """The number of the nearest of `others`, which ascend."""
+    after = np.clip(np.searchsorted(others, times), 1, max(len(others) - 1, 1))
+    if len(others) == 1:
+        return np.zeros(len(times), int)
+    before = after - 1
+    return np.where(np.abs(times - others[before]) <= np.abs(others[after] - times), before, after)
+
+
+_COUNT = 16  # digits and more of a name that counts fractions of seconds
+_FASTEST = 1e-3  # seconds from frame to frame: read in a wrong unit, they lie closer
+# What is nothing but a time since 1970: seconds with a fraction, or nanoseconds.
+_UNMISTAKABLE = re.compile(r"(?<![0-9.])(?:[0-9]{10}\.[0-9]+|[0-9]{19})(?![0-9.])")
+
+
+def has_time(stem: str) -> bool:
+    """Whether a name without suffix holds one time since 1970."""
+    return len(_UNMISTAKABLE.findall(stem)) == 1
+
+
+def counted_times(stems: Sequence[str]) -> list[float] | None:
+    """Seconds, if all names are numbers of 16 digits or more that count nanoseconds (or microseconds, 16 digits) by
+    their distances; else None: a date, such as 20240501123015123, counts nothing."""
+    if not all(stem.isascii() and stem.isdigit() and len(stem) >= _COUNT for stem in stems):
+        return None
+    per_second = counts_per_second(stems)
+    return None if per_second is None else [int(stem) / per_second for stem in stems]
+
+
+def counts_per_second(stems: Sequence[str]) -> float | None:
+    """Counts per second of numbers of 16 digits or more; None if frames would lie closer than a millisecond."""
+    counts = sorted(int(stem) for stem in stems if stem.isdecimal())
+    gap = float(np.median(np.diff(counts))) if len(counts) > 1 else float("inf")
+    choices = (1e9, 1e6) if all(len(stem) == _COUNT for stem in stems) else (1e9,)
+    return next((per_second for per_second in choices if gap / per_second >= _FASTEST), None)
+
+
+def time_of(stem: str, per_second: float) -> float:
+    """Seconds, of a name such as 12.345 or left_1403715273262142976: the number that it is, or the one time in it.
+
+    Args:
+        per_second: counts of a number of 16 digits or more.
+    """
+    try:
+        text, value = stem, float(stem)
+    except ValueError:
+        if not has_time(stem):
+            raise InputError(f"{stem}: the name is not a time; leave out the tolerance to pair by names.") from None
+        text = _UNMISTAKABLE.findall(stem)[0]
+        value, per_second = float(text), 1e9
+    return value / per_second if len(text.partition(".")[0]) >= _COUNT else value

@@ -10,12 +10,10 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
-from stereorecal.io.images._fit_to_cameras import UPRIGHT, Sizes, fitted_pair
-from stereorecal.io.images._frame_source import FrameSource, halves
+from stereorecal.io.images._frame_source import FrameSource, counts_per_second, halves, has_time, pairs_by_time, time_of
 from stereorecal.io.images._image_files import read_image
-from stereorecal.io.images._load_pairs import find_images, load_matched
+from stereorecal.io.images._load_pairs import UPRIGHT, Sizes, find_images, fitted_pair, load_matched
 from stereorecal.io.images._match_by_name import find_partners
-from stereorecal.io.images._match_by_time import counts_per_second, has_time, pairs_by_time, time_of
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair
 

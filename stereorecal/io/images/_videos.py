@@ -1,6 +1,7 @@
-"""Videos, read by OpenCV."""
+"""Videos, and live cameras (devices, streams, GStreamer pipelines; or files in place of them), read by OpenCV."""
 
 import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import cv2
@@ -9,6 +10,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io.images._frame_source import FrameSource, Image
 from stereorecal.io.images._image_files import MOST_PIXELS, quiet_opencv
+from stereorecal.recordings import Images, Pair, make_pair
 
 _SUFFIXES = (".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".ogv", ".ts", ".webm", ".wmv")
 
@@ -82,3 +84,103 @@ class _Video:
             )
         self._next = number + 1
         return image
+
+
+_MOST_APART = 100  # pairs in a row whose frames are too far apart in time
+
+
+def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterator[Pair | Images]:
+    """The pairs of two cameras, or of one that shows both images side by side, as they come; it ends when a file does.
+
+    A frame of each camera is grabbed before either is decoded. A pair that cannot be used, such as a black one, comes
+    as two arrays.
+
+    Args:
+        names: of one or two: the number of a device, the path of one or of a video, the address of a stream, or a
+            GStreamer pipeline that ends in appsink.
+        tolerance: seconds that two frames may lie apart by the cameras' own times; others are left out. Default: any.
+
+    Raises:
+        InputError: if a camera cannot be opened, or sends no images any more; or no two of a hundred frames are near
+            enough.
+    """
+    cameras = [_Camera(name) for name in names]
+    try:
+        number = unsynchronised = 0
+        while all(camera.grab() for camera in cameras):
+            times = [camera.time for camera in cameras]
+            off = abs(times[0] - times[-1])
+            if tolerance is not None and off > tolerance:
+                unsynchronised += 1
+                if unsynchronised == _MOST_APART:
+                    raise InputError(
+                        f"cameras {' and '.join(names)}: their frames are {off:.3f} s apart, the tolerance is "
+                        f"{tolerance:g} s; synchronise them, or give a larger --tolerance."
+                    )
+                continue
+            unsynchronised = 0
+            yield _split_images([camera.image() for camera in cameras], f"{number:06d}", times[0] or None)
+            number += 1
+    finally:
+        for camera in cameras:
+            camera.close()
+
+
+def _split_images(images: Sequence[Image], name: str, time: float | None) -> Pair | Images:
+    if len(images) == 1:
+        middle = images[0].shape[1] // 2
+        images = (images[0][:, :middle], images[0][:, middle : 2 * middle])
+    left, right = images
+    try:
+        return make_pair(left, right, channels="bgr", name=name, time=time)
+    except InputError:
+        return left, right  # the consumer reports what is wrong; the next pair may be good
+
+
+class _Camera:
+    """An open camera."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._is_file = name, Path(name).is_file()
+        self._frames = 0
+        if "!" in name and "GStreamer:                   YES" not in cv2.getBuildInformation():
+            raise InputError(
+                f"camera {name}: this OpenCV was built without GStreamer; name a device, such as 0, or install one "
+                "that has it (python3-opencv of Debian and Ubuntu has)."
+            )
+        with quiet_opencv():
+            if "!" in name:
+                self._capture = cv2.VideoCapture(name, cv2.CAP_GSTREAMER)
+            else:
+                self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
+        if not self._capture.isOpened():
+            raise InputError(f"camera {name}: cannot be opened; check that it is there, and that nothing else uses it.")
+        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)  # as it was taken: what the calibration knows
+        if not self._is_file:
+            self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest frame, where a driver can
+
+    @property
+    def time(self) -> float:
+        """Seconds, by the camera's own clock, of the frame that was grabbed; 0 if it has none."""
+        time = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
+        return time if np.isfinite(time) else 0.0
+
+    def grab(self) -> bool:
+        """Take the next frame; False at the end of a file."""
+        with quiet_opencv():
+            found = self._capture.grab()
+        if not found and not self._is_file:
+            raise InputError(f"camera {self._name}: sends no images any more, after {self._frames}; check its cable.")
+        self._frames += found
+        return found
+
+    def image(self) -> Image:
+        """The frame that was grabbed."""
+        with quiet_opencv():
+            found, image = self._capture.retrieve()
+        if not found or image is None:
+            raise InputError(f"camera {self._name}: image {self._frames} cannot be decoded; check camera and file.")
+        return image
+
+    def close(self) -> None:
+        self._capture.release()

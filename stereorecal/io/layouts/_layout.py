@@ -7,33 +7,30 @@ from typing import Protocol, runtime_checkable
 import jax
 import numpy as np
 
-from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._scenes import Calibration, fitting
-from stereorecal.io.images._image_files import natural_order
 from stereorecal.recordings import LazyPairs, Log, Mission
 
 
 @runtime_checkable
 class Layout(Protocol):
-    """A module that recognises a folder by what is in it and reads it as a log."""
+    """A module, or an object, that recognises a folder by what is in it and reads it as a log."""
 
     @property
     def LAYOUT(self) -> str:
         """Its name and its files, for the message about a folder that no layout recognises: a constant."""
         ...
 
-    def recognises(self, folder: Path) -> bool:
+    def recognises(self, folder: Path, /) -> bool:
         """Whether the folder has this layout. Looks at names only, and opens no file."""
         ...
 
-    def read(self, folder: Path, limit: int | None) -> Log:
+    def read(self, folder: Path, limit: int | None, /) -> Log:
         """The log in the folder, of each sequence the first `limit` pairs or all."""
         ...
 
 
 Sequence = tuple[Path, StereoRig, LazyPairs]  # its folder, the rig, the pairs
-Sides = tuple[str, str]  # of KITTI: the folders of its left and its right camera
 
 
 def folder_name(folder: Path) -> str:
@@ -67,19 +64,3 @@ def _rig_key(rig: StereoRig) -> Hashable:
     """A key that is equal for equal rigs."""
     leaves, structure = jax.tree.flatten(rig)
     return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)
-
-
-def sequences_in(folder: Path, pattern: str, choices: Iterable[Sides]) -> list[Path]:
-    """The folder, if it has images of such cameras, else those below it that have some, in natural order."""
-    sides = [side for sides in choices for side in sides]
-    places = [place for place in (folder, *folder.glob(pattern)) if any((place / side).is_dir() for side in sides)]
-    return [folder] if folder in places else natural_order(places)
-
-
-def sides_in(folder: Path, choices: Iterable[Sides]) -> Sides:
-    """The first choice whose left and right folder both exist."""
-    for sides in choices:
-        if all((folder / side).is_dir() for side in sides):
-            return sides
-    wanted = ", or ".join(f"{left} and {right}" for left, right in choices)
-    raise InputError(f"{folder}: both cameras are needed, the folders {wanted}; unpack the images of the other one.")

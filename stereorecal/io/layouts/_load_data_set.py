@@ -6,15 +6,15 @@ from pathlib import Path
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._file_warnings import warn_of_file
-from stereorecal.io.layouts import _euroc, _kitti_odometry, _kitti_raw, _kitti_stereo, _plain_log
+from stereorecal.io.formats._load_and_save import warn_of_file
+from stereorecal.io.layouts import _euroc, _kitti, _plain_log
 from stereorecal.io.layouts._layout import Layout, folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
 
 # The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
 # but only the names of its images end in _10.
-_LAYOUTS: tuple[Layout, ...] = (_plain_log, _kitti_raw, _kitti_stereo, _kitti_odometry, _euroc)
+_LAYOUTS: tuple[Layout, ...] = (_plain_log, _kitti.RAW, _kitti.STEREO, _kitti.ODOMETRY, _euroc)
 _GROUP = "stereorecal.layouts"
 _INSTALL = "run: pip install stereorecal-field (in a clone: pip install -e plugins/field)"
 _OF_FIELD = ("im0.png", "*/im0.png", "frames/*L.jpg", "video_data/*/frames", "calibration/calibration-*.yaml")

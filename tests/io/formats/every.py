@@ -9,9 +9,13 @@ import numpy as np
 import samples
 import yaml
 from hypothesis import strategies as st
+from lenses import WIDE_LENSES
 
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io import load_rig
+from stereorecal.io.formats._format import Target
+from stereorecal.io.formats._format_list import named
+from stereorecal.io.formats._read_rig import as_in_file, scaled
 from stereorecal.io.formats.text._document import document
 
 
@@ -142,9 +146,35 @@ def unchanged(text: str, sample: Sample) -> dict[str, Any]:
 NEW = ("opencv", "ros", "kalibr", "euroc", "boofcv", "kitti-raw", "basalt", "depthai", "stereorecal")
 _ENDINGS = {"basalt": ".json", "depthai": ".json", "stereorecal": ".json", "kitti-raw": ".txt"}
 
+HOLDS = {
+    "radtan": NEW,
+    "equidistant": ("kalibr", "ros", "euroc", "basalt", "depthai", "opencv", "stereorecal"),
+    "ds": ("kalibr", "basalt", "stereorecal"),
+    "eucm": ("kalibr", "basalt", "stereorecal"),
+    "omni": ("kalibr", "stereorecal"),
+}
+TERMS = {"radtan": samples.LENS, **WIDE_LENSES}
+STANDS = {"right below": (1, 1), "right above": (3, 3), "right upside down": (0, 2), "left upside down": (2, 0)}
+
 # Of more than this, the rectified cameras that ROS's files state may have no focal length that fits so small an image.
 angles = st.tuples(*[st.floats(-0.3, 0.3)] * 3)
 shifts = st.tuples(st.floats(-2.0, -0.02), st.floats(-0.015, 0.015), st.floats(-0.015, 0.015))
+
+
+def of_model(model: str, extrinsics=(0.02, -0.03, 0.01, -0.12, 0.004, -0.003), scale: float = 1.0) -> StereoRig:
+    lens, matrices = scale * np.array(TERMS[model]), (samples.RIG.left.matrix, samples.RIG.right.matrix)
+    left, right = (Camera(samples.SIZE, matrix, lens, model=model) for matrix in matrices)
+    return StereoRig(left, right, np.array(extrinsics, float))
+
+
+def write_exchanged(rig: StereoRig, name: str, paths: list[Path]) -> None:
+    """A new file whose right camera stands first."""
+    format, turned = named(name), as_in_file(rig, exchanged=True)
+    syntax = next(iter(format.syntax.values()))
+    blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
+    texts = format.texts(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
 
 
 def new_files(folder: Path, name: str) -> list[Path]:

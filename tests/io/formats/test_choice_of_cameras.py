@@ -1,6 +1,5 @@
 """Files whose first camera is the right one, or that have more than two: which cameras are read, and written back."""
 
-from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -9,16 +8,11 @@ import numpy as np
 import pytest
 import samples
 import yaml
-from every import NEW, SAMPLES, assert_same, beside, contents, new_files, unit_of
+from every import SAMPLES, assert_same, new_files, write_exchanged
 from refusals import refused
 
-from stereorecal.geometry import METRES, StereoRig
+from stereorecal.geometry import StereoRig
 from stereorecal.io import gather_scene, load_rig, save_rig
-from stereorecal.io.formats._camera_choice import as_in_file
-from stereorecal.io.formats._format import Target
-from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._read_rig import scaled
-from stereorecal.io.formats.text._document import document
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 SWAPPED = "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
@@ -26,38 +20,10 @@ EXCHANGED = ("right", "left")
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
 
 
-def right_first(name: str, folder: Path) -> list[Path]:
-    """A new file of RIG, whose right camera stands first."""
-    format, turned = named(name), as_in_file(RIG, exchanged=True)
-    syntax = next(iter(format.syntax.values()))
-    blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
-    texts = format.texts(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
-    for path, text in zip(new_files(folder, name), texts, strict=True):
-        path.write_text(text)
-    return new_files(folder, name)
-
-
-@pytest.mark.parametrize("name", NEW)
-def test_the_right_camera_first(tmp_path: Path, name: str):
-    paths, unit = right_first(name, tmp_path), unit_of(name)
-    refused(lambda: load_rig(paths, unit=unit), SWAPPED)
-    rig = load_rig(paths, unit=unit, cameras=EXCHANGED)
-    assert_same(rig, RIG)
-    new = beside(paths)
-    save_rig(rig, new)
-    assert contents(new) == contents(paths)
-    left = replace(rig.left, matrix=np.array(rig.left.matrix) + np.diag([0.125, 0.25, 0.0]))
-    changed = replace(rig, left=left, extrinsics=rig.extrinsics + CHANGE)
-    save_rig(changed, new, overwrite=True)
-    assert_same(load_rig(new, unit=unit, cameras=EXCHANGED), changed)
-    refused(lambda: load_rig(new, unit=unit), SWAPPED)
-    save_rig(replace(rig, source=None), tmp_path / "other.json")
-    assert_same(load_rig(tmp_path / "other.json"), RIG)
-
-
 def test_derived_matrices_of_a_right_camera_first(tmp_path: Path):
     """As OpenCV computes them of such a file."""
-    (path,) = right_first("opencv", tmp_path)
+    (path,) = paths = new_files(tmp_path, "opencv")
+    write_exchanged(RIG, "opencv", paths)
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     K1, D1, K2, D2, R, T = (storage.getNode(key).mat() for key in ("K1", "D1", "K2", "D2", "R", "T"))
     made = cv2.stereoRectify(K1, D1, K2, D2, samples.SIZE, R, T, alpha=1.0)
@@ -143,7 +109,8 @@ def test_other_sockets(tmp_path: Path):
 
 
 def test_a_scene(tmp_path: Path):
-    (path,) = right_first("opencv", tmp_path)
+    (path,) = paths = new_files(tmp_path, "opencv")
+    write_exchanged(RIG, "opencv", paths)
     for offset, side in enumerate(("left", "right")):
         cv2.imwrite(str(tmp_path / f"{side}.png"), np.eye(*samples.SIZE[::-1], offset) * 255)
     scene = gather_scene(tmp_path / "left.png", tmp_path / "right.png", path, unit="m", cameras=EXCHANGED)

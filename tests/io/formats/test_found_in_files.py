@@ -166,7 +166,7 @@ XML_5 = (
 
 @pytest.mark.parametrize(
     ("name", "changes", "grown"),
-    [("opencv yaml", YAML_5, "sizes: [ 8 ]"), ("opencv xml", XML_5, "<sizes>8</sizes>")],
+    [("opencv yaml", YAML_5, "sizes: [ 8 ]"), ("opencv xml", XML_5, "<sizes>\n    8</sizes>")],
 )
 def test_the_arrays_of_opencv_5(tmp_path: Path, name: str, changes, grown: str):
     sample = SAMPLES[name]

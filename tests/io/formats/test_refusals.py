@@ -34,6 +34,17 @@ from stereorecal.io import load_rig, save_rig
         ("a.yaml", samples.OPENCV.replace("imageSize: [ 64, 48 ]\n", ""), "the file has no image size"),
         ("a.txt", samples.KITTI_ODOMETRY, "the file has no image size"),
         ("a.yaml", samples.BOOFCV.replace("    skew: 0.0", "    skew: 0.5"), "skew, which is not supported"),
+        (
+            "a.yaml",
+            samples.BOOFCV.replace("radial_tangential:\n", "radial_tangential: [1, 2]\n  other:\n", 1),
+            "left: radial_tangential is a list, and must have the key 't1'",
+        ),
+        (
+            "a.json",
+            '{"value0": {"T_imu_cam": 1, "intrinsics": [[1], [2]]}}',
+            "intrinsics is a list, and must have",
+        ),
+        ("a.json", '{"value0": {"T_imu_cam": 1, "intrinsics": [{}]}}', "value0: intrinsics has not two cameras"),
     ],
 )
 def test_files(tmp_path: Path, name: str, text: str, words: str):

@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 import pytest
 import samples
-from every import NEW, angles, assert_same, beside, contents, new_files, shifts, unit_of
-from hypothesis import given, settings
+from every import STANDS, assert_same, new_files
 from refusals import refused
 
 from stereorecal import CalibrationWarning
@@ -18,45 +17,9 @@ from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_ri
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
-STANDS = {"right below": (1, 1), "right above": (3, 3), "right upside down": (0, 2), "left upside down": (2, 0)}
 each_stand = pytest.mark.parametrize("turns", STANDS.values(), ids=STANDS)
 each_above = pytest.mark.parametrize("turns", [(1, 1), (3, 3)])
 pytestmark = pytest.mark.filterwarnings("ignore:.*(translation is taken|turned by)")
-
-
-@each_stand
-@pytest.mark.parametrize("name", NEW)
-def test_every_format(tmp_path: Path, name: str, turns: tuple[int, int]):
-    rig, paths, unit = replace(RIG, turns=turns), new_files(tmp_path, name), unit_of(name)
-    save_rig(rig, paths, format=name)
-    read = load_rig(paths, unit=unit)
-    assert read.left.size == rig.sizes_taken[0]
-    assert read.turns == (0, 0)
-    stood = read.side_by_side()
-    assert stood.turns == turns
-    assert_same(stood, RIG)
-    assert_same(stood.as_taken(), read)
-    new = beside(paths)
-    for same in (read, stood):
-        save_rig(same, new, overwrite=True)
-        assert contents(new) == contents(paths)
-    left = replace(stood.left, matrix=np.array(stood.left.matrix) + np.diag([0.125, 0.25, 0.0]))
-    changed = replace(stood, left=left, extrinsics=stood.extrinsics + CHANGE)
-    save_rig(changed, new, overwrite=True)
-    assert_same(load_rig(new, unit=unit).side_by_side(), changed)
-    np.testing.assert_array_equal(load_rig(new, unit=unit).right.matrix, read.right.matrix)
-
-
-@each_stand
-@settings(max_examples=max(4, settings.default.max_examples // 12), deadline=None)
-@given(angles=angles, shift=shifts)
-def test_any_such_rig(tmp_path_factory: pytest.TempPathFactory, turns: tuple[int, int], angles, shift):
-    rig = replace(samples.rig_of([*angles, *shift], np.array([-0.2, 0.1, 0.01, 0.02, 0.03])), turns=turns)
-    path = tmp_path_factory.mktemp("stands") / "0.yaml"
-    save_rig(rig, path, format="opencv")
-    found = load_rig(path, unit="m").side_by_side()
-    assert found.turns == turns
-    assert_same(found, rig)
 
 
 @each_above

@@ -1,5 +1,3 @@
-"""Texts of calibration files: parsed, and changed in place. One module per syntax, which knows no keys.
-
-Each has `parsed(text)`, the keys and plain values (matrices as in the file), and `with_values(text, values)`, the text
-with new values such as `{("cam1", "T_cn_cnm1"): [[…], …]}`. All other values, comments and the order stay.
+"""Texts of calibration files: one module per syntax, which knows no keys. It says which values a text has, and where
+those stand that may be written: in a tree of nodes (`_nodes.py`), into whose places other values go.
 """

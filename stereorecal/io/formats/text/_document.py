@@ -9,9 +9,9 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, read_text
-from stereorecal.io.formats.text import _json, _lines, _sections, _xml, _yaml
+from stereorecal.io.formats.text import _json, _lines, _xml, _yaml
 from stereorecal.io.formats.text._binary import binary_text
-from stereorecal.io.formats.text._splice import Values
+from stereorecal.io.formats.text._nodes import Node, Values, number_text, plain, with_values
 
 
 class Syntax(Enum):
@@ -28,27 +28,22 @@ class Syntax(Enum):
     DEVICES = "text of rs-enumerate-devices"
 
 
-_PARSERS: dict[Syntax, Callable[[str], dict[str, Any]]] = {
-    Syntax.YAML: _yaml.parsed,
-    Syntax.XML: _xml.parsed,
-    Syntax.JSON: _json.parsed,
-    Syntax.COLONS: _lines.parsed_colons,
-    Syntax.EQUALS: _lines.parsed_equals,
-    Syntax.NUMBERS: _sections.parsed_numbers,
-    Syntax.SECTIONS: _sections.parsed_ost,
-    Syntax.INI: _sections.parsed_ini,
-    Syntax.DEVICES: _sections.parsed_devices,
+_READ_ONLY: dict[Syntax, Callable[[str], dict[str, Any]]] = {
+    Syntax.NUMBERS: _lines.parsed_numbers,
+    Syntax.SECTIONS: _lines.parsed_ost,
+    Syntax.INI: _lines.parsed_ini,
+    Syntax.DEVICES: _lines.parsed_devices,
 }
-_WRITERS: dict[Syntax, Callable[[str, Values], str]] = {
-    Syntax.YAML: _yaml.with_values,
-    Syntax.XML: _xml.with_values,
-    Syntax.JSON: _json.with_values,
-    Syntax.COLONS: _lines.colons_with_values,
-    Syntax.EQUALS: _lines.equals_with_values,
+_TREES: dict[Syntax, Callable[[str], tuple[str, Node]]] = {
+    Syntax.YAML: _yaml.tree,
+    Syntax.XML: _xml.tree,
+    Syntax.COLONS: _lines.colons,
+    Syntax.EQUALS: _lines.equals,
 }
 # Parsers call themselves at each level of nesting. Nesting is no deeper than there are opening brackets and tags, or
 # items begun on one line, or than indentation fits into the text.
 _MOST_OPENINGS = 2000
+_NESTED = "too long or too deeply nested for a calibration; check that this is the right file."
 _LONGEST = 1 << 22  # characters; a calibration of a rig has a few thousand, and its rectifying maps some million
 # Two numbers with nothing but a space between them are no YAML that anybody writes for a calibration.
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -79,9 +74,16 @@ class Document:
     def with_values(self, values: Values) -> str:
         """The text with other values under some keys, and everything else as it was."""
         with about(self.name):
-            if values and self.syntax not in _WRITERS:
+            if not values:
+                return self.text
+            if self.syntax is Syntax.JSON:
+                try:
+                    return _json.with_values(self.text, values)
+                except ValueError as error:  # of a number that is not finite
+                    raise InputError(f"cannot be written as JSON ({error}); use plain finite values.") from None
+            if self.syntax not in _TREES:
                 raise InputError("a text without keys is read, not written; write a new file, such as calib.json.")
-            return _WRITERS[self.syntax](self.text, values) if values else self.text
+            return with_values(*_TREES[self.syntax](self.text), values, number_text)
 
 
 def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
@@ -97,11 +99,19 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
         if syntax is not Syntax.JSON:  # whose parser looks after itself
             _check_flat(text)
         try:
-            return Document(str(name), text, syntax, _PARSERS[syntax](text))
+            return Document(str(name), text, syntax, _content(text, syntax))
+        except RecursionError:
+            raise InputError(_NESTED) from None
         except InputError as error:
             if guessed and str(error) == _yaml.DAMAGED:  # not known, rather than damaged: nothing is found in it
                 return Document(str(name), text, syntax, {})
             raise
+
+
+def _content(text: str, syntax: Syntax) -> Mapping[str, Any]:
+    if syntax is Syntax.JSON:
+        return _json.parsed(text)
+    return _READ_ONLY[syntax](text) if syntax in _READ_ONLY else plain(_TREES[syntax](text)[1])
 
 
 def read_document(
@@ -124,7 +134,7 @@ def _check_flat(text: str) -> None:
     openings = sum(text.count(bracket) for bracket in "[{<")
     items = max((line.count("- ") for line in text.splitlines()), default=0)
     if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
-        raise InputError("too long or too deeply nested for a calibration; check that this is the right file.")
+        raise InputError(_NESTED)
 
 
 def _first_line(text: str) -> str:
@@ -135,7 +145,7 @@ def _first_line(text: str) -> str:
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if lines and _sections.numbers_in(text) is not None:
+    if lines and _lines.numbers_in(text) is not None:
         return Syntax.NUMBERS
     if lines and _OST.search(text):
         return Syntax.SECTIONS

@@ -1,41 +1,113 @@
-"""Lines `key: values` (KITTI) and `key=values` (Middlebury)."""
+"""Texts of lines: `key: values` (KITTI) and `key=values` (Middlebury), and where the values stand; and those that are
+read and not written: numbers alone, the ost.txt that ROS' camera_calibration writes beside its YAML files, INI files,
+and what rs-enumerate-devices prints."""
 
 import re
-from functools import partial
 from typing import Any
 
-from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._splice import Values, leaves, number_text, spliced
+from stereorecal.io._strict_json import without_duplicates
+from stereorecal.io.formats.text._nodes import Node, number_or_word, words
+
+_SECTION = re.compile(r"\[(.+)\]")
+_TITLE = re.compile(r"\[([^\]\n]+)\]\s*")
+_INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*(\d+)x(\d+)[\s/]*(.*)')
+_EXTRINSIC = re.compile(r'\s*Extrinsic from "([^"]+)"\s+To\s+"([^"]+)"')
 
 
-def parsed_colons(text: str) -> dict[str, Any]:
-    """The numbers and words of each line by its key."""
-    lines = (line.partition(":") for line in text.splitlines())
-    return {key.strip(): [number_or_word(word) for word in values.split()] for key, colon, values in lines if colon}
+def colons(text: str) -> tuple[str, Node]:
+    """The text, and the numbers and words of each line by its key."""
+    return text, Node({key: words(text, *place) for key, place in _lines(text, ":").items()}, 0, len(text))
 
 
-def parsed_equals(text: str) -> dict[str, Any]:
-    """The rows of a matrix `[a b; c d]` by its key; a number is a matrix of one."""
-    lines = (line.partition("=") for line in text.splitlines())
-    return {
-        key.strip(): [[number_or_word(word) for word in row.split()] for row in values.strip(" []").split(";")]
-        for key, _, values in lines
-    }
+def equals(text: str) -> tuple[str, Node]:
+    """The text, and the rows of a matrix `[a b; c d]` by its key; a number is a matrix of one."""
+    rows: dict[str, Node] = {}
+    for key, (start, end) in _lines(text, "=").items():
+        inside = [(start + one.start(), start + one.end()) for one in re.finditer(r"[^;\[\]]+", text[start:end])]
+        rows[key] = Node([words(text, *place) for place in inside or [(start, end)]], start, end, between=" ")
+    return text, Node(rows, 0, len(text))
 
 
-def _with_values(sign: str, text: str, values: Values) -> str:
-    """The text with other values; every line that is not named stays as it is."""
-    edits = []
-    for (key,), value in values.items():
-        lines = re.finditer(rf"^\s*{re.escape(str(key))}\s*{sign}[ \t]*([^\r\n]*)", text, re.MULTILINE)
-        edits += [(*line.span(1), _value_text(value)) for line in lines]
-    return spliced(text, edits)
+def _lines(text: str, sign: str) -> dict[str, tuple[int, int]]:
+    """Where what is right of the sign stands in each line, by what is left of it."""
+    found, at = dict[str, tuple[int, int]](), 0
+    for line in text.splitlines(keepends=True):
+        key, given, values = line.partition(sign)
+        if given:
+            end = at + len(line.rstrip())
+            found[key.strip()] = min(end, at + len(line) - len(values.lstrip())), end
+        at += len(line)
+    return found
 
 
-def _value_text(value: Any) -> str:
-    if isinstance(value, list) and isinstance(value[0], list):
-        return "[" + "; ".join(" ".join(map(number_text, row)) for row in value) + "]"
-    return " ".join(map(number_text, leaves(value)))
+def numbers_in(text: str) -> list[list[float]] | None:
+    """The numbers of each line; None if there is anything else but comments."""
+    rows = []
+    for line in text.splitlines():
+        stated = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
+        row = [number for word in stated if isinstance(number := number_or_word(word), float)]
+        if len(row) < len(stated):
+            return None
+        rows += [row] if row else []
+    return rows or None
 
 
-colons_with_values, equals_with_values = partial(_with_values, ":"), partial(_with_values, "=")
+def parsed_numbers(text: str) -> dict[str, Any]:
+    """The lines of numbers, under the key `numbers`."""
+    found = numbers_in(text) or []
+    return {"numbers": [x for row in found for x in row] if len(found) == 1 else found}
+
+
+def parsed_ost(text: str) -> dict[str, Any]:
+    """The values of an ost.txt by section and title: a title stands on a line of its own, and its numbers below."""
+    sections: list[tuple[str, dict[str, Any]]] = []
+    title = ""
+    for line in (line.partition("#")[0].strip() for line in text.splitlines()):
+        section, row = _SECTION.fullmatch(line), numbers_in(line)
+        if section:
+            sections.append((section[1], {}))
+        elif row is None:
+            title = line or title
+        elif sections:
+            sections[-1][1].setdefault(title, []).extend(row)
+    return without_duplicates([(name, {key: _plain(rows) for key, rows in held.items()}) for name, held in sections])
+
+
+def _plain(rows: list[list[float]]) -> Any:
+    return rows if len(rows) > 1 else rows[0] if len(rows[0]) > 1 else rows[0][0]
+
+
+def parsed_ini(text: str) -> dict[str, Any]:
+    """The values of an INI file by section and key, in capitals, as its readers do not tell them apart."""
+    sections: list[tuple[str, list[tuple[str, Any]]]] = []
+    for line in (re.split(r"[#;]", line)[0].strip() for line in text.splitlines()):
+        title, (key, sign, value) = _TITLE.fullmatch(line), line.partition("=")
+        if title:
+            sections.append((title[1].strip().upper(), []))
+        elif sign and sections:
+            sections[-1][1].append((key.strip().upper(), number_or_word(value.strip())))
+    return without_duplicates([(title, without_duplicates(values)) for title, values in sections])
+
+
+def parsed_devices(text: str) -> dict[str, Any]:
+    """`intrinsics`: a list of maps of what is printed of each mode of each camera; `extrinsics`: a list of maps with
+    the names of two cameras and all numbers of the motion from the one to the other."""
+    found: dict[str, Any] = {"intrinsics": [], "extrinsics": []}
+    numbers: list[Any] | None = None
+    for line in text.splitlines():
+        intrinsic, extrinsic = _INTRINSIC.match(line), _EXTRINSIC.match(line)
+        key, sign, rest = line.partition(":")
+        if intrinsic:
+            name, _, _, kinds = intrinsic.groups()
+            found["intrinsics"].append({"name": name, "kinds": kinds.strip()})
+            numbers = None
+        elif extrinsic:
+            numbers = []
+            found["extrinsics"].append({"from": extrinsic[1], "to": extrinsic[2], "numbers": numbers})
+        elif numbers is not None:
+            values = [number_or_word(word) for word in (rest if sign else line).split()]
+            numbers.extend(values if len(numbers) < 12 else [])
+        elif sign and found["intrinsics"]:
+            values = [number_or_word(word) for word in rest.split()]
+            found["intrinsics"][-1].setdefault(key.strip(), values[0] if len(values) == 1 else values)
+    return found

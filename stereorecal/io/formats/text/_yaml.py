@@ -1,19 +1,15 @@
-"""YAML: read as plain values, and changed by replacing the characters of single numbers."""
+"""YAML: its values, and where they stand."""
 
 import math
 import re
-from collections.abc import Iterator
-from functools import reduce
 from typing import Any
 
 import yaml
 from yaml.composer import Composer
-from yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
-from stereorecal.io._strict_json import without_duplicates
-from stereorecal.io.formats._numbers import number_or_word
-from stereorecal.io.formats.text._splice import Edit, Values, missing, number_text, spliced
+from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word
 
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
@@ -43,33 +39,22 @@ SEVERAL = "it holds several YAML documents; keep the one of the calibration."
 DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
 
-def parsed(text: str) -> dict[str, Any]:
-    """The keys and values of a YAML text, as OpenCV, ROS and Kalibr write them: `%YAML:1.0`, tags and all. Several
-    documents of the same keys, as messages that were printed one after the other, are a list under `documents`."""
+def tree(text: str) -> tuple[str, Node]:
+    """The text, with a space after a colon where YAML needs one, and its keys and values, as OpenCV, ROS and Kalibr
+    write them: `%YAML:1.0`, tags and all. Several documents of the same keys, as messages that were printed one after
+    the other, are a list under `documents`."""
+    text = _NO_SPACE.sub(r"\1 [", text)
+    body = text.lstrip(_MARK)
     try:
-        content = _plain_node(_composed(_spaced(text.lstrip(_MARK))))
+        root = _node(_composed(body), body, len(text) - len(body))
     except RecursionError:
         raise InputError(DAMAGED) from None
-    if not isinstance(content, dict):
+    if not isinstance(root.value, dict):
         raise InputError(DAMAGED)
-    return content
+    return text, root
 
 
-def with_values(text: str, values: Values) -> str:
-    """The text with other numbers. Lists may grow; every character that is no number of theirs stays, but that a space
-    is put after a colon where YAML needs one."""
-    body = text.lstrip(_MARK)
-    head, body = text[: len(text) - len(body)], _spaced(body)
-    root = _composed(body)
-    edits = [edit for keys, value in values.items() for edit in _edits(body, reduce(_child, keys, root), value)]
-    return head + spliced(body, edits)
-
-
-def _spaced(text: str) -> str:
-    return _NO_SPACE.sub(r"\1 [", text)
-
-
-def _composed(text: str) -> Node:
+def _composed(text: str) -> yaml.Node:
     # Directives say nothing of numbers, and OpenCV's is none of YAML; a comment of the same length leaves all places
     # where they are.
     text = re.sub(r"\A%", "#", text)
@@ -92,11 +77,11 @@ def _composed(text: str) -> Node:
     return node
 
 
-def _is_empty(node: Node) -> bool:
+def _is_empty(node: yaml.Node) -> bool:
     return isinstance(node, ScalarNode) and not node.value
 
 
-def _list_of(nodes: list[Node]) -> Node:
+def _list_of(nodes: list[yaml.Node]) -> yaml.Node:
     """Several documents as one."""
     keys = {frozenset(str(key.value) for key, _ in one.value) for one in nodes if isinstance(one, MappingNode)}
     if len(keys) != 1 or not all(isinstance(one, MappingNode) for one in nodes):
@@ -104,7 +89,7 @@ def _list_of(nodes: list[Node]) -> Node:
     return MappingNode("map", [(ScalarNode("word", DOCUMENTS), SequenceNode("list", nodes))])
 
 
-def _count(node: Node, known: dict[int, float]) -> float:
+def _count(node: yaml.Node, known: dict[int, float]) -> float:
     """How many nodes there are once aliases are written out; each is visited once. One within itself has no end."""
     if id(node) not in known:
         known[id(node)] = math.inf
@@ -115,14 +100,18 @@ def _count(node: Node, known: dict[int, float]) -> float:
     return known[id(node)]
 
 
-def _plain_node(node: Node) -> Any:
+def _node(node: yaml.Node, text: str, before: int) -> Node:
+    """A node whose places count what stands before the text, too."""
+    start, end = (before + mark.index for mark in (node.start_mark, node.end_mark)) if node.start_mark else (0, 0)
     if isinstance(node, MappingNode):
         keys = [(key.value, value) for key, value in node.value if isinstance(key, ScalarNode)]
-        pairs = [(key, _plain_node(value)) for key, value in keys if key != _MERGED]
-        return without_duplicates(pairs)
+        return mapping([(key, _node(value, text, before)) for key, value in keys if key != _MERGED], start, end)
     if isinstance(node, SequenceNode):
-        return [_plain_node(item) for item in node.value]
-    return _scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value
+        items = [_node(item, text, before) for item in node.value]
+        return Node(
+            items, start, end, ", " if node.flow_style or not items else _new_item(text, items[-1].start - before)
+        )
+    return Node(_scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value, start, end)
 
 
 def _scalar(word: str) -> Any:
@@ -134,39 +123,7 @@ def _scalar(word: str) -> Any:
     return int(word) if whole else number
 
 
-def _child(node: Node, key: str | int) -> Node:
-    if isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.value):
-        return node.value[key]
-    if isinstance(node, MappingNode):
-        for name, value in node.value:
-            if isinstance(name, ScalarNode) and name.value == key:
-                return value
-    raise missing(key)
-
-
-def _edits(text: str, node: Node, value: Any) -> Iterator[Edit]:
-    if isinstance(node, ScalarNode) and not isinstance(value, list):
-        if _plain_node(node) != value:
-            start, end = node.start_mark.index, node.end_mark.index
-            yield start, end, " " * (start == end) + number_text(value)
-    elif isinstance(node, SequenceNode) and not node.value and node.flow_style and isinstance(value, list):
-        yield node.start_mark.index, node.end_mark.index, f"[{', '.join(map(number_text, value))}]"
-    elif isinstance(node, SequenceNode) and isinstance(value, list) and len(value) >= len(node.value) > 0:
-        for item, new in zip(node.value, value, strict=False):
-            yield from _edits(text, item, new)
-        if len(value) > len(node.value):
-            last = node.value[-1]
-            between = ", " if node.flow_style else _new_item(text, last)
-            place, more = last.end_mark.index, value[len(node.value) :]
-            # Where the last number changes as well, its own edit comes first: they touch, but do not overlap.
-            yield place, place, "".join(between + number_text(number) for number in more)
-    else:
-        raise InputError(
-            "a value to be written is a list where the file has none, or one of another length; write a new file."
-        )
-
-
-def _new_item(text: str, last: Node) -> str:
-    """What begins an item in a line of its own."""
-    begin = text.rfind("\n", 0, last.start_mark.index) + 1
-    return "\n" + re.sub(r"[^-\s].*", "", text[begin : last.start_mark.index])
+def _new_item(text: str, last: int) -> str:
+    """What begins an item in a line of its own, as the last one, which begins there."""
+    begin = text.rfind("\n", 0, last) + 1
+    return "\n" + re.sub(r"[^-\s].*", "", text[begin:last])

@@ -1,0 +1,350 @@
+"""A format as a table: where the numbers of a rig stand in a file, and by which conventions; one reader, one writer."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import yaml
+from jaxtyping import Float
+
+from stereorecal._errors import InputError
+from stereorecal.geometry import Camera, StereoRig
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import strict_json_text
+from stereorecal.io.formats._format import Documents, Hints, Motion, Target, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._numbers import (
+    check_held,
+    check_model,
+    check_no_lens,
+    coefficients,
+    has_lens,
+    image_size,
+    matrix_values,
+    numbers,
+    pinhole_matrix,
+    pinhole_numbers,
+    pixels,
+    value,
+)
+from stereorecal.io.formats.text._document import Syntax
+from stereorecal.io.formats.text._nodes import Keys, at, leaves
+
+Array = Float[np.ndarray, "..."]
+Places = str | tuple[str, ...]
+"""Where an array stands, or each of its numbers: keys with `/` between them, and `{}` for a camera's name."""
+
+
+def places(above: str, keys: str) -> tuple[str, ...]:
+    """The places of some keys, with spaces between them, below another one."""
+    return tuple(f"{above}/{key}" for key in keys.split())
+
+
+@dataclass(frozen=True)
+class Pose:
+    """How a camera stands: the motion from a body to the camera.
+
+    Attributes:
+        rotation: nine numbers, or four rows with the translation in them.
+        inverted: whether the file has the motion from the camera to the body.
+        between: whether the body is the left camera.
+        decode, encode: what else than a matrix the rotation is: make the matrix of the numbers, and the numbers of it.
+    """
+
+    rotation: Places
+    translation: Places = ()
+    inverted: bool = False
+    between: bool = False
+    decode: Callable[[Array], Array] | None = None
+    encode: Callable[[Array], Array] | None = None
+
+    def read(self, content: Any, name: str) -> Motion:
+        """The motion of the camera of a name, as the file has it."""
+        with _about_place(self.rotation, name):
+            if self.translation:
+                count = 9 if self.encode is None else int(np.size(self.encode(np.eye(3))))
+                turn = stated(content, self.rotation, name, (count,))
+                turn = turn.reshape(3, 3) if self.decode is None else self.decode(turn)
+                return pose(turn, stated(content, self.translation, name, (3,)))
+            return stated(content, self.rotation, name, (4, 4))
+
+    def values(self, content: Any, name: str, motion: Motion) -> dict[Keys, Any]:
+        """What to write for it."""
+        if not self.translation:
+            return to_write(content, self.rotation, name, motion)
+        turn = motion[:3, :3] if self.encode is None else self.encode(motion[:3, :3])
+        return to_write(content, self.rotation, name, turn) | to_write(content, self.translation, name, motion[:3, 3])
+
+
+@dataclass(frozen=True)
+class Lens:
+    """What a file has of a lens.
+
+    Attributes:
+        terms: the coefficients, in the order of `Camera`; with radial ones apart, the tangential two.
+        model: that of `Camera`.
+        counts: how many coefficients of a pinhole may be written, rising.
+        before: how many coefficients stand before fx.
+        becomes: of a lens that is said to have none, the word for it once it has some.
+        radial: the place of k1 k2 k3, as many as there are, where they are a list of their own.
+    """
+
+    terms: Places = ()
+    model: str = Camera.model
+    counts: tuple[int, ...] = (4,)
+    before: int = 0
+    becomes: str = ""
+    radial: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Where the numbers of a rig stand.
+
+    Attributes:
+        size: (width, height).
+        matrix, shape: fx fy cx cy, or the camera matrix, and its shape in the file.
+        lenses: by the words that tell the lens, with spaces between them.
+        words: where they stand.
+        pose: None if a table cannot say it.
+        names: of the left and the right camera, if none are chosen.
+        where: what messages about a camera begin with, if not with the first of several keys.
+        holder: whose model of a lens it is, for messages.
+        fixed: what else a new file has, by places.
+        mapped: whether a new file has matrices as rows, cols and data.
+    """
+
+    size: Places
+    matrix: Places
+    lenses: Mapping[str, Lens]
+    words: tuple[str, ...] = ()
+    pose: Pose | None = None
+    shape: tuple[int, ...] = (4,)
+    names: tuple[str, str] = ("left", "right")
+    where: str = ""
+    holder: str = ""
+    fixed: Mapping[str, Any] = field(default_factory=dict)
+    mapped: bool = False
+
+    def read(self, documents: Documents, hints: Hints) -> StereoRig:
+        """The rig, with T in the file's unit."""
+        cameras, motions = [], []
+        for side, name in enumerate(hints.cameras or self.names):
+            document = documents[min(side, len(documents) - 1)]
+            with about(document.name) if len(documents) > 1 else nullcontext():
+                cameras.append(self.camera(document.content, name))
+                motions.append(self.motion(document.content, name, side))
+        assert self.pose is not None
+        where = " and ".join(document.name for document in documents)
+        with about(where) if len(documents) > 1 else _about_place(self.pose.rotation if self.pose.between else "", ""):
+            (left, right), (first, second) = cameras, motions
+            return rig_of(left, right, inverse(second) @ first if self.pose.inverted else second @ inverse(first))
+
+    def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
+        """What to write: the right camera moves, the left one stays where it is."""
+        assert self.pose is not None
+        names, last = target.hints.cameras or self.names, len(target.documents) - 1
+        contents, found = (
+            [document.content for document in target.documents],
+            [dict[Keys, Any]() for _ in target.documents],
+        )
+        first, motion = self.motion(contents[0], names[0], 0), left_to_right(rig)
+        second = first @ inverse(motion) if self.pose.inverted else motion @ first
+        found[last] |= self.pose.values(contents[last], names[1], second)
+        for side, camera in target.cameras(rig):
+            found[min(side, last)] |= self.values(contents[min(side, last)], names[side], camera)
+        return found
+
+    def blank(self, rig: StereoRig, syntax: Syntax) -> list[str]:
+        """The texts of new files: the words and sizes of a rig, no numbers, and both cameras where the body is."""
+        found = self.new_content(rig)
+        if syntax is Syntax.JSON:
+            return [strict_json_text(one) for one in found]
+        return [yaml_text(one) for one in found]
+
+    def new_content(self, rig: StereoRig) -> list[dict[str, Any]]:
+        """The keys and values of new files."""
+        apart = not any("{}" in place for place in _each(self.matrix))
+        found: list[dict[str, Any]] = [{}, {}] if apart else [{}]
+        for name, camera, content in zip(self.names, (rig.left, rig.right), (found[0], found[-1]), strict=True):
+            said = [word for word, lens in self.lenses.items() if lens.model == camera.model]
+            said = [word for word in said if self.lenses[word] != Lens() or not has_lens(rig)]
+            if not said:
+                check_held(camera, (), self.holder)
+            lens = self.lenses[said[0]]
+            new = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
+            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
+            new |= _spread(self.size, list(camera.size)) | _spread(self.matrix, self._new_array(np.zeros(shape)))
+            terms = lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)
+            new |= _spread(lens.terms, [0.0] * terms) if lens.terms else {}
+            for place, item in new.items():
+                _put(content, place.format(name).split("/"), item)
+            for place, item in self._standing().items():
+                _put(content, place.format(name).split("/"), item)
+        return [_with_lists(content) for content in found]
+
+    def _new_array(self, array: Array) -> Any:
+        if self.mapped and array.ndim == 2:
+            return {"rows": len(array), "cols": len(array[0]), "data": array.ravel().tolist()}
+        return array.tolist()
+
+    def _standing(self) -> dict[str, Any]:
+        """A pose where the body is."""
+        if self.pose is None:
+            return {}
+        if not self.pose.translation:
+            return {str(self.pose.rotation): self._new_array(np.eye(4))}
+        turn = np.eye(3) if self.pose.encode is None else self.pose.encode(np.eye(3))
+        return _spread(self.pose.rotation, turn.ravel().tolist()) | _spread(self.pose.translation, [0.0] * 3)
+
+    def motion(self, content: Any, name: str, side: int) -> Motion:
+        """The motion of the left (0) or the right camera (1), as the file has it."""
+        assert self.pose is not None
+        return np.eye(4) if self.pose.between and not side else self.pose.read(content, name)
+
+    def lens(self, content: Any, name: str) -> Lens:
+        """What the file says that a lens is."""
+        stated_words = [value(*holder_of(content, place, name)) for place in self.words]
+        found = self.lenses.get(" ".join(map(str, stated_words)))
+        if found is None:
+            camera = stated_words[:-1] or ["pinhole"]
+            check_model(stated_words[-1], (), camera[0])
+        assert found is not None
+        return found
+
+    def camera(self, content: Any, name: str) -> Camera:
+        """The camera of a name."""
+        with about(self.where.format(name)) if self.where else _about_place(self.matrix, name):
+            lens = self.lens(content, name)
+            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
+            first, matrix = np.split(stated(content, self.matrix, name, shape).ravel(), [lens.before])
+            terms = stated(content, lens.terms, name, (-1,)) if lens.terms else np.zeros(0)
+            terms = _with_radial(content, lens.radial, name, terms) if lens.radial else terms
+            if lens.becomes:
+                check_no_lens("none", terms)
+                terms = np.zeros(4) if lens.before else terms
+            matrix = pinhole_matrix(matrix) if matrix.size == 4 else matrix.reshape(3, 3)
+            if isinstance(self.size, str):
+                size = image_size(*holder_of(content, self.size, name))
+            else:
+                width, height = (pixels(*holder_of(content, place, name)) for place in self.size)
+                size = width, height
+            return Camera(size, matrix, np.concatenate([first, terms]), model=lens.model)
+
+    def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
+        """What to write for a camera."""
+        lens, terms = self.lens(content, name), np.asarray(camera.distortion, float)
+        if lens.model == Camera.model:
+            counts = lens.counts if isinstance(lens.terms, str) or lens.radial else (len(lens.terms),)
+            terms = coefficients(camera, counts, self.holder, "opencv, ros or depthai")
+        first, terms = np.split(terms, [lens.before])
+        matrix = pinhole_numbers(camera) if self.shape == (4,) else np.asarray(camera.matrix).ravel().tolist()
+        found = to_write(content, self.matrix, name, np.array([*first, *matrix]))
+        if lens.becomes and not np.any(terms):
+            return found
+        if lens.radial:
+            found |= _radial_values(content, lens.radial, name, terms[[0, 1, 4]])
+            terms = terms[2:4]
+        found |= {keys_of(content, self.words[-1], name): lens.becomes} if lens.becomes else {}
+        return found | (to_write(content, lens.terms, name, terms) if lens.terms else {})
+
+
+def _with_radial(content: Any, place: str, name: str, tangential: Array) -> Array:
+    """The coefficients in OpenCV's order; without a third radial one, four."""
+    holder, key = holder_of(content, place, name)
+    radial = numbers(holder, key, (-1,)) if holder.get(key) else np.zeros(0)
+    if radial.size > 3:
+        raise InputError(f"{key} has {radial.size} terms, and OpenCV's model three; calibrate with fewer.")
+    return np.array([*np.pad(radial[:2], (0, max(0, 2 - radial.size))), *tangential, *radial[2:]])
+
+
+def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[Keys, Any]:
+    """What to write for the radial coefficients: as many as the file has, or more if they are needed."""
+    holder, key = holder_of(content, place, name)
+    count, needed = len(holder.get(key) or []), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
+    if needed and not count:
+        raise InputError(f"{name}: the file has no {key} terms; add `{key}: [0.0, 0.0]` to write new ones.")
+    return {keys_of(content, place, name): radial[: max(count, needed)].tolist()} if count else {}
+
+
+def yaml_text(content: Mapping[str, Any]) -> str:
+    """The text of a new YAML file."""
+    return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
+
+
+# --- places
+
+
+def _about_place(place: Places, name: str) -> AbstractContextManager[None]:
+    """What messages about a place begin with: the first of several keys."""
+    first, more, _ = _each(place)[0].format(name).partition("/")
+    return about(first) if more else nullcontext()
+
+
+def _each(place: Places) -> tuple[str, ...]:
+    return (place,) if isinstance(place, str) else place
+
+
+def _spread(place: Places, values: Any) -> dict[str, Any]:
+    """A value at its place, or the items of a list at theirs."""
+    return {place: values} if isinstance(place, str) else dict(zip(place, values, strict=True))
+
+
+def _put(content: dict[str, Any], keys: Sequence[str], item: Any) -> None:
+    *above, last = keys
+    for key in above:
+        content = content.setdefault(key, {})
+    content[last] = item
+
+
+def _with_lists(content: Any) -> Any:
+    """A copy, since YAML would write one list at two places as an alias; mappings whose keys are numbers are lists."""
+    if isinstance(content, list):
+        return [_with_lists(item) for item in content]
+    if not isinstance(content, dict):
+        return content
+    inside = {key: _with_lists(item) for key, item in content.items()}
+    return [*inside.values()] if inside and all(key.isdecimal() for key in inside) else inside
+
+
+def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:
+    """What holds the last key of a place, and that key; of an item of a list, the list's."""
+    key, *more = place.format(name).split("/")
+    for last in more:
+        inside = value(content, key)
+        if not isinstance(inside, list):
+            content, key = inside, last
+        elif not last.isdecimal():
+            raise InputError(f"{key} is a list, and must have the key {last!r}; correct it, or copy the file again.")
+        elif len(inside) < max(2, int(last) + 1):
+            raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
+        else:
+            content = {key: inside[int(last)]}
+    return content, key
+
+
+def keys_of(content: Any, place: str, name: str) -> Keys:
+    """The keys of a place, which are numbers in lists."""
+    found: list[str | int] = []
+    for key in place.format(name).split("/"):
+        found.append(int(key) if isinstance(content, list) else key)
+        content = at(content, (found[-1],))
+    return tuple(found)
+
+
+def stated(content: Any, place: Places, name: str, shape: tuple[int, ...]) -> Array:
+    """The array at a place; nine numbers may stand in rows."""
+    if not isinstance(place, str):
+        return np.array([float(numbers(*holder_of(content, one, name), ())) for one in place])
+    holder, key = holder_of(content, place, name)
+    if shape == (9,) and isinstance(holder.get(key), list):
+        holder = {key: list(leaves(holder[key]))}
+    return numbers(holder, key, shape)
+
+
+def to_write(content: Any, place: Places, name: str, array: Array) -> dict[Keys, Any]:
+    """What to write for an array at a place."""
+    if isinstance(place, str):
+        return matrix_values(content, keys_of(content, place, name), array)
+    return {keys_of(content, one, name): float(number) for one, number in zip(place, array.ravel(), strict=True)}

@@ -1,0 +1,134 @@
+"""The tree of a text: its values, and the characters that each of them takes; and texts in which only values change."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stereorecal._errors import InputError
+from stereorecal.io._strict_json import without_duplicates
+
+Keys = tuple[str | int, ...]
+Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
+Edit = tuple[int, int, str]  # from, to, what stands there then
+
+
+@dataclass(frozen=True)
+class Node:
+    """A value of a text.
+
+    Attributes:
+        value: a number, a word, a truth or None; or the nodes inside, by their keys or as a list.
+        start, end: the characters from `start` to before `end`.
+        between: what separates two items of a list, if it has fewer.
+    """
+
+    value: Any
+    start: int
+    end: int
+    between: str = ", "
+
+
+def mapping(pairs: Sequence[tuple[str, Node]], start: int, end: int) -> Node:
+    """A node of keys and the nodes under them; a number may not be said twice."""
+    without_duplicates([(key, plain(node)) for key, node in pairs])
+    return Node(dict(pairs), start, end)
+
+
+def number_or_word(word: str) -> float | str:
+    """A word of a text file as a number if it is one, else as it is."""
+    try:
+        return float(word) if word.isascii() and "_" not in word else word  # float() would read "1_0" as 10
+    except ValueError:
+        return word
+
+
+def words(text: str, start: int, end: int, read: Callable[[str], Any] = number_or_word) -> Node:
+    """A node of the words in a part of a text, and what each of them says."""
+    found = [(start + one.start(), start + one.end()) for one in re.finditer(r"\S+", text[start:end])]
+    return Node([Node(read(text[first:last]), first, last) for first, last in found], start, end, between=" ")
+
+
+def plain(node: Node) -> Any:
+    """The value of a node, of which nothing says where it stands."""
+    if isinstance(node.value, dict):
+        return {key: plain(inside) for key, inside in node.value.items()}
+    return [plain(inside) for inside in node.value] if isinstance(node.value, list) else node.value
+
+
+def with_values(text: str, root: Node, values: Values, spelt: Callable[[Any], str]) -> str:
+    """The text with other values: of a list, only the numbers that differ; every other character stays."""
+    edits = [edit for keys, value in values.items() for edit in _edits(text, _below(root, keys), value, spelt)]
+    for start, end, new in sorted(set(edits), reverse=True):  # of two that touch, the one that inserts is the later
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def _below(node: Node, keys: Keys) -> Node:
+    for key in keys:
+        try:
+            node = node.value[key]
+        except (KeyError, IndexError, TypeError):
+            raise InputError(f"the key {key!r} is missing; add it, or copy the file again.") from None
+    return node
+
+
+def _edits(text: str, node: Node, value: Any, spelt: Callable[[Any], str]) -> Iterator[Edit]:
+    if not (isinstance(node.value, list) and isinstance(value, list)):
+        if plain(node) != value:
+            yield node.start, node.end, " " * (node.start == node.end) + spelt(value)
+        return
+    old, new = list(_scalars(node)), list(leaves(value))
+    for one, number in zip(old, new, strict=False):
+        if one.value != number:
+            yield one.start, one.end, spelt(number)
+    if not old:
+        inside = node.start + (text[node.start : node.start + 1] == "[")
+        yield inside, inside, node.between.join(map(spelt, new))
+    elif len(new) > len(old):
+        between = re.sub(r"[ \t]*#[^\n]*", "", text[old[-2].end : old[-1].start]) if len(old) > 1 else node.between
+        yield old[-1].end, old[-1].end, "".join(between + spelt(number) for number in new[len(old) :])
+    elif len(new) < len(old):
+        yield old[len(new) - 1].end, old[-1].end, ""
+
+
+def _scalars(node: Node) -> Iterator[Node]:
+    if not isinstance(node.value, list):
+        yield node
+        return
+    for inside in node.value:
+        yield from _scalars(inside)
+
+
+def under(place: Keys, keys: Iterable[str | int], values: Iterable[Any]) -> dict[Keys, Any]:
+    """What to write below a place: a value under each key."""
+    return {(*place, key): value for key, value in zip(keys, values, strict=True)}
+
+
+def number_text(value: Any) -> str:
+    """A number with all its digits, written so that every reader of YAML 1.1 takes it for a number; a word as it is."""
+    if isinstance(value, str | int):
+        return str(value)
+    if not isinstance(value, float):
+        raise InputError("a value to be written is a list where the file has none; write a new file.")
+    mantissa, exponent, power = repr(value + 0.0).partition("e")  # no -0.0
+    return f"{mantissa}{'' if '.' in mantissa or not exponent else '.0'}{exponent}{power}"
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """What nested lists contain."""
+    if isinstance(value, list):
+        for item in value:
+            yield from leaves(item)
+    else:
+        yield value
+
+
+def at(content: Any, keys: Keys) -> Any:
+    """The value that `keys` lead to; None if there is none."""
+    for key in keys:
+        try:
+            content = content[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return content

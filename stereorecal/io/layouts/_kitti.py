@@ -1,0 +1,196 @@
+"""KITTI's data sets: raw data, rectified or not; odometry; and the stereo benchmarks of 2012 and 2015."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Shaped
+
+from stereorecal._errors import InputError
+from stereorecal.io._read_files import read_text
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats.text._document import Syntax, read_document
+from stereorecal.io.images._image_files import natural_order
+from stereorecal.io.images._load_pairs import load_matched
+from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
+from stereorecal.io.layouts._layout import Sequence, log_of
+from stereorecal.recordings import Log
+
+_Sides = tuple[str, str]  # the folders of the left and the right camera
+_IF_MISSING = "download {} from KITTI's page and unpack it over the images."
+
+
+@dataclass(frozen=True)
+class _DataSet:
+    """One of them, as `Layout` has it: whether a folder holds it, and the sequences in the folder."""
+
+    LAYOUT: str
+    recognises: Callable[[Path], bool]
+    sequences: Callable[[Path, int | None], Iterable[Sequence]]
+
+    def read(self, folder: Path, limit: int | None) -> Log:
+        return log_of(folder, self.sequences(folder, limit))
+
+
+def _places_in(folder: Path, pattern: str, choices: Iterable[_Sides]) -> list[Path]:
+    """The folder, if it has images of such cameras, else those below it that have some, in natural order."""
+    sides = [side for sides in choices for side in sides]
+    places = [place for place in (folder, *folder.glob(pattern)) if any((place / side).is_dir() for side in sides)]
+    return [folder] if folder in places else natural_order(places)
+
+
+def _sides_in(folder: Path, choices: Iterable[_Sides]) -> _Sides:
+    """The first choice whose left and right folder both exist."""
+    for sides in choices:
+        if all((folder / side).is_dir() for side in sides):
+            return sides
+    wanted = ", or ".join(f"{left} and {right}" for left, right in choices)
+    raise InputError(f"{folder}: both cameras are needed, the folders {wanted}; unpack the images of the other one.")
+
+
+# --- odometry
+
+_ODOMETRY = ("sequences/*", (("image_0", "image_1"), ("image_2", "image_3")))  # grey before colour
+
+
+def _odometry(folder: Path, limit: int | None) -> Iterator[Sequence]:
+    """The sequences whose images have been unpacked."""
+    for place in _places_in(folder, *_ODOMETRY):
+        left, right = _sides_in(place, _ODOMETRY[1])
+        matched = match_equal(place / left, place / right)
+        pairs = load_matched(matched, limit, _read_times(place / "times.txt", len(matched)))
+        hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
+        missing = _IF_MISSING.format("data_odometry_calib.zip")
+        yield place, read_files([place / "calib.txt"], "kitti-odometry", hints=hints, if_missing=missing), pairs
+
+
+def _read_times(path: Path, pairs: int) -> list[float] | None:
+    """Seconds, a line for each image; None if the file is missing, or not of these images."""
+    try:
+        times = [float(line) for line in read_text(path).split()] if path.is_file() else []
+    except ValueError:
+        return None
+    return times if len(times) == pairs and np.isfinite(times).all() else None
+
+
+ODOMETRY = _DataSet(
+    "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)",
+    lambda folder: bool(_places_in(folder, *_ODOMETRY)),
+    _odometry,
+)
+
+# --- raw data
+
+_RAW = ("*_drive_*", (("image_00", "image_01"), ("image_02", "image_03")))
+_OF_DAY, _TIMES, _RECTIFIED, _AS_TAKEN = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
+# The cameras are triggered together ten times a second (KITTI's raw data paper): images less than half a period apart
+# are of the same trigger.
+_SAME_SHOT = np.timedelta64(50, "ms")
+
+
+def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
+    """The drives of a day, or one drive, whose calibration lies in the folder above.
+
+    `_sync` images are rectified: the rig comes from P_rect and has no rotation or distortion. `_extract` images are
+    raw: the rig comes from K, D, R and T. Their numbers do not correspond between cameras, so they are paired by time,
+    and one that only one camera took is left out."""
+    for drive in _places_in(folder, *_RAW):
+        day, name = drive.resolve().parent, drive.resolve().name
+        left, right = _sides_in(drive, _RAW[1])
+        rectified = name.endswith(_RECTIFIED)
+        if not rectified and not name.endswith(_AS_TAKEN):
+            raise InputError(
+                f"{drive}: the name does not say whether the images are rectified; rename the folder to end in "
+                f"{_RECTIFIED} (rectified) or {_AS_TAKEN}."
+            )
+        hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
+        missing = _IF_MISSING.format(f"{day.name}_calib.zip")
+        rig = read_files([day / _OF_DAY], "kitti-raw", hints=hints, if_missing=missing)
+        if rectified:
+            matched = match_equal(drive / left / "data", drive / right / "data")
+        else:
+            matched = _match_by_time(drive / left, drive / right)
+        yield drive, rig, load_matched(matched, limit, _seconds(drive / left, matched))
+
+
+def _match_by_time(left: Path, right: Path) -> Matched:
+    (left_files, left_times), (right_files, right_times) = _shots(left), _shots(right)
+    matched: list[tuple[Path, Path]] = []
+    for path, time in zip(left_files, left_times, strict=True):
+        gaps = np.abs(right_times - time)
+        if gaps.min() < _SAME_SHOT:
+            matched.append((path, right_files[int(gaps.argmin())]))
+    if not matched:
+        raise InputError(f"{left}: no image in there was taken together with one of {right.name}; check {_TIMES}.")
+    return matched
+
+
+def _seconds(camera: Path, matched: Matched) -> list[float] | None:
+    """When the left images were taken; None if the file of their times is missing."""
+    if not (camera / _TIMES).is_file():
+        return None
+    files, times = _shots(camera)
+    of_file = dict(zip(files, (times - times[0]) / np.timedelta64(1, "s"), strict=True))
+    return [float(of_file[path]) for path, _ in matched]
+
+
+def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
+    """The images of a camera and their times: the number in an image's name is its line in timestamps.txt, from 0."""
+    files, path = by_stem(camera / "data"), camera / _TIMES
+    lines = read_text(path).split("\n")
+    try:
+        times = np.array([lines[int(stem)].strip() for stem in files], "datetime64[ns]")
+    except (IndexError, ValueError):
+        times = np.array(["NaT"], "datetime64[ns]")
+    if np.isnat(times).any():
+        raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
+    return list(files.values()), times
+
+
+RAW = _DataSet(
+    "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it",
+    lambda folder: (folder / _OF_DAY).is_file() or bool(_places_in(folder, *_RAW)),
+    _raw,
+)
+
+# --- stereo 2012 and 2015: single rectified frames, each with a calibration file of its own
+
+_BENCHMARK = "_10"  # the benchmark's frame of each scene; "_11" is the next one
+_OF_2012 = ("calib", "kitti-odometry", "data_stereo_flow_calib.zip")
+_OF_2015 = ("calib_cam_to_cam", "kitti-raw", "data_scene_flow_calib.zip")
+# By the folders of images, grey before colour: the folder of calibrations, their format and download; the names of the
+# cameras in there, and the keys of their projection matrices.
+_KINDS: dict[_Sides, tuple[tuple[str, str, str], _Sides, _Sides]] = {
+    ("image_0", "image_1"): (_OF_2012, ("P0", "P1"), ("P0", "P1")),
+    ("colored_0", "colored_1"): (_OF_2012, ("P2", "P3"), ("P2", "P3")),
+    ("image_2", "image_3"): (_OF_2015, ("02", "03"), ("P_rect_02", "P_rect_03")),
+}
+
+
+def _stereo(folder: Path, limit: int | None) -> Iterator[Sequence]:
+    """The frames of the benchmark. Those with equal calibrations, taken on one day, are one mission, which is named
+    after the number of its first frame."""
+    sides = _sides_in(folder, _KINDS)
+    (calibrations, format, archive), cameras, projections = _KINDS[sides]
+    missing = _IF_MISSING.format(archive)
+    days: dict[object, tuple[Path, list[tuple[Path, Path]]]] = {}
+    for left, right in match_equal(folder / sides[0], folder / sides[1]):
+        if left.stem.endswith(_BENCHMARK):
+            path = folder / calibrations / f"{left.stem.removesuffix(_BENCHMARK)}.txt"
+            content = read_document(path, Syntax.COLONS, missing).content
+            # The projections distinguish the days; the time of the calibration does not matter.
+            values = tuple(tuple(content.get(key, ())) for key in projections)
+            days.setdefault(values, (path, []))[1].append((left, right))
+    for path, matched in days.values():
+        pairs = load_matched(matched, limit)
+        hints = Hints(size=pairs[0].size, cameras=cameras, rectified=True)
+        yield folder / path.stem, read_files([path], format, hints=hints, if_missing=missing), pairs
+
+
+STEREO = _DataSet(
+    "KITTI stereo 2012 or 2015 (the folder training or testing, with NNNNNN_10.png and the calibration files)",
+    lambda folder: any(any((folder / left).glob(f"*{_BENCHMARK}.png")) for left, _ in _KINDS),
+    _stereo,
+)
