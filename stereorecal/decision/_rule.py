@@ -142,7 +142,7 @@ def _candidate(
     several: Sequence[Estimate], free: Sequence[str], harmless: Callable[[list[Float[np.ndarray, "n"]]], bool]
 ) -> tuple[list[Float[np.ndarray, "n"]], float, float]:
     """Of each calibration the first that is harmless, from losing least to keeping depth, and on to where its change
-    costs more; how far they lie from keeping depth to losing least, and that cost."""
+    costs more, else the one that keeps depth; how far they lie from that to losing least, and the cost."""
     least = with_free_together(several, free)
     if harmless(least):
         return least, 1.0, 1.0
@@ -152,10 +152,10 @@ def _candidate(
         if harmless(thetas):
             return thetas, share, 1.0
     for cost in COSTS:
-        kept = with_free_together(several, free, keep_depth=cost)
-        if harmless(kept):
-            return kept, 0.0, cost
-    return kept, 0.0, COSTS[-1]
+        stricter = with_free_together(several, free, keep_depth=cost)
+        if harmless(stricter):
+            return stricter, 0.0, cost
+    return kept, 0.0, 1.0
 
 
 def _decision(
