@@ -91,7 +91,7 @@ def _covered(state: State, baseline: float) -> Table:
     table.add_column("matches so far")
     for away_baselines in DISTANCES:
         table.add_column(away(away_baselines, baseline), justify="center")
-    by_row = (state.coverage > 0).reshape(*PARTS, -1)
+    by_row = np.rot90((state.coverage > 0).reshape(*PARTS, -1), -state.initial.turns[0])  # as the image was taken
     for title, row in zip(("top", "middle", "bottom"), by_row, strict=True):
         cells = (" ".join("■" if shown else "·" for shown in of_distance) for of_distance in row.T.tolist())
         table.add_row(title, *cells)

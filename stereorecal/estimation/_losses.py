@@ -81,7 +81,9 @@ class Errors:
         if (key := theta.tobytes()) not in self._read:
             used = self.chart.rig_at(theta)
             left, right = (self._rays(side, getattr(used, side)) for side in SIDES)
-            self._read[key] = self._in_units(*readings_of_rays(used, left, right, self._points, self.view))
+            found = self._in_units(*readings_of_rays(used, left, right, self._points, self.view))
+            found.flags.writeable = False
+            self._read[key] = found
         return self._read[key]
 
     @cached_property
@@ -260,4 +262,6 @@ def losses(errors: Errors, found: Float[np.ndarray, "q"], samples: Float[np.ndar
     weights = np.zeros((2 * p, 4))
     weights[:p, 0], weights[:p, 1] = errors.matters.rows_px * errors.seen, errors.matters.rows_px * errors.even
     weights[p:, 2], weights[:, 3] = errors.matters.depth_points * errors.farthest, errors.weights
-    return Losses(*(away @ weights).T)
+    found = away @ weights
+    found.flags.writeable = False  # kept, and given to whoever asks again
+    return Losses(*found.T)

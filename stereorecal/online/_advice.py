@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from stereorecal.estimation import Normal, consequences, one_blas_thread, window
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
-from stereorecal.online._coverage import PARTS, band_of, part_of
+from stereorecal.online._coverage import as_taken, band_of, part_of
 from stereorecal.online._events import Kind
 from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, Measurement
 from stereorecal.online._filter_posterior import chart_and_keystone
@@ -52,7 +52,8 @@ class Showing:
     Attributes:
         narrows: the interval.
         half_width: that would be left of it.
-        part: row and column of the ninth of the view in which something should be seen; None: in all of it.
+        part: row and column of the ninth of the left image, as it was taken, in which something should be seen; None:
+            in all of it.
         distance: of that, in baselines; None: as far as what has been seen.
         motion: whether the rig should move on meanwhile.
     """
@@ -86,7 +87,7 @@ class Advice:
 
 def advice(state: State) -> Advice:
     """What is missing until the answer on the calibration in use stands, and what to show next."""
-    blind = state.reported is Kind.TOO_LITTLE_TEXTURE or state.unmatched_in_a_row > 0
+    blind = state.reported is Kind.TOO_LITTLE_TEXTURE
     estimate = state.estimate
     if not estimate.is_finite:
         return Advice((), (), None, blind, stands=False)
@@ -105,6 +106,8 @@ def advice(state: State) -> Advice:
 def _settled(state: State, found: Reading) -> bool:
     """Whether nothing is under way that would change the verdict, such as a repair that is due, or on trial."""
     if not state.seen or state.trial is not None or state.job is not None or state.outlier is not None:
+        return False
+    if state.unmatched_in_a_row or state.reported is Kind.BAD_FRAME:
         return False
     if found.condition is Condition.REPAIR:
         return found.shifted or not state.config.repair
@@ -219,7 +222,7 @@ def _best(estimate: FilterEstimate, error: _Error, candidates: Sequence[_Candida
 def _looks(state: State, around: Sequence[_Around]) -> list[_Candidate]:
     """Something in each part of the view, at each distance, while the rig is held still."""
     return [
-        _Candidate(divmod(part, PARTS[1]), at.distance, _look(state, at.rows[at.part == part, :SIZE]))
+        _Candidate(as_taken(part, state.initial), at.distance, _look(state, at.rows[at.part == part, :SIZE]))
         for at in around
         for part in np.unique(at.part).tolist()
     ]

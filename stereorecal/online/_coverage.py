@@ -22,6 +22,13 @@ def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray,
     return row * PARTS[1] + column
 
 
+def as_taken(part: int, rig: StereoRig) -> tuple[int, int]:
+    """Row and column of a part in the left image as it was taken, before the rig's `turns`."""
+    numbers = np.arange(PARTS[0] * PARTS[1]).reshape(PARTS)
+    row, column = np.argwhere(np.rot90(numbers, -rig.turns[0]) == part)[0].tolist()
+    return row, column
+
+
 def band_of(baselines: Float[np.ndarray, "*n"] | float) -> Int[np.ndarray, "*n"]:
     """The number of the distance that each distance counts to."""
     return np.searchsorted(BAND_EDGES, baselines)

@@ -197,10 +197,19 @@ class FilterEstimate:
 
     def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "FilterEstimate":
         """With an offset from elsewhere; delay and rates stay, and depend on it no more."""
+        return self._replaced(list(range(SIZE)), offset, covariance)
+
+    def told(self, numbers: Float[np.ndarray, "6"], covariance: Float[np.ndarray, "6 6"]) -> "FilterEstimate":
+        """The same with the keystone as well, after the offset."""
+        return self._replaced([*range(SIZE), KEYSTONE], numbers, covariance)
+
+    def _replaced(
+        self, which: list[int], numbers: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"]
+    ) -> "FilterEstimate":
         mean, known = self.mean.copy(), self.covariance.copy()
-        mean[:SIZE] = offset
-        known[:SIZE], known[:, :SIZE] = 0.0, 0.0
-        known[:SIZE, :SIZE] = covariance
+        mean[which] = numbers
+        known[which], known[:, which] = 0.0, 0.0
+        known[np.ix_(which, which)] = covariance
         return FilterEstimate(mean, known)
 
     def _widened(self, by: Sequence[float] | Float[np.ndarray, "n"]) -> "FilterEstimate":

@@ -49,9 +49,29 @@ def prior_now(state: State) -> Prior:
         return state.config.prior
     posterior = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view).posterior
     names = rig_parameters(state.rig).names
-    some = [names.index(name) for name in (*EXTRINSICS, _PRINCIPAL_POINT)]
+    some = [index for index, variance in enumerate(np.diag(posterior.covariance)) if variance > 0.0]
     covariance = posterior.covariance[np.ix_(some, some)]
     return CalibrationCovariance([names[index] for index in some], covariance, posterior.mean[some])
+
+
+def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstimate:
+    """The filter's estimate that knows of offset and keystone what an estimate by some pairs does: the inverse of
+    `known`.
+
+    Args:
+        estimate: with `prior_now` as its prior, of changes of the calibration in use.
+        trusted: standard deviation of what these pairs may have in common, degrees and percent of the baseline.
+    """
+    chart, keystone = chart_and_keystone(state.initial, tuple(state.using.tolist()), state.view)
+    principal_point = chart.names.index(_PRINCIPAL_POINT)
+    numbers = np.eye(SIZE + 1, chart.dim)
+    numbers[SIZE] = np.eye(chart.dim)[principal_point] / keystone[principal_point]
+    numbers[:SIZE] -= np.outer(keystone[:SIZE], numbers[SIZE])
+    offset = np.pad(numbers[:SIZE] @ estimate.theta, (0, chart.dim - SIZE))
+    covariance = numbers @ estimate.posterior.covariance @ numbers.T
+    covariance[:SIZE, :SIZE] += trusted**2 * np.eye(SIZE)
+    mean = np.append(state.offset_of(chart.rig_at(offset)), numbers[SIZE] @ estimate.theta)
+    return state.estimate.told(mean, covariance)
 
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use

@@ -6,10 +6,9 @@ import numpy as np
 
 from stereorecal.decision import chance_of_harm
 from stereorecal.estimation import Estimate
-from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._filter import SIZE, Measurement
-from stereorecal.online._filter_posterior import known
+from stereorecal.online._filter import Measurement
+from stereorecal.online._filter_posterior import filtered_by, known
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import reading
 from stereorecal.online._sequential_test import SequentialTest
@@ -131,10 +130,7 @@ def after_repair(state: State, offset: Offset, estimate: Estimate) -> State:
 def told_by(state: State, estimate: Estimate) -> State:
     """The state that knows of the rig what an estimate by some pairs does, which is trusted less than it says: they may
     err together."""
-    extrinsics = np.where(np.isin(estimate.names, EXTRINSICS), estimate.theta, 0.0)
-    offset = state.offset_of(estimate.chart.rig_at(extrinsics))
-    covariance = estimate.posterior.covariance[:SIZE, :SIZE] + np.eye(SIZE) * _TRUSTED**2
-    return state.standing_at(state.estimate.moved(offset, covariance))
+    return state.standing_at(filtered_by(state, estimate, _TRUSTED))
 
 
 def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:

@@ -20,5 +20,7 @@ def matcher_loss(rows: Float[np.ndarray, "p"], weights: Float[np.ndarray, "p"]) 
     lost, wrong = (float(weights @ np.interp(np.abs(rows), _AT, values)) for values in (_LOST, _WRONG))
     if lost < 1.0:
         return "hardly a pixel lost"
+    if weights @ np.abs(rows) > _AT[-1]:
+        return f"block matching loses most of its pixels; networks ask for less than {_NETWORKS:g} px"
     text = f"block matching loses about {lost:.0f} % of its pixels, {wrong:.0f} % of those of SGM go wrong"
     return text if weights @ np.abs(rows) < _NETWORKS else f"{text}; networks ask for less than {_NETWORKS:g} px"

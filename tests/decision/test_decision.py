@@ -119,13 +119,24 @@ def test_who_tolerates_less_harm_corrects_no_more_of_depth(hardly, at, harms, po
         assert said.worse <= said.tolerances.harm or said.depth_corrected == 0.0
 
 
+COSTS = (1.0, 4.0, 16.0, 64.0)
+
+
 def test_it_lies_between_the_candidate_that_keeps_depth_and_the_one_that_loses_least(hardly):
-    shares = []
+    """Or, where even the former may harm, where a change of depth costs more."""
+    shares, costs = [], []
     for _, seen in hardly:
-        said, kept, least = decide(seen, AXES), seen.with_free(AXES, keep_depth=True), seen.with_free(AXES)
+        said, least = decide(seen, AXES), seen.with_free(AXES)
+        cost = 1.0
+        if said.depth_corrected == 0.0 and said.failed is not Criterion.HARMLESS:
+            kept = (seen.with_free(AXES, keep_depth=some) for some in COSTS)
+            cost = next(some for some, theta in zip(COSTS, kept, strict=True) if np.allclose(theta, said.theta))
+        kept = seen.with_free(AXES, keep_depth=cost)
         np.testing.assert_allclose(said.theta, kept + said.depth_corrected * (least - kept), atol=1e-9)
         shares.append(said.depth_corrected)
+        costs.append(cost)
     assert min(shares) < max(shares)
+    assert min(costs) < max(costs)
 
 
 # --- the three tests, one at a time ---------------------------------------------------------------------------
@@ -146,7 +157,7 @@ def said_of(seen: Estimate, before=None, after=None, parts=(PART, PART), **measu
         def expected_loss(self, used):
             return float(np.mean(self.losses(used).total))
 
-        def held_out(self, names, share=1.0):
+        def held_out(self, names, share=1.0, keep_depth=1.0):
             return list(parts)
 
     return decide(Given(**(seen.__getstate__() | measured)), AXES)
