@@ -53,7 +53,7 @@ def test_a_trigger_leaves_no_shutter_that_a_shift_could_be(healthy):
     assert not found.shifted
     assert found.condition is Condition.REPAIR
     assert found.change is not None
-    np.testing.assert_allclose(found.change, state.estimate.offset - state.using, atol=0.02)
+    np.testing.assert_allclose(found.change, state.estimate.offset - state.using, atol=0.05)
 
 
 def unsure_of(state: State, offset: tuple[float, ...], **sigmas: float) -> State:
@@ -218,7 +218,7 @@ def test_what_a_look_puts_on_trial(looked, offset, config, kind, change):
     assert (state.trial is not None) is (change is not None)
     if change is not None:
         assert (state.trial.by, state.trial.since) == ("looks", state.frame - 1)
-        np.testing.assert_allclose(state.trial.offset - state.using, change, atol=0.02)
+        np.testing.assert_allclose(state.trial.offset - state.using, change, atol=0.05)
 
 
 @pytest.mark.parametrize("by", ["looks", "repair"])

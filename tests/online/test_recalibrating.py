@@ -16,7 +16,7 @@ from stereorecal.estimation import (
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig
-from stereorecal.online import Config, Kind, freeze, init, reading, recalibrate, rollback
+from stereorecal.online import Config, Kind, freeze, init, reading, recalibrate, rollback, step
 from stereorecal.recalibration import Reason, RowErrors
 
 
@@ -82,6 +82,20 @@ def test_extrinsics_are_not_taken_without_the_lenses_that_they_go_with(ride: Rid
     after, (event,) = recalibrate(init(given), ride.pairs[:3])
     assert depth_error(given, ride.rig) < 1.0
     assert depth_error(after.rig, ride.rig) < 3.0, event.kind
+
+
+def test_what_follows_a_request_finds_nothing_moved(ride: Ride):
+    """The keystone of the lenses is counted once."""
+    state = init(with_wrong_lenses(ride.rig, 10.0))
+    for pair in ride.pairs[:BEFORE]:
+        state, _ = step(state, pair)
+    state, (event,) = recalibrate(state, ride.pairs[BEFORE : BEFORE + 3])
+    assert event.kind is Kind.RECALIBRATED
+    said = []
+    for pair in ride.pairs[BEFORE + 3 :]:
+        state, events = step(state, pair)
+        said += [event.kind for event in events]
+    assert not {Kind.KNOCK, Kind.DRIFTING} & set(said)
 
 
 def test_pairs_that_cannot_be_used(ride: Ride):

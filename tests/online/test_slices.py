@@ -8,7 +8,7 @@ import pytest
 from rides import BEFORE, Ride, error
 
 import stereorecal as sr
-from stereorecal.online import Kind, State, init, load, save, step
+from stereorecal.online import Config, Kind, State, init, load, save, step
 from stereorecal.recordings import Pair
 
 SLICES = 7  # the survey, the count, half scale, four rounds at full scale
@@ -18,7 +18,8 @@ SLICES = 7  # the survey, the count, half scale, four rounds at full scale
 def lost(ride: Ride) -> State:
     """So far off that hardly anything matches."""
     off = np.radians([-1.5, 1.0, 2.0, 0.0, 0.0, 0.0])
-    return init(ride.rig.with_extrinsics(ride.rig.extrinsics + off)).replace(matcher=sr.SAD(num_disparities=48))
+    rig = ride.rig.with_extrinsics(ride.rig.extrinsics + off)
+    return init(rig, Config(prior="exact")).replace(matcher=sr.SAD(num_disparities=48))
 
 
 def stepped(state: State, pairs: list[Pair], seconds: float | None = None) -> tuple[State, list[Kind]]:
