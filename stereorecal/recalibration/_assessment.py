@@ -24,6 +24,7 @@ from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import refuse_swapped_images
 
 _MATCHED_AGAIN = 2  # times, at most
+_KEPT = 64.0  # times that a change of depth costs its square
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
@@ -96,14 +97,19 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     found = _matched(case, run, chart, at) if fewer else run.found
     estimate_of, covered_first = _estimator(case, found, end_rig), found.covered
     excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
-    while not disagree and again < _MATCHED_AGAIN:
-        likely = estimated.with_free(case.free.names)
-        if estimated.effect(likely - at) < _SETTLED:
+    for _ in range(_MATCHED_AGAIN):
+        likely, enough = estimated.with_free(case.free.names), (1.0 - ENOUGH.lost) * found.covered
+        if disagree or estimated.effect(likely - at) < _SETTLED:
             break
         anew = _matched(case, run, chart, likely)
         again += 1
-        if anew.covered < (1.0 - ENOUGH.lost) * found.covered:
-            break  # what no row shows may have moved too far for the disparity range
+        if anew.covered < enough:
+            # What no row shows may have moved too far for the disparity range; rows are aligned without it as well.
+            likely = estimated.with_free(case.free.names, keep_depth=_KEPT)
+            anew = _matched(case, run, chart, likely)
+            again += 1
+        if anew.covered < enough:
+            break
         found, at = anew, likely
         excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
     decision = decide(estimated, case.free.names, case.tolerances)
