@@ -1,5 +1,7 @@
 """One look at a calibration: will depth be right, what would mend it, and what is said where nothing can be."""
 
+from pathlib import Path
+
 import jax
 import numpy as np
 import pytest
@@ -9,7 +11,7 @@ from stereorecal.matching import SAD, SGBM
 from stereorecal.recalibration import Condition, Health, Reason, health
 from stereorecal.recordings import Pair
 from stereorecal.scoring import image_quality
-from stereorecal.synthetic import decalibrate
+from stereorecal.synthetic import decalibrate, photographs, plan_drive
 
 SAD_48 = SAD(num_disparities=48)
 SIZE = (320, 240)
@@ -92,3 +94,14 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     assert named[1:] == [5, 1]
     assert 1 <= named[0] < 5
     assert again == pytest.approx([2.0, 2.0, 0.0], abs=0.01)
+
+
+@pytest.mark.slow
+def test_a_dozen_pairs_of_one_drive_tell_what_one_does(tmp_path: Path):
+    """They err together, and the first estimate by them moves depth so far that a match under it finds little."""
+    drive = plan_drive("street", 2, 12, weather=False)
+    true = drive.truth(0)
+    pitched = true.with_extrinsics(np.asarray(true.extrinsics) + np.radians([0.3, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    found = health(pitched, list(photographs(drive, folder=tmp_path)))
+    assert found.condition is Condition.REPAIR
+    assert all(error.percent.low < 0.0 < error.percent.high for error in found.depth)
