@@ -71,6 +71,8 @@ def write_report(
     pairs, name = scenes[0].pairs, scenes[0].name
     about = {"name": name, "command": command, "settings": settings, "absent": absent}
     solution.to_html(options.html, pairs, **about, overwrite=options.force)
+    if options.prints:
+        print(f"{options.html}: written")
 
 
 def write_recording(options: RecalibrateOptions, scenes: Sequence[Scene], repairs: Sequence[Repair]) -> None:
@@ -80,3 +82,5 @@ def write_recording(options: RecalibrateOptions, scenes: Sequence[Scene], repair
         return
     for place in [options.rrd] * (options.rrd is not None) + [None] * options.show:
         solution.to_rerun(place, scenes[0].pairs, name=scenes[0].name, overwrite=options.force)
+        if place is not None and options.prints:
+            print(f"{place}: written")
