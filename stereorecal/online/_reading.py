@@ -57,7 +57,8 @@ class Reading:
         """The error of depth of the calibration in use at 5, 10, 30 and 100 baselines."""
         if self.estimate is None:
             return dict.fromkeys(DISTANCES, _UNKNOWN)
-        found = self.estimate.depth_error_percent(np.zeros(len(self.estimate.names)))
+        estimate = replace(self.estimate)  # whose samples, some megabytes, go again: readings are kept for curves
+        found = estimate.depth_error_percent(np.zeros(len(estimate.names)))
         return {int(distance): Interval(*ends) for distance, ends in found.items()}
 
     @property
@@ -151,4 +152,4 @@ def _decided(
     if not found.refused:  # what the rotation alone repairs is no shift
         posterior = replace(posterior, means=posterior.means - found.theta)
     shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, limits).refused
-    return estimate, found, shifted, None if change is None else change[:SIZE]
+    return replace(estimate), found, shifted, None if change is None else change[:SIZE]
