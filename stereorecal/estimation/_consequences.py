@@ -113,20 +113,20 @@ def readings(
     Args:
         view: the view in which rows and disparities are read; default a pinhole.
     """
-    seen = zip(seen_by(true, points), (true.left, true.right), (used.left, used.right), strict=True)
-    left, right = (rays_read(*each) for each in seen)
-    return readings_of_rays(used, left, right, points, view)
+    return readings_of_rays(used, *rays_read(used, true, points), points, view)
 
 
-def seen_by(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> tuple[Float[np.ndarray, "p 3"], ...]:
-    """Points in the frame of each camera."""
-    return points, points @ rig.rotation.T + rig.translation
+def rays_read(
+    used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"]
+) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
+    """Rays at depth 1 that the cameras of `used` give to the pixels in which those of `true` see points."""
 
+    def read(seen: Float[np.ndarray, "p 3"], true_camera: Camera, used_camera: Camera) -> Float[np.ndarray, "p 3"]:
+        at_1 = seen / seen[:, 2:]
+        return at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
 
-def rays_read(points: Float[np.ndarray, "p 3"], true: Camera, used: Camera) -> Float[np.ndarray, "p 3"]:
-    """Rays at depth 1 that a used camera gives to the pixels in which the true one sees points."""
-    at_1 = points / points[:, 2:]
-    return at_1 if same_camera(true, used) else reread(at_1, true, used)
+    right = points @ true.rotation.T + true.translation
+    return read(points, true.left, used.left), read(right, true.right, used.right)
 
 
 def readings_of_rays(

@@ -16,13 +16,12 @@ from stereorecal.estimation._consequences import (
     nearness_of,
     rays_read,
     readings_of_rays,
-    seen_by,
     within_lens,
 )
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._posterior import Posterior
-from stereorecal.geometry import Camera, StereoRig, View, reread
-from stereorecal.objectives import SIDES, RigChart
+from stereorecal.geometry import StereoRig, View, reread
+from stereorecal.objectives import RigChart
 
 _OF_SHOWN = 2.0 / 3.0  # of the weight of rows: where images show something; the rest is even over the view
 _MOST_SHOWN = 250  # points that stand for what images show
@@ -80,8 +79,9 @@ class Errors:
         decision begins."""
         if (key := theta.tobytes()) not in self._read:
             used = self.chart.rig_at(theta)
-            left, right = (self._rays(side, getattr(used, side)) for side in SIDES)
-            found = self._in_units(*readings_of_rays(used, left, right, self._points, self.view))
+            kept = used.left is self.chart.rig.left and used.right is self.chart.rig.right
+            rays = self._given_rays if kept else rays_read(used, self.true, self._points)
+            found = self._in_units(*readings_of_rays(used, *rays, self._points, self.view))
             found.flags.writeable = False
             self._read[key] = found
         return self._read[key]
@@ -94,18 +94,10 @@ class Errors:
     def _points(self) -> Float[np.ndarray, "p 3"]:
         return np.concatenate(self.consequences.points)
 
-    def _rays(self, side: str, camera: Camera) -> Float[np.ndarray, "p 3"]:
-        """What a camera makes of the pixels of the true one; of the given one once: most candidates keep it."""
-        given = camera is getattr(self.chart.rig, side)
-        return self._given_rays[side] if given else self._rays_of(side, camera)
-
     @cached_property
-    def _given_rays(self) -> dict[str, Float[np.ndarray, "p 3"]]:
-        return {side: self._rays_of(side, getattr(self.chart.rig, side)) for side in SIDES}
-
-    def _rays_of(self, side: str, camera: Camera) -> Float[np.ndarray, "p 3"]:
-        points = seen_by(self.true, self._points)[side == "right"]
-        return rays_read(points, getattr(self.true, side), camera)
+    def _given_rays(self) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
+        """What the given cameras read, which most candidates keep."""
+        return rays_read(self.chart.rig, self.true, self._points)
 
     def _in_units(
         self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
+from stereorecal.decision import COSTS, ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Reach, RigChart
@@ -24,7 +24,6 @@ from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import refuse_swapped_images
 
 _MATCHED_AGAIN = 2  # times, at most
-_KEPT = 64.0  # times that a change of depth costs its square
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
@@ -105,7 +104,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         again += 1
         if anew.covered < enough:
             # What no row shows may have moved too far for the disparity range; rows are aligned without it as well.
-            likely = estimated.with_free(case.free.names, keep_depth=_KEPT)
+            likely = estimated.with_free(case.free.names, keep_depth=COSTS[-1])
             anew = _matched(case, run, chart, likely)
             again += 1
         if anew.covered < enough:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.decision import LIMITS, Criterion, Tolerances, Verdict, chance_of_harm, decide, decide_together
+from stereorecal.decision import COSTS, LIMITS, Criterion, Tolerances, Verdict, chance_of_harm, decide, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     Earlier,
@@ -119,9 +119,6 @@ def test_who_tolerates_less_harm_corrects_no_more_of_depth(hardly, at, harms, po
         assert said.worse <= said.tolerances.harm or said.depth_corrected == 0.0
 
 
-COSTS = (1.0, 4.0, 16.0, 64.0)
-
-
 def test_it_lies_between_the_candidate_that_keeps_depth_and_the_one_that_loses_least(hardly):
     """Or, where even the former may harm, where a change of depth costs more."""
     shares, costs = [], []
@@ -129,8 +126,8 @@ def test_it_lies_between_the_candidate_that_keeps_depth_and_the_one_that_loses_l
         said, least = decide(seen, AXES), seen.with_free(AXES)
         cost = 1.0
         if said.depth_corrected == 0.0 and said.failed is not Criterion.HARMLESS:
-            kept = (seen.with_free(AXES, keep_depth=some) for some in COSTS)
-            cost = next(some for some, theta in zip(COSTS, kept, strict=True) if np.allclose(theta, said.theta))
+            kept = (seen.with_free(AXES, keep_depth=some) for some in (1.0, *COSTS))
+            cost = next(some for some, theta in zip((1.0, *COSTS), kept, strict=True) if np.allclose(theta, said.theta))
         kept = seen.with_free(AXES, keep_depth=cost)
         np.testing.assert_allclose(said.theta, kept + said.depth_corrected * (least - kept), atol=1e-9)
         shares.append(said.depth_corrected)

@@ -63,7 +63,7 @@ def open_pairs(
             of them; with topics a ROS bag: a file of ROS 1, or a folder of ROS 2 or its metadata.yaml.
         right: the right images or the right video.
         left_topic, right_topic: of the bag: images, raw or compressed.
-        tolerance: seconds that two frames of a pair may lie apart; default a quarter of the time between left frames.
+        tolerance: the largest difference of times [s] within a pair; default a quarter of the time between left frames.
             Files are matched by their names, as `load_pairs` does; with a tolerance by the times that are their
             names, in seconds, or in nanoseconds if they have 16 digits and more (in microseconds, if frames would
             else lie closer than a millisecond); without one, too, if names have times since 1970 (seconds with a
