@@ -98,7 +98,7 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
     Args:
         names: of one or two: the number of a device, the path of one or of a video, the address of a stream, or a
             GStreamer pipeline that ends in appsink.
-        tolerance: the largest difference of the cameras' own times [s] within a pair; others are left out (default: any).
+        tolerance: the largest difference of the cameras' own times [s] within a pair, default any; others are left out.
 
     Raises:
         InputError: if a camera cannot be opened, or sends no images any more; or no two of a hundred frames are near
