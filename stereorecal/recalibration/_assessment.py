@@ -17,11 +17,12 @@ from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import ScoreKind, Stage
-from stereorecal.recalibration._stages import StageRun, matched
+from stereorecal.recalibration._stages import StageRun, matched, run_stage
 from stereorecal.recalibration._tile_counts import counts, share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, without_frames_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import refuse_swapped_images
+from stereorecal.strategies import Budget
 
 _MATCHED_AGAIN = 2  # times, at most
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
@@ -67,18 +68,18 @@ class Assessment:
 
 
 def looked(case: Case, stage: Stage) -> tuple[StageRun, Assessment | None] | None:
-    """One look at the images through the initial calibration, as a stage has it, without a search: the matches, and
-    what they say; None if they are too few. None if the stage has no matches.
+    """One look at the images from the initial calibration, as a stage has it, without a strategy: matches, which the
+    extrinsics are fitted to until both settle, and what they say; None if they are too few. Matches of rows that are
+    not aligned err together, all frames alike, and the estimate would explain it by lenses. None if the stage has no
+    matches.
 
     Args:
         case: with a disparity range.
     """
     if stage.score is not ScoreKind.EPIPOLAR:
         return None
-    data, chart = case.images.at(case.scale_of(stage)), case.of_extrinsics.chart
-    found = matched(data, chart, np.zeros(chart.dim), case.matcher)
-    run = StageRun(stage, case.scale_of(stage), case.rig, case.rig, (), np.zeros((0, 7)), data.cost, found)
-    return run, assessed(case, run, case.rig)
+    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
+    return run, assessed(case, run, run.ended)
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
