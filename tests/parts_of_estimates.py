@@ -12,7 +12,12 @@ from stereorecal.estimation._evidence import (
     marginal as marginal,
     normal_of as normal_of,
 )
-from stereorecal.estimation._groups import FLOOR as FLOOR, Groups as Groups, grouped as grouped
+from stereorecal.estimation._groups import (
+    FLOOR as FLOOR,
+    Groups as Groups,
+    first_of_same as first_of_same,
+    grouped as grouped,
+)
 from stereorecal.estimation._held_out import parts_of as parts_of
 from stereorecal.estimation._lens_field import within_field as within_field
 from stereorecal.estimation._losses import (

@@ -31,7 +31,7 @@ from stereorecal.estimation._estimate import (
 )
 from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._groups import PLACES as PLACES
-from stereorecal.estimation._held_out import HeldOut as HeldOut, frames_by_place as frames_by_place
+from stereorecal.estimation._held_out import HeldOut as HeldOut
 from stereorecal.estimation._jacobian import (
     pixels_of as pixels_of,
     slopes_by_point as slopes_by_point,

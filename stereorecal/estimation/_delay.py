@@ -10,12 +10,13 @@ from functools import reduce
 from operator import add
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._confounders import NEGLIGIBLE
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._explanations import Explanation, Hypothesis, best_of, explanations
+from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._linear_groups import LinearGroups
 from stereorecal.estimation._misfit import DEVIATIONS
 from stereorecal.estimation._motion import Windows, root_and_mean, together
@@ -92,7 +93,7 @@ def hypothesis_with_delay(
         )
         likelihoods = _delay_evidence(rows, chart, theta, windows_at_theta, ways, prior, size)
         late = replace(
-            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, windows_at_theta, ways, rows.groups.frame)),
+            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, windows_at_theta, ways, rows.groups)),
             likelihoods=likelihoods,
         )
         if round_:
@@ -158,17 +159,17 @@ def _with_way(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
 
 
 def _of_frames(
-    windows: Windows, windows_at_theta: Sequence[Window], ways: Float[np.ndarray, "w n"], frames: Int[np.ndarray, "g"]
+    windows: Windows, windows_at_theta: Sequence[Window], ways: Float[np.ndarray, "w n"], groups: Groups
 ) -> Float[np.ndarray, "g n"]:
-    """Of some frames: the mean of its windows; of one that is in none, that of the nearest."""
+    """Of the frame of each group: the mean of its windows; of one that is in none, that of the nearest."""
     known = [
-        (frame, way)
+        (groups.first[frame], way)
         for pair, one, way in zip(windows.frames, windows_at_theta, ways, strict=True)
         for frame in pair
         if one.motion is not None
     ]
     numbers, of_each = np.array([frame for frame, _ in known]), np.stack([way for _, way in known])
-    frame_distance = np.abs(frames[:, None] - numbers)
+    frame_distance = np.abs(groups.frame[:, None] - numbers)
     nearest = frame_distance == frame_distance.min(axis=1, keepdims=True)
     return (nearest / nearest.sum(axis=1, keepdims=True)) @ of_each
 

@@ -1,14 +1,15 @@
 """Correspondences in groups by frame, place and disparity: each group one mean row difference and its deviation.
 
 Neighbours err together (windows overlap, a surface slants), so many correspondences of one place tell little more than
-a few; and what lies near and far there tells apart what a mean of both would hide.
+a few; and what lies near and far there tells apart what a mean of both would hide. Frames that show the same err
+together as well, and are one: what is seen a dozen times is not known a dozen times as well.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, with_unit_baseline
 from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised
@@ -18,6 +19,7 @@ PLACES = (14, 9)  # columns and rows of places in the left image
 _DISPARITIES = 3  # near, middle, far: a third of all correspondences each
 _FEWEST = 4  # correspondences in a group
 FEWEST_GROUPS = 6  # from fewer nothing is to be learnt of a rig
+_SAME = 1.0  # pixels of disparity: what a matcher tells apart
 _FAR_OFF = 3.0  # robust deviations: beyond, a correspondence has no part in the mean of its group
 _LEAST_SPREAD = 0.02  # pixels
 _LEAST_WEIGHT = 0.05  # of a mean correspondence
@@ -32,13 +34,15 @@ class Groups:
         left, right: (g, 3) mean rays, as the cameras of the chart's rig give them.
         offset: (g,) pixels at full size that the mean row difference exceeds that of the mean rays.
         deviation: (g,) standard deviation of the mean, pixels of the images.
-        frame, place: (g,) of each group; places are numbered by rows.
+        frame, place: (g,) of each group; frames that show the same have the number of their first, and places are
+            numbered by rows.
         disparity: (g,) pixels at full size, under the rig at which they were grouped.
         count: (g,) correspondences.
         focal: of the rectified rows, in pixels at full size.
         resolution: (g,) pixels of the middle that a row of the view is wide there: 1 of pinholes, less where a view
             stretches what a wide lens shows.
         projection: by which rays become rows.
+        first: (k,) of each frame the first of those that show the same; default itself.
     """
 
     left: Float[np.ndarray, "g 3"]
@@ -52,6 +56,7 @@ class Groups:
     focal: float
     resolution: Float[np.ndarray, "g"]
     projection: str = PINHOLE
+    first: Int[np.ndarray, "k"] = field(default_factory=lambda: np.zeros(0, int))
 
     def __len__(self) -> int:
         return len(self.offset)
@@ -92,28 +97,46 @@ def _by_focal(chart: RigChart) -> Float[np.ndarray, "n"]:
     return 0.005 * chart.units * [name.endswith(".f") for name in chart.names]
 
 
-def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Groups:
+def grouped(
+    found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], first: Int[np.ndarray, "k"] | None = None
+) -> Groups:
     """The groups of correspondences, whose rays the cameras of the chart's rig give; outliers are told from the others
-    of their group under the rig at θ."""
+    of their group under the rig at θ.
+
+    Args:
+        first: of each frame the first of those that it is one with; default itself.
+    """
     focal, scale = float(found.focal), float(found.scale)
     valid = np.asarray(found.weight) > 0
-    frame = np.nonzero(valid)[0]
+    first = np.arange(len(valid)) if first is None else first
+    frame = first[np.nonzero(valid)[0]]
     left, right, weight = (np.asarray(part, float)[valid] for part in (found.left, found.right, found.weight))
     rows, disparity = _rectified(found, chart, theta, valid)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     if not valid.any():
         nothing, numbers = np.zeros(0), np.zeros(0, int)
         return Groups(
-            left, right, nothing, nothing, numbers, numbers, nothing, numbers, focal / scale, nothing, found.projection
+            left,
+            right,
+            nothing,
+            nothing,
+            numbers,
+            numbers,
+            nothing,
+            numbers,
+            focal / scale,
+            nothing,
+            found.projection,
+            first,
         )
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
     order = np.argsort(key, kind="stable")
-    keys, first, counts = np.unique(key[order], return_index=True, return_counts=True)
+    keys, start, counts = np.unique(key[order], return_index=True, return_counts=True)
     number = np.repeat(np.arange(len(keys)), counts)
     rows, disparity, weight = rows[order], disparity[order], weight[order]
-    middle = _group_medians(rows, number, first, counts)
-    spread = 1.4826 * _group_medians(np.abs(rows - middle[number]), number, first, counts) + _LEAST_SPREAD
+    middle = _group_medians(rows, number, start, counts)
+    spread = 1.4826 * _group_medians(np.abs(rows - middle[number]), number, start, counts) + _LEAST_SPREAD
     inliers = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
 
     def mean(values):
@@ -126,27 +149,30 @@ def grouped(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n
         for name, rays in (("left", left), ("right", right))
     }
     resolution = _resolution(chart.rig_at(theta), means["left"], found.projection)
-    by_noise = resolution * spread / np.sqrt(np.maximum(n * float(found.independent), 1.0)) / scale
+    news = _news_of_frames(rows, np.nonzero(valid)[0][order], number, inliers, spread**2 / float(found.independent))
+    by_noise = resolution * spread / np.sqrt(np.maximum(news * n * float(found.independent), 1.0)) / scale
     # What windows on weak texture have in common is larger, as is their noise; both in pixels of the images.
     in_images, typical = total / np.maximum(n, 1) / resolution**2, float(np.median(weight / resolution[number] ** 2))
     texture = np.maximum(in_images, _LEAST_WEIGHT) / max(typical, _LEAST_WEIGHT)
     deviation = np.hypot(by_noise, FLOOR / np.sqrt(np.minimum(texture, 1.0)))
+    enough = news * n > _FEWEST - 0.5
     groups = Groups(
         **means,
         offset=np.zeros(len(keys)),
         deviation=deviation,
-        frame=frame[order][first],
-        place=places[order][first],
+        frame=frame[order][start],
+        place=places[order][start],
         disparity=mean(disparity) / scale,
         count=n,
         focal=focal / scale,
         resolution=resolution,
         projection=found.projection,
-    ).of(n >= _FEWEST)
+        first=first,
+    ).of(enough)
     if not len(groups):
         return groups
     of_rays = differences_at(groups._as_correspondences(), chart, theta)[0]
-    return replace(groups, offset=(mean(rows) / scale)[n >= _FEWEST] - of_rays)
+    return replace(groups, offset=(mean(rows) / scale)[enough] - of_rays)
 
 
 def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], valid):
@@ -168,6 +194,59 @@ def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], projection_name:
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
     x, y, z = (left @ to_left.T).T
     return np.ones(len(left)) / projection(projection_name).stretch(y, z, np.sqrt(x * x + y * y + z * z))
+
+
+def _news_of_frames(
+    rows: Float[np.ndarray, "m"],
+    frame: Int[np.ndarray, "m"],
+    number: Int[np.ndarray, "m"],
+    inliers: Bool[np.ndarray, "m"],
+    noise: Float[np.ndarray, "g"],
+) -> Float[np.ndarray, "g"]:
+    """The share of its correspondences that tells a group something new, where several frames are in it: what their
+    means differ by less than noise would make them, they have in common.
+
+    Args:
+        noise: variance of one independent correspondence.
+    """
+    keys, of_frame = np.unique(number[inliers] * (frame.max() + 1) + frame[inliers], return_inverse=True)
+    group = keys // (frame.max() + 1)
+    frames = np.bincount(group, minlength=len(noise))
+    if frames.max() < 2:
+        return np.ones(len(noise))
+    counts = np.bincount(of_frame)
+    means = np.bincount(of_frame, rows[inliers]) / counts
+    middle = np.bincount(group, means, len(noise)) / np.maximum(frames, 1)
+    several = frames > 1
+    between = np.bincount(group, (means - middle[group]) ** 2, len(noise))[several] / (frames[several] - 1)
+    expected = noise[several] * (np.bincount(group, 1.0 / counts, len(noise)) / np.maximum(frames, 1))[several]
+    independent = float(np.mean(np.minimum(between / expected, 1.0)))
+    return 1.0 / (frames * (1.0 - independent) + independent).clip(min=1.0)
+
+
+def first_of_same(groups: Groups) -> Int[np.ndarray, "k"]:
+    """Of each frame the first of those that show the same: between them, or others of the same, half of what both show
+    hardly changes its disparity."""
+    frames, first = np.unique(groups.frame), groups.first.copy()
+    disparity = {frame: _disparities(groups.of(groups.frame == frame)) for frame in frames.tolist()}
+    for index, frame in enumerate(frames):
+        before = frames[:index]
+        same = next((one for one in before if _same_disparity(disparity[frame], disparity[one])), frame)
+        first[frame] = first[same]
+    return first
+
+
+def _disparities(groups: Groups) -> Float[np.ndarray, "p"]:
+    """At each place of the view, on average; NaN where nothing is shown."""
+    size = int(np.prod(PLACES))
+    number = np.bincount(groups.place, groups.count, size)
+    total = np.bincount(groups.place, groups.count * groups.disparity, size)
+    return np.where(number > 0, total / np.maximum(number, 1), np.nan)
+
+
+def _same_disparity(one: Float[np.ndarray, "p"], other: Float[np.ndarray, "p"]) -> bool:
+    both = np.isfinite(one) & np.isfinite(other)
+    return bool(both.any()) and float(np.median(np.abs(one - other)[both])) < _SAME
 
 
 def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np.ndarray, "m"]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._explanations import Hypothesis, mixture
@@ -19,7 +19,6 @@ from stereorecal.estimation._posterior import Posterior
 _THIRDS = 3
 _PLACES = 4  # at most: so many times as many frames, and each of these is left out with the others of its fourth
 _FEWEST = 6  # groups in a part, and in the rest
-_SAME_PLACE = 1.0  # pixels of disparity: what a matcher tells apart
 
 
 @dataclass(frozen=True)
@@ -42,15 +41,16 @@ class HeldOut:
 
 
 def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
-    """Thirds of the view over all frames, by columns and by rows; and places, where frames show several."""
+    """Thirds of the view over all frames, by columns and by rows; and frames, where these do not all show the same."""
     row, column = np.divmod(groups.place, PLACES[0])
     for kind, of_kind, number in (("columns", column, PLACES[0]), ("rows", row, PLACES[1])):
         third = of_kind * _THIRDS // number
         yield from ((f"{kind} {index + 1} of {_THIRDS}", third == index) for index in range(_THIRDS))
-    places = frames_by_place(groups)
-    for part in range(min(len(places), _PLACES) if len(places) > 1 else 0):
-        frames = [frame for place in places[part::_PLACES] for frame in place]
-        yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, frames)
+    scenes = np.unique(groups.frame)
+    for part in range(min(len(scenes), _PLACES) if len(scenes) > 1 else 0):
+        some = scenes[part::_PLACES]
+        frames = np.flatnonzero(np.isin(groups.first, some)).tolist()
+        yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, some)
 
 
 def rests(
@@ -63,29 +63,3 @@ def rests(
             continue
         several = [one for some in hypotheses for one in some.explained(prior, likely, some.rows.of(~inside))]
         yield name, inside, mixture(several)
-
-
-def frames_by_place(groups: Groups) -> list[tuple[int, ...]]:
-    """Numbers of the frames, those of the same place together. Frames between which half of what both show hardly
-    changes its disparity err alike: neither tests what the other says."""
-    frames = np.unique(groups.frame)
-    disparity = np.stack([_disparities(groups.of(groups.frame == frame)) for frame in frames])
-    found: list[list[int]] = []
-    for index in range(len(frames)):
-        same = (place for place in found if any(_same_disparity(disparity[index], disparity[other]) for other in place))
-        place = next(same, None)
-        found.append([index]) if place is None else place.append(index)
-    return [tuple(frames[place].tolist()) for place in found]
-
-
-def _disparities(groups: Groups) -> Float[np.ndarray, "p"]:
-    """At each place of the view, on average; NaN where nothing is shown."""
-    size = int(np.prod(PLACES))
-    number = np.bincount(groups.place, groups.count, size)
-    total = np.bincount(groups.place, groups.count * groups.disparity, size)
-    return np.where(number > 0, total / np.maximum(number, 1), np.nan)
-
-
-def _same_disparity(one: Float[np.ndarray, "p"], other: Float[np.ndarray, "p"]) -> bool:
-    both = np.isfinite(one) & np.isfinite(other)
-    return bool(both.any()) and float(np.median(np.abs(one - other)[both])) < _SAME_PLACE

@@ -23,7 +23,7 @@ from stereorecal.estimation._explanations import (
     mixture,
 )
 from stereorecal.estimation._frames import other_rigs
-from stereorecal.estimation._groups import FEWEST_GROUPS, grouped
+from stereorecal.estimation._groups import FEWEST_GROUPS, first_of_same, grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -120,7 +120,9 @@ def solved(
         estimated,
         groups=len(residual),
         residual_px=float(np.sqrt(np.mean(residual**2))),
-        other_rigs=other_rigs(rows, sum(best.misfit), posterior.mean),
+        other_rigs=other_rigs(
+            _rows_of_frames(found, rows, chart, prior, posterior.mean), sum(best.misfit), posterior.mean
+        ),
         shown=rows.groups,
         hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
     )
@@ -150,6 +152,8 @@ def _settled(
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
         return None, misfit
+    first = first_of_same(groups)
+    groups = grouped(found, chart, theta, first)
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
@@ -163,10 +167,19 @@ def _settled(
         move = (0.5 if step @ last < 0.0 else 1.0) * step * deviations
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
-            groups = grouped(found, chart, theta)
+            groups = grouped(found, chart, theta, first)
         rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     return rows, misfit
+
+
+def _rows_of_frames(
+    found: Correspondences, rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"]
+) -> LinearGroups:
+    """The rows near θ, each frame by itself."""
+    if len(rows.frames) == len(rows.groups.first):
+        return rows
+    return linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
 
 
 def _searched(

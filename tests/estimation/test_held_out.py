@@ -5,26 +5,31 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from parts_of_estimates import Groups, parts_of
+from parts_of_estimates import Groups, first_of_same, parts_of
 
-from stereorecal.estimation import PLACES, estimate, frames_by_place
+from stereorecal.estimation import PLACES, estimate
 from stereorecal.objectives import BASELINE
 
 DRIFT = (0.3, 0.2, -0.4, 0.2, -0.3)
 
 
 def shown(disparity) -> Groups:
-    """Of frames (f, p) that show these disparities, at as many places."""
+    """Of frames (f, p) that show these disparities, at as many places; each is the first of its own."""
     frames, size = np.shape(disparity)
     rays, one = np.tile([0.0, 0.0, 1.0], (frames * size, 1)), np.ones(frames * size)
     frame, place = np.repeat(np.arange(frames), size), np.tile(np.arange(size), frames)
-    return Groups(rays, rays, 0.0 * one, one, frame, place, np.ravel(disparity), one.astype(int), 500.0, one)
+    found = Groups(rays, rays, 0.0 * one, one, frame, place, np.ravel(disparity), one.astype(int), 500.0, one)
+    return replace(found, first=np.arange(frames))
 
 
 @given(places=st.lists(st.integers(0, 5), min_size=1, max_size=9), seed=st.integers(0, 99))
 def test_parts_of_a_kind_are_all_of_the_view_each_once(places, seed):
-    """Columns, rows, and frames, those of the same place in the same part."""
+    """Columns, rows, and frames, those that show the same in the same part."""
     groups = shown(20.0 * np.array(places)[:, None] + np.zeros((len(places), int(np.prod(PLACES)))))
+    first = first_of_same(groups)
+    assert [places[one] for one in first] == places
+    assert len(set(first)) == len(set(places))
+    groups = replace(groups, frame=first[groups.frame], first=first)
     groups = groups.of(np.random.default_rng(seed).random(len(groups)) < 0.7)
     kinds: dict[str, list[np.ndarray]] = {}
     for name, inside in parts_of(groups):
@@ -38,14 +43,14 @@ def test_parts_of_a_kind_are_all_of_the_view_each_once(places, seed):
     assert len(kinds["columns"]) == len(kinds["rows"]) == 3
 
 
-def test_frames_are_of_one_place_if_half_of_it_stays():
+def test_frames_show_the_same_if_half_of_it_stays():
     """Whatever passes near."""
     still = np.full(int(np.prod(PLACES)), 10.0)
     passed, most = still.copy(), still.copy()
     passed[: round(0.4 * len(still))] += 30.0
     most[: round(0.6 * len(still))] += 30.0
-    assert frames_by_place(shown([still, passed])) == [(0, 1)]
-    assert frames_by_place(shown([still, most])) == [(0,), (1,)]
+    assert first_of_same(shown([still, passed])).tolist() == [0, 0]
+    assert first_of_same(shown([still, most])).tolist() == [0, 1]
 
 
 def test_estimates_from_the_rest_say_the_same(rig, chart, prior, seen):
