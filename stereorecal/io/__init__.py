@@ -32,18 +32,17 @@ from stereorecal.io._strict_json import (
     write_json as write_json,
 )
 from stereorecal.io._tables import load_odometer as load_odometer, load_ranges as load_ranges
-from stereorecal.io.formats._load_and_save import (
+from stereorecal.io.formats._load_rig import has_own_unit as has_own_unit, load_rig as load_rig
+from stereorecal.io.formats._save_rig import (
     calibration_files as calibration_files,
     calibration_json as calibration_json,
     check_savable as check_savable,
-    load_rig as load_rig,
     prior_beside as prior_beside,
     save_rig as save_rig,
     save_template as save_template,
     unit_read as unit_read,
     unsaid_unit as unsaid_unit,
 )
-from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs

@@ -13,10 +13,9 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._load_and_save import warn_of_file
+from stereorecal.io.formats._load_rig import read_files, warn_of_file
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.formats._read_rig import checked_cameras, read_files, rig_in
+from stereorecal.io.formats._read_rig import checked_cameras, named, rig_in
 from stereorecal.io.formats._rig_file import KEY, file_of
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos

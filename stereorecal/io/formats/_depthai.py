@@ -23,9 +23,9 @@ from stereorecal.io.formats._format import (
     pose,
     rig_of,
 )
-from stereorecal.io.formats._numbers import coefficients, numbers, pixels, scalars, value
+from stereorecal.io.formats._numbers import coefficients, image_size, numbers, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats.text._nodes import Keys, Values, at, under
+from stereorecal.io.formats.text._nodes import Keys, Values, at
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
@@ -97,7 +97,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     moved = stated_pose(left_to_right(rig))
     place = ("cameraData", _index(content, socket), 1, "extrinsics")
     values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
-    values |= under((*place, "translation"), "xyz", moved[:3, 3].tolist())
+    values |= {(*place, "translation", axis): float(moved[row, 3]) for row, axis in enumerate("xyz")}
     if sockets == _sockets(content, Hints()) and at(content, (_STEREO, "rectifiedRotationLeft")):
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
@@ -105,7 +105,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
     for side, camera in target.cameras(rig):
         data = ("cameraData", _index(content, sockets[side]), 1)
         stated = _data(content, sockets[side])
-        size, least = (pixels(stated, "width"), pixels(stated, "height")), len(stated["distortionCoeff"])
+        size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
         if camera.model == "equidistant":
             lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
         else:
@@ -144,7 +144,7 @@ def _camera(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
                 "the camera is neither of the perspective model (cameraType 0) nor a fisheye (1); undistort the "
                 "images, or calibrate it as such."
             )
-        size = pixels(data, "width"), pixels(data, "height")
+        size = image_size(data, "width", "height")
         matrix = numbers(data, "intrinsicMatrix", (3, 3))
         lens = numbers(data, "distortionCoeff", (-1,))
         fisheye = kind == _FISHEYE

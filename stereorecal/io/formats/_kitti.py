@@ -23,7 +23,7 @@ _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
 _TABLE = Table(
     size="S_{}",
     matrix="K_{}",
-    shape=(9,),
+    square=True,
     lenses={"": Lens("D_{}", counts=(5,))},
     pose=Pose("R_{}", "T_{}"),  # of camera 00 in the frame of another one
     where="camera {}",

@@ -36,7 +36,6 @@ from stereorecal.io.formats._numbers import (
     matrix_values,
     model_named,
     numbers,
-    pixels,
     rotation_matrix,
     size_of,
 )
@@ -103,7 +102,7 @@ class _Matrices:
             if key in self.content:
                 return image_size(self.content, key)
         if "image_width" in self.content:
-            return pixels(self.content, "image_width"), pixels(self.content, "image_height")
+            return image_size(self.content, "image_width", "image_height")
         return size_in(self.entries) or hints.needed_size("the file has no image size (imageSize)")
 
 

@@ -7,7 +7,7 @@ It finds the files, pairs the images (`load_matched`), reads the calibration (`r
 """
 
 from stereorecal.io.formats._format import Hints as Hints
-from stereorecal.io.formats._read_rig import read_files as read_files
+from stereorecal.io.formats._load_rig import read_files as read_files
 from stereorecal.io.images._image_files import natural_order as natural_order
 from stereorecal.io.images._load_pairs import load_matched as load_matched
 from stereorecal.io.images._match_by_name import Matched as Matched, by_stem as by_stem, match_keys as match_keys

@@ -5,7 +5,7 @@ from pathlib import Path
 from stereorecal._errors import InputError
 from stereorecal.io._scenes import remark_sizes
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem
 from stereorecal.io.layouts._layout import log_of

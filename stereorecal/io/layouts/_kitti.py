@@ -10,7 +10,7 @@ from jaxtyping import Shaped
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import read_text
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched

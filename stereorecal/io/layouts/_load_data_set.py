@@ -6,7 +6,7 @@ from pathlib import Path
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._load_and_save import warn_of_file
+from stereorecal.io.formats._load_rig import warn_of_file
 from stereorecal.io.layouts import _euroc, _kitti, _plain_log
 from stereorecal.io.layouts._layout import Layout, folder_name
 from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder

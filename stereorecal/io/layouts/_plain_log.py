@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._scenes import Calibration, fitting, read_json_object
-from stereorecal.io.formats._load_and_save import load_rig
+from stereorecal.io.formats._load_rig import load_rig
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.layouts._layout import folder_name
 from stereorecal.io.layouts._scene_folder import load_sides

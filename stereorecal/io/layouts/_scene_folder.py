@@ -15,7 +15,8 @@ from stereorecal._errors import InputError
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._scenes import Calibration, fitting, load_calibration
-from stereorecal.io.formats._read_rig import as_in_file, looks_calibrated
+from stereorecal.io.formats._load_rig import looks_calibrated
+from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
