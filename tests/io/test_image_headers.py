@@ -11,7 +11,7 @@ import pytest
 from refusals import refused
 
 from stereorecal.io import load_pair, load_rig
-from stereorecal.io.images._image_files import announced_size, bytes_per_pixel, ends_properly
+from stereorecal.io.images._image_files import announced_size
 
 ENDINGS = [".png", ".jpg", ".tif", ".bmp", ".pgm", ".ppm", ".webp", ".jp2"]
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)
@@ -28,36 +28,18 @@ def test_announced_size_and_damaged_headers(ending: str):
     assert announced_size(data) == (81, 70)
     for length in range(64):
         announced_size(data[:length])
-        bytes_per_pixel(data[:length])
-        assert not (length > 8 and ending in (".png", ".jpg") and ends_properly(data[:length]))
     for place in range(64):
         announced_size(data[:place] + b"\xff" + data[place + 1 :])
 
 
-@pytest.mark.parametrize("ending", [".png", ".tif"])
-@pytest.mark.parametrize("channels", [1, 3, 4])
-@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
-def test_bytes_per_pixel(ending: str, channels: int, kind: type):
-    image = np.zeros((7, 9, channels), kind)
-    assert bytes_per_pixel(cv2.imencode(ending, image)[1].tobytes()) == channels * np.dtype(kind).itemsize
-
-
-def tiff(samples: int, depth: int, order: str = ">") -> bytes:
-    """The header of one of 81x70; more than two depths stand behind the tags, as the format has it."""
-    behind = 8 + 2 + 4 * 12 + 4
-    found = struct.pack(f"{order}2sHIH", b"MM" if order == ">" else b"II", 42, 8, 4)
-    for tag, count, value in ((256, 1, 81), (257, 1, 70), (258, samples, depth), (277, 1, samples)):
-        kind = "I" if count > 2 else "Hxx"
-        found += struct.pack(f"{order}HHI{kind}", tag, 3, count, behind if count > 2 else value)
-    return found + bytes(4) + struct.pack(f"{order}{samples}H", *[depth] * samples)
-
-
 @pytest.mark.parametrize("order", "<>")
-@pytest.mark.parametrize(("samples", "depth", "expected"), [(1, 1, 1), (1, 12, 2), (3, 8, 3), (3, 16, 6), (4, 16, 8)])
-def test_a_tiff_of_either_byte_order(order: str, samples: int, depth: int, expected: int):
-    data = tiff(samples, depth, order)
-    assert announced_size(data) == (81, 70)
-    assert bytes_per_pixel(data) == expected
+@pytest.mark.parametrize("kind", "HI")
+def test_a_tiff_of_either_byte_order(order: str, kind: str):
+    tags = b"".join(
+        struct.pack(f"{order}HHI{kind}{'xx' if kind == 'H' else ''}", tag, "HI".index(kind) + 3, 1, value)
+        for tag, value in ((256, 81), (257, 70))
+    )
+    assert announced_size(struct.pack(f"{order}2sHIH", b"MM" if order == ">" else b"II", 42, 8, 2) + tags) == (81, 70)
 
 
 def test_a_bitmap_from_top_to_bottom_has_a_negative_height():
@@ -72,23 +54,16 @@ def test_markers_of_a_jpeg_that_are_no_frame(marker: int):
     assert announced_size(data[:2] + other + data[2:]) == (81, 70)
 
 
-@pytest.mark.parametrize(
-    ("size", "depth", "kind", "words"),
-    [
-        (8191, 16, 6, "takes more than 256 MB"),  # four channels: half a gigabyte
-        (20_000, 8, 2, "claims to be 20000x20000"),
-    ],
-)
-def test_an_enormous_image_is_not_decoded(tmp_path: Path, size: int, depth: int, kind: int, words: str):
+def test_an_enormous_image_is_not_decoded(tmp_path: Path):
     """It has no pixels, which a decoder would say first."""
 
     def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
     path = tmp_path / "image.png"
-    header = struct.pack(">IIBBBBB", size, size, depth, kind, 0, 0, 0)
+    header = struct.pack(">IIBBBBB", 20_000, 20_000, 8, 2, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", b"") + chunk(b"IEND", b""))
-    refused(lambda: load_pair(path, tmp_path / "right.png"), words)
+    refused(lambda: load_pair(path, tmp_path / "right.png"), "claims to be 20000x20000")
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no endless file")

@@ -191,7 +191,8 @@ def _source(path: Path) -> FrameSource:
     if is_video(path):
         return video_source(path)
     files = find_images(path)
-    return FrameSource(str(path), tuple(file.name for file in files), None, lambda index: read_image(str(files[index])))
+    names = tuple(file.name for file in files)
+    return FrameSource(str(path), names, None, lambda index: read_image(str(files[index]))[0])
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:
