@@ -18,7 +18,6 @@ from stereorecal.io._atomic import (
     write_text as write_text,
 )
 from stereorecal.io._read_files import about as about, files_read as files_read
-from stereorecal.io._save_maps import save_maps as save_maps
 from stereorecal.io._scenes import (
     bag_scene as bag_scene,
     calibrated_scene as calibrated_scene,
@@ -38,6 +37,7 @@ from stereorecal.io.formats._save_rig import (
     calibration_json as calibration_json,
     check_savable as check_savable,
     prior_beside as prior_beside,
+    save_maps as save_maps,
     save_rig as save_rig,
     save_template as save_template,
     unit_read as unit_read,
@@ -53,4 +53,4 @@ from stereorecal.io.layouts._load_data_set import (
     load_log as load_log,
     load_scene as load_scene,
 )
-from stereorecal.io.layouts._scene_folder import save_scene as save_scene
+from stereorecal.io.layouts._own_folders import save_scene as save_scene

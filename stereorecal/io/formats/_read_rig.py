@@ -10,9 +10,7 @@ from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry import AS_IN_FILE, METRES, Camera, StereoRig, euler_from_rotation, inferred_unit
 from stereorecal.io._read_files import about
 from stereorecal.io.formats import (
-    _basalt,
     _calibrators,
-    _depthai,
     _devices,
     _kalibr,
     _kitti,
@@ -30,8 +28,8 @@ FORMATS = (
     _stereorecal.FORMAT,
     _kalibr.FORMAT,
     _calibrators.BOOFCV,
-    _basalt.FORMAT,
-    _depthai.FORMAT,
+    _slam.BASALT,
+    _devices.DEPTHAI,
     _ros.FORMAT,
     _ros.IN_ONE_FILE,
     _slam.EUROC,

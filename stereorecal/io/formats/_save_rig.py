@@ -1,5 +1,7 @@
-"""From a rig to files: a copy of the calibration file that it came from, or a new one, and its prior."""
+"""From a rig to files: a copy of the calibration file that it came from, or a new one, and its prior; and rectifying
+maps."""
 
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -8,8 +10,18 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import METRES, StereoRig, checked_rig, checked_unit, same_camera, same_rig
-from stereorecal.io._atomic import write_files
+from stereorecal.geometry import (
+    METRES,
+    PINHOLE,
+    AnyView,
+    StereoRig,
+    checked_rig,
+    checked_unit,
+    rectification,
+    same_camera,
+    same_rig,
+)
+from stereorecal.io._atomic import write_bytes, write_files
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _opencv, _stereorecal
@@ -162,6 +174,27 @@ def _with_info(text: str, info: Mapping[str, Any]) -> str:
     """A calib.json with other keys, which come first; byte for byte, if it has them already."""
     content, info = parse_json(text), {key: item for key, item in info.items() if key != KEY}
     return text if info.keys() <= content.keys() else calibration_text({**info, **content})
+
+
+def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False, view: AnyView = None) -> None:
+    """Write what `sr.rectification(rig, view)` holds as an .npz, whole or not at all: `left_x`, `left_y`, `right_x`,
+    `right_y` (h, w) float32, as `cv2.remap` takes them, `R1`, `R2`, `size` (width, height), `projection` by name,
+    `focal`, and `centre_left`, `centre_right`, `centre_row` of the rectified images, pixels; of a pinhole also `P1`,
+    `P2` and `Q`.
+
+    Raises:
+        InputError: if the file exists already, the place cannot be written to, or the view makes no sense.
+    """
+    made = rectification(rig, view)
+    (left_x, left_y), (right_x, right_y) = made.maps
+    arrays: dict[str, Any] = {"left_x": left_x, "left_y": left_y, "right_x": right_x, "right_y": right_y}
+    arrays |= {"size": np.array(made.size), "R1": made.R1, "R2": made.R2, "projection": np.array(made.view.projection)}
+    for name in ("focal", "centre_left", "centre_right", "centre_row"):
+        arrays[name] = np.array(float(getattr(made.view, name)))
+    arrays |= {"P1": made.P1, "P2": made.P2, "Q": made.Q} if made.view.projection == PINHOLE else {}
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)
+    write_bytes(path, file.getvalue(), replace=overwrite)
 
 
 # --- the texts

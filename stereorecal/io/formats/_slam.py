@@ -1,7 +1,8 @@
-"""Settings of odometry and SLAM: EuRoC's sensor.yaml (ASL format), one file for each camera; VINS-Fusion's, which name
-two files of cameras beside (camodocal's); and ORB-SLAM's, of raw or of rectified images."""
+"""Settings of odometry and SLAM: EuRoC's sensor.yaml (ASL format), one file for each camera; Basalt's calibration.json,
+poses of cameras on an IMU as quaternions; VINS-Fusion's, which name two files of cameras beside (camodocal's); and
+ORB-SLAM's, of raw or of rectified images."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,11 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, inverse, pose, rig_of
-from stereorecal.io.formats._numbers import image_size, numbers, pinhole_matrix, scalars, size_of, value
+from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Target, inverse, pose, rig_of
+from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document, read_document
+from stereorecal.io.formats.text._nodes import Values
 
 _TERMS = "distortion_coefficients"
 # Names of OpenCV's k1 k2 p1 p2: in EuRoC's files, and in those of Kalibr and ROS.
@@ -38,6 +40,89 @@ EUROC = Format(
     syntax=YAML,
     blank=_EUROC.blank,
     write=_EUROC.write,
+)
+
+# --- Basalt: camera 0 is the left one, camera 1 the right one, unless others are chosen
+
+_INTRINSICS, _STANDS = "value0/intrinsics/{}/intrinsics", "value0/T_imu_cam/{}"
+_FOUR, _PLACE, _TURN, _RADTAN8 = "fx fy cx cy", "px py pz", "qx qy qz qw", "pinhole-radtan8"
+_TERMS_OF = {_RADTAN8: "k1 k2 p1 p2 k3 k4 k5 k6", "kb4": "k1 k2 k3 k4", "ds": "xi alpha", "eucm": "alpha beta"}
+_MODELS_OF = {"kb4": "equidistant", "ds": "ds", "eucm": "eucm"}  # the others are OpenCV's
+# Keys that Basalt's reader requires; the numbers of an unknown IMU are those of its EuRoC example.
+_IMU = {
+    "value0/calib_accel_bias": [0.0] * 9,
+    "value0/calib_gyro_bias": [0.0] * 12,
+    "value0/imu_update_rate": 200.0,
+    "value0/accel_noise_std": [0.016] * 3,
+    "value0/gyro_noise_std": [0.000282] * 3,
+    "value0/accel_bias_std": [0.001] * 3,
+    "value0/gyro_bias_std": [0.0001] * 3,
+    "value0/cam_time_offset_ns": 0,
+    "value0/vignette": [],
+}
+
+
+def _matrix(turn: Array) -> Array:
+    if np.linalg.norm(turn) < 1e-6:
+        raise InputError("the quaternion of T_imu_cam is zero; correct it.")
+    from scipy.spatial.transform import Rotation  # a third of a second to import
+
+    return Rotation.from_quat(turn).as_matrix()
+
+
+def _quaternion(turn: Array) -> Array:
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(turn).as_quat()
+
+
+_BASALT = Table(
+    size="value0/resolution/{}",
+    matrix=places(_INTRINSICS, _FOUR),
+    words=("value0/intrinsics/{}/camera_type",),
+    lenses={"pinhole": Lens()}
+    | {name: Lens(places(_INTRINSICS, terms), _MODELS_OF.get(name, Lens.model)) for name, terms in _TERMS_OF.items()},
+    pose=Pose(places(_STANDS, _TURN), places(_STANDS, _PLACE), inverted=True, decode=_matrix, encode=_quaternion),
+    names=("0", "1"),
+    holder="Basalt's model",
+    fixed=_IMU,
+)
+
+
+def _looks_like_basalt(document: Document) -> bool:
+    """Whether there are poses of cameras on an IMU."""
+    inside = document.content.get("value0")
+    return isinstance(inside, Mapping) and "T_imu_cam" in inside
+
+
+def _cameras_of_basalt(documents: Documents) -> tuple[str, ...]:
+    """The numbers of the cameras."""
+    poses = documents[0].content["value0"]["T_imu_cam"]
+    return tuple(map(str, range(len(poses)))) if isinstance(poses, list) else _BASALT.names
+
+
+def _write_basalt(rig: StereoRig, target: Target) -> Sequence[Values]:
+    """The numbers of the table, and how far a rational lens holds."""
+    (values,), content = _BASALT.write(rig, target), target.documents[0].content["value0"]
+    chosen = [*map(int, target.hints.cameras or _BASALT.names)]
+    limits = {
+        ("value0", "intrinsics", chosen[side], "intrinsics", "rpmax"): float(camera.lens_radius)
+        for side, camera in target.cameras(rig)
+        if content["intrinsics"][chosen[side]]["camera_type"] == _RADTAN8
+    }
+    return [values | limits]
+
+
+BASALT = Format(
+    "basalt",
+    "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)",
+    "m",
+    _looks_like_basalt,
+    _BASALT.read,
+    cameras=_cameras_of_basalt,
+    syntax=JSON,
+    blank=_BASALT.blank,
+    write=_write_basalt,
 )
 
 # --- VINS-Fusion

@@ -1,27 +1,58 @@
 """Public data sets: EuRoC, and others in the ASL format; and KITTI's: raw data, rectified or not, odometry, and the
 stereo benchmarks of 2012 and 2015."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import jax
 import numpy as np
 from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import read_text
-from stereorecal.io._scenes import remark_sizes
+from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
-from stereorecal.io.layouts._layout import Sequence, log_of
-from stereorecal.recordings import Log
+from stereorecal.io.layouts._own_folders import folder_name
+from stereorecal.recordings import LazyPairs, Log, Mission
 
+Sequence = tuple[Path, StereoRig, LazyPairs]  # its folder, the rig, the pairs
 _Sides = tuple[str, str]  # the folders of the left and the right camera
 _IF_MISSING = "download {} from KITTI's page and unpack it over the images."
+
+
+def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
+    """The log of the sequences in a folder, each named after its own folder.
+
+    A single calibration is named "stored"; of several, each is named after the first sequence that has it.
+
+    Raises:
+        InputError: if there is no sequence, or the first images of one do not fit its calibration; of others, this is
+            said when they are read.
+    """
+    found: list[tuple[str, Hashable, LazyPairs]] = []
+    rigs: dict[Hashable, tuple[str, StereoRig]] = {}
+    for place, rig, pairs in sequences:
+        name = folder_name(folder) if place == folder else place.name
+        rigs.setdefault(_rig_key(rig), (name, rig))
+        found.append((name, _rig_key(rig), fitting(place, Calibration(rig.sizes_taken[0], rig), pairs)))
+    names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
+    calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
+    return Log(
+        folder_name(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found)
+    )
+
+
+def _rig_key(rig: StereoRig) -> Hashable:
+    """A key that is equal for equal rigs."""
+    leaves, structure = jax.tree.flatten(rig)
+    return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,39 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._load_rig import warn_of_file
-from stereorecal.io.layouts import _data_sets, _plain_log
-from stereorecal.io.layouts._layout import Layout, folder_name
-from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
+from stereorecal.io.layouts import _data_sets, _own_folders
+from stereorecal.io.layouts._own_folders import folder_name, is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
+
+
+@runtime_checkable
+class Layout(Protocol):
+    """A module, or an object, that recognises a folder by what is in it and reads it as a log."""
+
+    @property
+    def LAYOUT(self) -> str:
+        """Its name and its files, for the message about a folder that no layout recognises: a constant."""
+        ...
+
+    def recognises(self, folder: Path, /) -> bool:
+        """Whether the folder has this layout. Looks at names only, and opens no file."""
+        ...
+
+    def read(self, folder: Path, limit: int | None, /) -> Log:
+        """The log in the folder, of each sequence the first `limit` pairs or all."""
+        ...
+
 
 # The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
 # but only the names of its images end in _10.
 _LAYOUTS: tuple[Layout, ...] = (
-    _plain_log,
+    _own_folders,
     _data_sets.KITTI_RAW,
     _data_sets.KITTI_STEREO,
     _data_sets.KITTI_ODOMETRY,
