@@ -64,7 +64,7 @@ def _composed(text: str) -> yaml.Node:
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
         nodes = list(yaml.compose_all(text, _Loader))
-        nodes = [node for node in nodes if len(nodes) == 1 or not _is_empty(node)]
+        nodes = [node for node in nodes if len(nodes) == 1 or not isinstance(node, ScalarNode) or node.value]
     except (yaml.YAMLError, UnicodeError, RecursionError):
         nodes = []
     node = nodes[0] if len(nodes) == 1 else _list_of(nodes) if nodes else None
@@ -76,10 +76,6 @@ def _composed(text: str) -> yaml.Node:
     except RecursionError:
         raise InputError(DAMAGED) from None
     return node
-
-
-def _is_empty(node: yaml.Node) -> bool:
-    return isinstance(node, ScalarNode) and not node.value
 
 
 def _list_of(nodes: list[yaml.Node]) -> yaml.Node:
