@@ -63,8 +63,8 @@ def _composed(text: str) -> yaml.Node:
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
-        nodes = list(yaml.compose_all(text, _Loader))
-        nodes = [node for node in nodes if len(nodes) == 1 or not isinstance(node, ScalarNode) or node.value]
+        found: list[yaml.Node] = list(yaml.compose_all(text, _Loader))
+        nodes = [node for node in found if len(found) == 1 or not isinstance(node, ScalarNode) or node.value]
     except (yaml.YAMLError, UnicodeError, RecursionError):
         nodes = []
     node = nodes[0] if len(nodes) == 1 else _list_of(nodes) if nodes else None
