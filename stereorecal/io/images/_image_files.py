@@ -115,15 +115,19 @@ def natural_order(paths: Iterable[Path]) -> list[Path]:
 
 def read_image(path: str) -> tuple[Pixels, int]:
     """The pixels of an image file as stored, (h, w) or (h, w, c) in BGR order, and its EXIF orientation, 1 to 8."""
+    return decode_image(image_bytes(path), path)
+
+
+def image_bytes(path: str) -> bytes:
+    """The content of an image file."""
     note_input(path)
     try:
         with open(path, "rb") as file:
-            data = file.read(_MOST_BYTES + 1)
+            return file.read(_MOST_BYTES + 1)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check the path.") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
-    return decode_image(data, path)
 
 
 def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:

@@ -15,7 +15,7 @@ import cv2
 from stereorecal._errors import CalibrationWarning, InputError, check_exists
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._frame_source import counted_times
-from stereorecal.io.images._image_files import images_in, natural_order, read_image
+from stereorecal.io.images._image_files import image_bytes, images_in, natural_order, read_image
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
@@ -23,6 +23,7 @@ Size = tuple[int, int]
 Sizes = tuple[Size, Size]  # (width, height) of the left and of the right camera's images
 Tags = tuple[int, int]  # EXIF orientations, 1 to 8, of the left and the right image
 UPRIGHT = (1, 1)
+_EXIF = (b"Exif", b"eXIf", b"EXIF")  # what files that state one have in them: JPEG, PNG, WebP
 
 
 def fitted_pair(images: Sequence[Any], tags: Tags, sizes: Sizes | None, about: str, name: str, **more: Any) -> Pair:
@@ -125,6 +126,8 @@ def _read_both(left: str, right: str) -> tuple[tuple[Any, Any], Tags]:
 def _remark(left: str, right: str, sizes: Sizes | None) -> None:
     """Say how images with an EXIF orientation are read; what is wrong with a file is said when it is used."""
     try:
+        if not any(name in image_bytes(path) for path in (left, right) for name in _EXIF):
+            return  # without decoding them
         images, tags = _read_both(left, right)
     except InputError:
         return
