@@ -23,7 +23,8 @@ def tagged(image: np.ndarray, tag: int, ending: str = ".jpg", order: str = "<") 
             chunk = b"eXIf" + facts
             return data[:33] + struct.pack(">I", len(facts)) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[33:]
         case _:
-            return data + b"EXIF" + struct.pack("<I", len(facts)) + facts
+            kinds, facts = [cv2.IMAGE_METADATA_EXIF], [np.frombuffer(facts, np.uint8)]
+            return cv2.imencodeWithMetadata(ending, image, kinds, facts)[1].tobytes()
 
 
 def stored(image: np.ndarray, tag: int) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stereorecal import InputError
+from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene
 
 SIZE = (24, 16)
@@ -28,6 +29,13 @@ def write_text(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
     return path
+
+
+def pose_of(turn, place) -> np.ndarray:
+    """A rigid motion (4, 4)."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation_from_vector(np.array(turn, float)), place
+    return pose
 
 
 def edit(path: Path, old: str, new: str) -> None:

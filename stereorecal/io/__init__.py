@@ -18,7 +18,6 @@ from stereorecal.io._atomic import (
     write_text as write_text,
 )
 from stereorecal.io._read_files import about as about, files_read as files_read
-from stereorecal.io._save_maps import save_maps as save_maps
 from stereorecal.io._scenes import (
     bag_scene as bag_scene,
     calibrated_scene as calibrated_scene,
@@ -32,18 +31,18 @@ from stereorecal.io._strict_json import (
     write_json as write_json,
 )
 from stereorecal.io._tables import load_odometer as load_odometer, load_ranges as load_ranges
-from stereorecal.io.formats._load_and_save import (
+from stereorecal.io.formats._load_rig import has_own_unit as has_own_unit, load_rig as load_rig
+from stereorecal.io.formats._save_rig import (
     calibration_files as calibration_files,
     calibration_json as calibration_json,
     check_savable as check_savable,
-    load_rig as load_rig,
     prior_beside as prior_beside,
+    save_maps as save_maps,
     save_rig as save_rig,
     save_template as save_template,
     unit_read as unit_read,
     unsaid_unit as unsaid_unit,
 )
-from stereorecal.io.formats._read_rig import has_own_unit as has_own_unit
 from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
 from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
@@ -54,4 +53,4 @@ from stereorecal.io.layouts._load_data_set import (
     load_log as load_log,
     load_scene as load_scene,
 )
-from stereorecal.io.layouts._scene_folder import save_scene as save_scene
+from stereorecal.io.layouts._own_folders import save_scene as save_scene

@@ -41,14 +41,20 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None
     complete: dict[Path, Path] = {}  # new files, which have no names yet
     try:
         for path, data in contents.items():
-            _check_free(path, replace)
             with _as_input_error(path):
+                if not replace and os.path.isfile(path):
+                    raise FileExistsError
                 if path.exists() and not path.is_file():
                     path.write_bytes(data)
-                else:
-                    final = Path(os.path.realpath(path))  # a link stays one
-                    complete[path] = final.with_name(f".{uuid.uuid4().hex[:16]}.tmp")  # names may be long already
-                    _write_through(complete[path], data, model=final)
+                    continue
+                final = Path(os.path.realpath(path))  # a link stays one
+                complete[path] = final.with_name(f".{uuid.uuid4().hex[:16]}.tmp")  # names may be long already
+                with open(complete[path], "xb") as file:
+                    file.write(data)
+                    file.flush()
+                    os.fsync(file.fileno())
+                if final.exists():
+                    copy_permissions(complete[path], final)
         _give_names(complete, replace)
     finally:
         for temporary in complete.values():
@@ -112,28 +118,11 @@ def _as_input_error(path: Path) -> Iterator[None]:
     try:
         yield
     except FileExistsError:
-        raise _taken(path) from None
+        raise InputError(
+            f"{path}: the file exists already; choose another name, or say overwrite=True (--force)."
+        ) from None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another place or make room.") from error
-
-
-def _check_free(path: Path, replace: bool) -> None:
-    if not replace and os.path.isfile(path):
-        raise _taken(path)
-
-
-def _taken(path: Path) -> InputError:
-    return InputError(f"{path}: the file exists already; choose another name, or say overwrite=True (--force).")
-
-
-def _write_through(path: Path, data: bytes, model: Path) -> None:
-    """Write a new file, with the permissions of `model` if that exists, until it is on the disk."""
-    with open(path, "xb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
-    if model.exists():
-        copy_permissions(path, model)
 
 
 def back_up(path: AnyPath) -> Path:

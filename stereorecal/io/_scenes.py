@@ -13,10 +13,9 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._load_and_save import warn_of_file
+from stereorecal.io.formats._load_rig import read_files, warn_of_file
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.formats._read_rig import checked_cameras, read_files, rig_in
+from stereorecal.io.formats._read_rig import checked_cameras, named, rig_in
 from stereorecal.io.formats._rig_file import KEY, file_of
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
@@ -120,15 +119,8 @@ def calibrated_scene(
     for path in paths:
         if not path.exists():
             raise InputError(f"{path}: there is no such file; check the path.")
-    hints = Hints(cameras=checked_cameras(cameras))
-    sizes = _stated_sizes(paths, format, unit, hints)
-    read = pairs(sizes)
-    hints = replace(hints, size=read[0].size if read else None, common_size=True)
-    found = load_calibration(paths, format, unit, hints)
-    where = " and ".join(map(str, paths))
-    with about(where):
-        scene = scene_of(name, found, read)
-    remark_sizes(where, sizes)
+    where, hints = " and ".join(map(str, paths)), Hints(cameras=checked_cameras(cameras))
+    scene = _assembled(name, pairs, where, lambda hints: load_calibration(paths, format, unit, hints), hints)
     warn_of_file(where, scene.rig)
     return scene
 
@@ -151,30 +143,39 @@ def bag_scene(
     place = bag_folder(Path(bag))
     infos = camera_infos(place, topics).items()
     documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)
-    rig = rig_in(documents, named("ros"), unit, Hints())
-    sizes = rig.sizes_taken
-    read = pairs(sizes)
-    hints = Hints(size=read[0].size if read else None, common_size=True)
-    rig = rig_in(documents, named("ros"), unit, hints).side_by_side()
-    with about(place):
-        scene = scene_of(str(place), Calibration(rig.sizes_taken[0], replace(rig, source=None)), read)
-    remark_sizes(str(place), sizes)
+
+    def load(hints: Hints) -> Calibration:
+        rig = rig_in(documents, named("ros"), unit, hints).side_by_side()
+        return Calibration(rig.sizes_taken[0], replace(rig, source=None))
+
+    scene = _assembled(str(place), pairs, str(place), load, Hints())
     warn_of_file(place, scene.rig)
     return scene
 
 
-def _stated_sizes(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Sizes | None:
-    """The sizes of both cameras' images; None where the file says none, is wrong, or is scaled to any."""
+def _assembled(
+    name: str,
+    pairs: Callable[[Sizes | None], Sequence[Pair]],
+    where: str,
+    load: Callable[[Hints], Calibration],
+    hints: Hints,
+) -> Scene:
+    """The scene of pairs and of what `load` finds, about `where`, which may depend on the size of the images."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            sizes = _sizes(load_calibration(paths, format, unit, hints))
-            if sizes[0] == sizes[1]:
-                return sizes
-            again = _sizes(load_calibration(paths, format, unit, replace(hints, size=common_size(sizes))))
-    except InputError:
-        return None
-    return sizes if again == sizes else None
+            sizes = _sizes(load(hints))
+            # A calibration that is scaled to images of any size says none for each camera.
+            if sizes[0] != sizes[1] and _sizes(load(replace(hints, size=common_size(sizes)))) != sizes:
+                sizes = None
+    except InputError:  # which is said below
+        sizes = None
+    read = pairs(sizes)
+    found = load(replace(hints, size=read[0].size if read else None, common_size=True))
+    with about(where):
+        scene = scene_of(name, found, read)
+    remark_sizes(where, sizes)
+    return scene
 
 
 def _sizes(calibration: Calibration) -> Sizes:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import read_text
+from stereorecal.io._read_files import about, read_text
 from stereorecal.recordings import Odometer, Range
 
 _SIGNS = ";\t|"  # that divide the columns of other tables
@@ -25,7 +25,7 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
         InputError: if the file cannot be read, or names the line that makes no sense.
     """
     headings, *lines = _lines(path, "one line for each range")
-    header = [name.strip() for name in headings]
+    header = headings
     if len(header) == 1 and any(sign in header[0] for sign in _SIGNS):
         raise InputError(f"{path}: the columns are not divided by commas; write {','.join(_COLUMNS)}.")
     along = _ALONG.get(header[3]) if len(header) > 3 else None
@@ -36,10 +36,10 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
         )
     found = []
     for number, line in enumerate(lines, start=2):
-        if not _says_something(line):
+        if not any(line):
             continue
         try:
-            pair, *cells = (cell.strip() for cell in line)
+            pair, *cells = line
             column, row, metres, sigma = (_parsed_number(cell) if cell else math.nan for cell in [*cells, ""][:4])
             if len(line) > len(header):
                 raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
@@ -59,25 +59,22 @@ def load_odometer(path: str | Path) -> Odometer:
     Raises:
         InputError: if the file cannot be read, or says what makes no sense.
     """
-    lines = [line for line in _lines(path, "one line for each time") if _says_something(line)]
-    header = [name.strip() for name in lines[0]] if lines else []
-    if header not in _KINDS:
-        headers = " or ".join(map(",".join, _KINDS))
-        raise InputError(f"{path}: the first line is not a header of an odometer file; it must be {headers}.")
-    try:
-        table = np.array([[float(cell) for cell in line] for line in lines[1:]], float).reshape(-1, len(header))
-    except ValueError as error:
-        raise InputError(
-            f"{path}: a line does not hold {len(header)} numbers ({error}); write them separated by commas."
-        ) from None
-    try:
+    header, *lines = [line for line in _lines(path, "one line for each time") if any(line)] or [[]]
+    with about(path):
+        if header not in _KINDS:
+            headers = " or ".join(map(",".join, _KINDS))
+            raise InputError(f"the first line is not a header of an odometer file; it must be {headers}.")
+        try:
+            table = np.array([[float(cell) for cell in line] for line in lines], float).reshape(-1, len(header))
+        except ValueError as error:
+            raise InputError(
+                f"a line does not hold {len(header)} numbers ({error}); write them separated by commas."
+            ) from None
         if header == _KINDS[0]:
             return Odometer(table[:, 0], table[:, 1])
         if header == _KINDS[1]:
             return Odometer.from_speeds(table[:, 0], table[:, 1])
         return Odometer.from_positions(table[:, 0], table[:, 1:])
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 def _parsed_number(cell: str) -> float:
@@ -92,13 +89,9 @@ def _parsed_number(cell: str) -> float:
 
 
 def _lines(path: str | Path, wanted: str) -> list[list[str]]:
-    """The cells of each line of a CSV file; there is one, at least."""
+    """The cells of each line of a CSV file, without space around them; there is one line, at least."""
     text = read_text(Path(path))
     try:
-        return list(csv.reader(text.splitlines()))
+        return [[cell.strip() for cell in line] for line in csv.reader(text.splitlines())]
     except csv.Error as error:
         raise InputError(f"{path}: not a table ({error}); write {wanted}.") from None
-
-
-def _says_something(line: list[str]) -> bool:
-    return any(cell.strip() for cell in line)

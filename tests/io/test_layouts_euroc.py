@@ -6,19 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from trees import EUROC_TIMES, SIZE, cut, edit, euroc, euroc_sensor, refused, write_image, write_text
+from trees import EUROC_TIMES, SIZE, cut, edit, euroc, euroc_sensor, pose_of, refused, write_image, write_text
 
 from stereorecal import InputError, StereoRig, UnsupportedModelError
-from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene
 
 SENSOR = "mav0/cam1/sensor.yaml"
-
-
-def pose_of(turn, place) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation_from_vector(np.array(turn, float)), place
-    return pose
 
 
 def rig_with_poses(folder: Path, poses: list[np.ndarray]) -> StereoRig:

@@ -21,6 +21,7 @@ from trees import (
     kitti_odometry,
     kitti_projections,
     kitti_raw,
+    pose_of,
     projection,
     refused,
     row,
@@ -31,7 +32,6 @@ from trees import (
 )
 
 from stereorecal import StereoRig, UnsupportedModelError
-from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene, save_rig
 from stereorecal.recordings import Pair
 
@@ -90,12 +90,6 @@ def test_grey_before_colour(tmp_path: Path, cameras: tuple[int, ...], chosen: tu
     left, right = chosen
     assert names(scene.pairs) == [(f"image_{left:02d}/data/0000000000.png", f"image_{right:02d}/data/0000000000.png")]
     assert_sees_as_the_projections(scene.rig, left, right)
-
-
-def pose_of(turn, place) -> np.ndarray:
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation_from_vector(np.array(turn, float)), place
-    return pose
 
 
 small = st.tuples(*[st.floats(-0.2, 0.2)] * 3)

@@ -13,7 +13,7 @@ from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_rig
-from stereorecal.io.formats._numbers import image_size, numbers, pixels, value
+from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats.text._nodes import number_or_word
 
 SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
@@ -49,9 +49,8 @@ def test_any_value_is_read_or_refused(content, shape: tuple[int, ...]):
         assert found.dtype == np.float64
         assert np.isfinite(found).all()
         assert found.shape == shape or (shape == (-1,) and found.ndim == 1)
-    for read in (image_size, pixels):
-        size = read_or_refused(lambda read=read: read({"size": content}, "size"), "size")
-        assert size is None or np.min(size) >= 1
+    size = read_or_refused(lambda: image_size({"size": content}, "size"), "size")
+    assert size is None or np.min(size) >= 1
 
 
 @given(st.lists(st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3), min_size=3, max_size=3))
@@ -87,20 +86,20 @@ def test_what_is_refused(content, shape: tuple[int, ...], words: str):
 
 
 def test_a_missing_key():
-    for read in (value, image_size, pixels, lambda content, key: numbers(content, key, (3,))):
+    for read in (value, image_size, lambda content, key: numbers(content, key, (3,))):
         refused(lambda read=read: read({"k": 1}, "K"), "the key 'K' is missing")
 
 
 @pytest.mark.parametrize("size", [0, -1, 24.5, 1e6 + 1e5, 1e300])
 def test_sizes_that_no_image_has(size: float):
     words = "but an image size is a whole number of pixels"
-    refused(lambda: pixels({"width": size}, "width"), "width is ", words)
+    refused(lambda: image_size({"width": size, "height": 1}, "width", "height"), "width is ", words)
     refused(lambda: image_size({"size": [24, size]}, "size"), "size is ", words)
 
 
 def test_sizes():
     assert image_size({"size": [[24.0], [16]]}, "size") == (24, 16)
-    assert pixels({"width": [[1 << 20]]}, "width") == 1 << 20
+    assert image_size({"width": [[1 << 20]], "height": 1}, "width", "height") == (1 << 20, 1)
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,14 @@
-"""Calibration files: one module per format.
+"""Calibration files: one module per format, or per family of small ones.
 
 A new format is one new module here, with a `FORMAT` as `_format.py` describes it, and a place in the list in
-`_format_list.py`: a table of places and conventions (`_table.py`) where the file has the cameras and how they stand,
+`_read_rig.py`: a table of places and conventions (`_table.py`) where the file has the cameras and how they stand,
 else two functions. It works in the file's own unit. It refuses a rig that it cannot hold, and names a format that can.
 
 - Texts are parsed, and changed in place, by `text/`; each value is read by `_numbers.py`.
-- `_read_rig.py` finds the format, converts the unit, and lets the rig remember its file (`_rig_file.py`);
-  `_write_rig.py` writes into a copy of that file, or of a blank one, and reads what it wrote.
+- `_load_rig.py` has `load_rig`, and finds the files and their format; `_read_rig.py` makes the rig, says which camera
+  is the left one, converts the unit, and lets the rig remember its file (`_rig_file.py`).
+- `_save_rig.py` has `save_rig`: it writes into a copy of that file, or of a blank one, and reads what it wrote.
 - `_rectification_matrices.py` computes the values that follow from the calibration.
 - A bad file raises an `InputError`, one sentence that names the file (`io/_read_files.py`) and the key; a camera model
   that is not supported raises an `UnsupportedModelError`.
-
-`_load_and_save.py` has `load_rig` and `save_rig`, which users call. `io/layouts` knows the files of data
-sets.
 """

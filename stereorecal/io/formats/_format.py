@@ -118,11 +118,6 @@ class Format:
             return self.looks_together(documents)
         return len(documents) == self.files and all(map(self.looks, documents))
 
-    def texts(self, rig: StereoRig, target: Target) -> tuple[str, ...]:
-        """The texts of the documents of a target with the numbers of a rig."""
-        values = self.write(rig, target)
-        return tuple(document.with_values(new) for document, new in zip(target.documents, values, strict=True))
-
 
 Motion = Float[np.ndarray, "4 4"]
 

@@ -16,14 +16,13 @@ from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syn
 from stereorecal.io.formats._numbers import check_straight, image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._table import Lens, Pose, Table
-from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 
 _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
 _TABLE = Table(
     size="S_{}",
     matrix="K_{}",
-    shape=(9,),
+    square=True,
     lenses={"": Lens("D_{}", counts=(5,))},
     pose=Pose("R_{}", "T_{}"),  # of camera 00 in the frame of another one
     where="camera {}",
@@ -107,11 +106,6 @@ ODOMETRY = Format(
 # --- calib_cam_to_cam.txt of raw data
 
 
-def _looks_raw(document: Document) -> bool:
-    """Whether there are lines of a camera that is numbered with two digits."""
-    return any(f"{key}_{pair[0]}" in document.content for key in ("K", "P_rect") for pair in _CHOICES)
-
-
 def _cameras(documents: Documents) -> tuple[str, ...]:
     """The cameras that there are, those first that are read by default."""
     pairs = sorted(_CHOICES, key=lambda pair: f"K_{pair[0]}" not in documents[0].content)
@@ -179,7 +173,7 @@ RAW = Format(
     "kitti-raw",
     "KITTI raw data's calib_cam_to_cam.txt (S_00, K_00, D_00, R_00, T_00 …)",
     "m",
-    _looks_raw,
+    lambda document: any(f"{key}_{pair[0]}" in document.content for key in ("K", "P_rect") for pair in _CHOICES),
     _read_raw,
     cameras=_cameras,
     syntax=COLONS,

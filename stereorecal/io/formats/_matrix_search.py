@@ -170,7 +170,7 @@ def has_cameras(documents: Documents) -> bool:
 
 def lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
     """The distortion coefficients: by their names, or the only two vectors that can be some."""
-    found = [entry for entry in entries if entry.array is not None and _is_lens(entry)]
+    found = [entry for entry in entries if _is_lens(entry)]
     named = [entry for entry in found if _LENS & set(entry.words)]
     return pair_of(named or found, "the distortion coefficients")
 
@@ -178,26 +178,20 @@ def lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
 def rectifications_in(entries: Sequence[Entry]) -> tuple[tuple[Entry, Entry], tuple[Entry, Entry]] | None:
     """The rotations that rectify the two cameras, and the projection matrices of the rectified ones."""
     rotations = pair_of([entry for entry in entries if _is_rotation(entry)], "the rectifying rotations")
-    projections = pair_of(
-        [entry for entry in entries if entry.array is not None and entry.array.shape == (3, 4)],
-        "the projection matrices",
-    )
+    of_shape = [entry for entry in entries if entry.array is not None and entry.array.shape == (3, 4)]
+    projections = pair_of(of_shape, "the projection matrices")
     return None if rotations is None or projections is None else (rotations, projections)
 
 
 def rotation_in(entries: Sequence[Entry]) -> Entry | None:
     """The rotation between the cameras: a matrix, else a vector of that name."""
-    for fits in (_is_rotation, _is_vector):
-        found = _between(entries, fits, _ROTATION, "the rotation", alone=fits is _is_rotation)
-        if found is not None:
-            return found
-    return None
+    matrix = _between(entries, _is_rotation, _ROTATION, "the rotation", alone=True)
+    return matrix or _between(entries, _is_vector, _ROTATION, "the rotation", alone=False)
 
 
 def translation_in(entries: Sequence[Entry]) -> Entry | None:
     """The translation between the cameras."""
-    rotation = [entry for entry in entries if _is_vector(entry) and _ROTATION & set(entry.words)]
-    others = [entry for entry in entries if entry not in rotation]
+    others = [entry for entry in entries if not _ROTATION & set(entry.words)]
     return _between(others, _is_vector, _TRANSLATION, "the translation", alone=True)
 
 
@@ -262,19 +256,15 @@ def is_camera(entry: Entry) -> bool:
 
 
 def _is_lens(entry: Entry) -> bool:
-    assert entry.array is not None
-    flat = entry.array.ndim == 1 and entry.array.size in (0, *_COUNTS)
-    words = set(entry.words)
-    named = bool(_LENS & words)
-    unnamed = entry.array.size >= 4 and not _NO_LENS & words
-    return flat and not _OF_RECTIFIED & words and (named or unnamed)
+    words, array = set(entry.words), entry.array
+    if array is None or array.ndim != 1 or array.size not in (0, *_COUNTS) or _OF_RECTIFIED & words:
+        return False
+    return bool(_LENS & words) or (array.size >= 4 and not _NO_LENS & words)
 
 
 def _is_rotation(entry: Entry) -> bool:
-    array = entry.array
-    if array is None or array.shape != (3, 3):
-        return False
-    return bool(np.abs(array @ array.T - np.eye(3)).max() < 1e-3 and np.linalg.det(array) > 0)
+    array = np.zeros(0) if entry.array is None else entry.array
+    return array.shape == (3, 3) and bool(np.abs(array @ array.T - np.eye(3)).max() < 1e-3 < np.linalg.det(array))
 
 
 def _is_vector(entry: Entry) -> bool:

@@ -3,7 +3,7 @@ shapes in which files have them, and the numbers and words of lenses."""
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import cv2
@@ -13,15 +13,14 @@ from jaxtyping import Float
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats.text._nodes import Keys, at
+from stereorecal.io.formats.text._nodes import Keys, at, leaves
 
-# A matrix nests two levels; some programs write a row or column around it. NumPy itself stops at 64.
-_DEEPEST = 4
+Array = Float[np.ndarray, "..."]
 # The largest width and height of an image that OpenCV reads by default (its CV_IO_MAX_IMAGE_WIDTH).
 _WIDEST = 1 << 20
 
 
-def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Float[np.ndarray, "..."]:
+def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Array:
     """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`.
 
     Axes of length one are dropped, so that rows and columns are vectors: (1, 5) and (5, 1) become (5,).
@@ -37,12 +36,9 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Flo
     if len(shape) == 1:
         array = np.atleast_1d(array)
     if shape not in (array.shape, (-1,) * array.ndim):
-        expected = (
-            "one number" if shape == () else "a list of numbers" if -1 in shape else f"{_shape_text(shape)} numbers"
-        )
-        raise InputError(
-            f"{key} must hold {expected}, not {_shape_text(array.shape) or 'one'}; correct it, or copy the file again."
-        )
+        wanted, found = ("x".join(map(str, each)) for each in (shape, array.shape))
+        expected = "one number" if shape == () else "a list of numbers" if -1 in shape else f"{wanted} numbers"
+        raise InputError(f"{key} must hold {expected}, not {found or 'one'}; correct it, or copy the file again.")
     return array
 
 
@@ -51,7 +47,7 @@ def scalars(content: Mapping[str, Any], keys: Sequence[str]) -> Float[np.ndarray
     return np.array([float(numbers(content, key, ())) for key in keys])
 
 
-def array_or_none(stated: Any) -> Float[np.ndarray, "..."] | None:
+def array_or_none(stated: Any) -> Array | None:
     """What is stated as a finite float64 array, as `numbers` reads it, of any shape; None if it is none."""
     try:
         array = _array(unpacked(stated), "")
@@ -101,60 +97,33 @@ def unpacked(stated: Any) -> Any:
             return stated
 
 
-def image_size(content: Mapping[str, Any], key: str) -> tuple[int, int]:
-    """The (width, height) in pixels under a key."""
-    width, height = numbers(content, key, (2,))
-    return _pixels(width, key), _pixels(height, key)
+def image_size(content: Mapping[str, Any], *keys: str) -> tuple[int, int]:
+    """The (width, height) of an image in pixels: two numbers under a key, or one under each of two."""
+    width, height = numbers(content, keys[0], (2,)) if len(keys) == 1 else scalars(content, keys)
+    for number, key in ((width, keys[0]), (height, keys[-1])):
+        if number != np.rint(number) or not 1 <= number <= _WIDEST:
+            raise InputError(
+                f"{key} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; correct it."
+            )
+    return int(width), int(height)
 
 
-def pixels(content: Mapping[str, Any], key: str) -> int:
-    """The width or height of an image under a key."""
-    return _pixels(numbers(content, key, ()), key)
-
-
-def _array(stated: Any, key: str) -> Float[np.ndarray, "..."]:
-    leaves = list(_leaves(stated))
-    if any(leaf is None for leaf in leaves):
+def _array(stated: Any, key: str) -> Array:
+    found = list(leaves(stated))
+    no_array = InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
+    if None in found:
         raise InputError(f"{key} contains null (no value); give numbers.")
-    if not all(isinstance(leaf, int | float) and not isinstance(leaf, bool) for leaf in leaves):
-        raise _no_array(key)
+    if not all(isinstance(leaf, int | float) and not isinstance(leaf, bool) for leaf in found):
+        raise no_array
     try:
         array = np.array(stated, float)
     except ValueError:  # rows of different lengths
-        raise _no_array(key) from None
+        raise no_array from None
     except OverflowError:  # an integer beyond float64
         array = np.array(np.inf)
     if not np.isfinite(array).all():
         raise InputError(f"{key} contains NaN or infinite numbers; correct it.")
     return array
-
-
-def _leaves(stated: Any, depth: int = 0) -> Iterator[Any]:
-    """What nested lists contain; a list that is nested too deeply is left as it is."""
-    if isinstance(stated, list) and depth < _DEEPEST:
-        for item in stated:
-            yield from _leaves(item, depth + 1)
-    else:
-        yield stated
-
-
-def _no_array(key: str) -> InputError:
-    return InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
-
-
-def _shape_text(shape: tuple[int, ...]) -> str:
-    return "x".join(map(str, shape))
-
-
-def _pixels(number: float | Float[np.ndarray, ""], key: str) -> int:
-    if number != np.rint(number) or not 1 <= number <= _WIDEST:
-        raise InputError(
-            f"{key} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; correct it."
-        )
-    return int(number)
-
-
-Array = Float[np.ndarray, "..."]
 
 
 def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
@@ -207,19 +176,17 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
         shape = np.shape(stated)
         return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}
     values: dict[Keys, Any] = {(*keys, "data"): flat}
-    if "dt" in stated and stated["dt"] != "d":  # single precision would lose digits
+    if stated.get("dt", "d") != "d":  # single precision would lose digits
         values[(*keys, "dt")] = "d"
-    if len(flat) > len(stated["data"]) and "sizes" in stated:
-        sizes = stated["sizes"]
-        longest = max(sizes) if isinstance(sizes, list) else sizes
-        grown = [len(flat) if size == longest else size for size in sizes] if isinstance(sizes, list) else len(flat)
-        values[(*keys, "sizes")] = grown
-    elif len(flat) > len(stated["data"]):
-        if not stated["data"]:
-            values |= {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
-        else:
-            values[(*keys, "cols" if stated["rows"] == 1 else "rows")] = len(flat)
-    return values
+    if len(flat) <= len(stated["data"]):
+        return values
+    if isinstance(sizes := stated.get("sizes"), list):
+        return values | {(*keys, "sizes"): [len(flat) if size == max(sizes) else size for size in sizes]}
+    if sizes is not None:
+        return values | {(*keys, "sizes"): len(flat)}
+    if not stated["data"]:
+        return values | {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
+    return values | {(*keys, "cols" if stated["rows"] == 1 else "rows"): len(flat)}
 
 
 def size_of(content: Mapping[str, Any], keys: Keys) -> int:
@@ -232,7 +199,6 @@ def size_of(content: Mapping[str, Any], keys: Keys) -> int:
 
 
 ROUNDING = 1e-9  # radians; and parts of the baseline
-_WAY_OUT = "undistort the images, or calibrate as pinhole with radial-tangential distortion, or as equidistant"
 # Formats that have a place for a lens model, for messages.
 _HOLDERS = {
     "radtan": "opencv, ros or depthai",
@@ -300,20 +266,12 @@ def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str)
     )
 
 
-def trimmed(distortion: Float[np.ndarray, "n"]) -> Float[np.ndarray, "m"]:
-    """The distortion without those rational, prism and tilt terms that are all zero: the same lens, and the same digits
-    of what is computed from it, as from a format that has no place for them."""
-    return next((distortion[:count] for count in (5, 8, 12) if not np.any(distortion[count:])), distortion)
-
-
-def check_model(
-    model: object, known: Sequence[str], camera: object = "pinhole", cameras: Sequence[str] = ("pinhole",)
-) -> None:
-    """Refuse a camera model, or a distortion model of it, that is not one of those known."""
-    if camera not in cameras or model not in known:
-        raise UnsupportedModelError(
-            f"the camera model {camera!r} with the distortion model {model!r} is not supported; {_WAY_OUT}."
-        )
+def unsupported(model: object, camera: object = "pinhole") -> UnsupportedModelError:
+    """What to raise for a camera model, or a distortion model of it, that is not known."""
+    return UnsupportedModelError(
+        f"the camera model {camera!r} with the distortion model {model!r} is not supported; undistort the images, or "
+        "calibrate as pinhole with radial-tangential distortion, or as equidistant."
+    )
 
 
 def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
@@ -352,13 +310,3 @@ def model_named(stated: Any) -> str:
             "pinhole model (plumb_bob or rational_polynomial) or its fisheye (equidistant)."
         )
     return Camera.model
-
-
-def model_word(rig: StereoRig) -> str:
-    """The word for both lenses."""
-    if rig.left.model != rig.right.model:
-        raise InputError(
-            f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
-            "both; write the rig as kalibr or basalt instead."
-        )
-    return "opencv" if rig.left.model == Camera.model else rig.left.model

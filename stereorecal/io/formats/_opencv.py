@@ -2,7 +2,7 @@
 in one file or in several; the stereo_calib sample writes two."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,7 +36,6 @@ from stereorecal.io.formats._numbers import (
     matrix_values,
     model_named,
     numbers,
-    pixels,
     rotation_matrix,
     size_of,
 )
@@ -77,14 +76,7 @@ class _Matrices:
     content: Mapping[str, Any]
     places: Mapping[str, Keys]
     names: Mapping[str, str]
-    entries: tuple[Entry, ...]
-
-    @staticmethod
-    def of(documents: Documents) -> "_Matrices":
-        """What documents hold."""
-        entries = entries_of(documents)
-        content = {entry.name: entry.value for entry in entries}
-        return _Matrices(content, {entry.name: entry.place for entry in entries}, _names(entries, content), (*entries,))
+    entries: Sequence[Entry]
 
     def has(self, *roles: str) -> bool:
         """Whether all of these are there."""
@@ -103,12 +95,14 @@ class _Matrices:
             if key in self.content:
                 return image_size(self.content, key)
         if "image_width" in self.content:
-            return pixels(self.content, "image_width"), pixels(self.content, "image_height")
+            return image_size(self.content, "image_width", "image_height")
         return size_in(self.entries) or hints.needed_size("the file has no image size (imageSize)")
 
 
-def _names(entries: list[Entry], content: Mapping[str, Any]) -> dict[str, str]:
-    names: dict[str, str] = {}
+def _matrices(documents: Documents) -> _Matrices:
+    """What documents hold."""
+    entries = entries_of(documents)
+    content, names = {entry.name: entry.value for entry in entries}, dict[str, str]()
     for role, usual, found_in in (("K", _MATRICES, cameras_in), ("D", _DISTORTIONS, lenses_in)):
         by_sides = [{side for side in (1, 2) if f"{name}{side}" in content} for name in usual]
         exact = next((name for name, sides in zip(usual, by_sides, strict=True) if len(sides) == 2), None)
@@ -116,24 +110,20 @@ def _names(entries: list[Entry], content: Mapping[str, Any]) -> dict[str, str]:
         exact = exact or next((name for name, sides in zip(usual, by_sides, strict=True) if sides), None)
         for index, side in enumerate((1, 2)):
             names[f"{role}{side}"] = found[index].name if found else f"{exact or usual[0]}{side}"
-    between: tuple[tuple[str, Callable[[list[Entry]], Entry | None]], ...] = (
-        ("R", rotation_in),
-        ("T", translation_in),
-    )
-    for role, one_in in between:
+    for role, one_in in (("R", rotation_in), ("T", translation_in)):
         one = None if role in content else one_in(entries)
         names[role] = one.name if one else role
     if not {names["R"], names["T"]} & content.keys():
         rectified = rectifications_in(entries)
         for role, pair in zip("RP", rectified or (), strict=False):
             names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair, start=1)}
-    return names
+    return _Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
 
 
 def _looks_together(documents: Documents) -> bool:
     """Whether there are the camera matrices of two cameras, or a rotation and a translation between them."""
     try:
-        matrices = _Matrices.of(documents)
+        matrices = _matrices(documents)
     except InputError:  # two readings, which `read` names
         return True
     cameras, between = matrices.has("K1", "K2"), matrices.has("R", "T")
@@ -148,7 +138,7 @@ def _looks_together(documents: Documents) -> bool:
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig; the image size is that of the file, else that of the hints, since OpenCV's own programs write none."""
-    matrices = _Matrices.of(documents)
+    matrices = _matrices(documents)
     content, names = matrices.content, matrices.names
     implied = not matrices.has("R") and not matrices.has("T") and matrices.has("R1", "R2", "P1", "P2")
     if not implied:
@@ -189,7 +179,7 @@ def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
     """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
-    matrices = _Matrices.of(target.documents)
+    matrices = _matrices(target.documents)
     values = dict(_cameras(rig, target, matrices))
     made = rectification_of(rig, _rectify_options(target, matrices)) | {"E": essential(rig), "F": fundamental(rig)}
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}

@@ -16,13 +16,13 @@ from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Synta
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
     check_held,
-    check_model,
     check_no_lens,
     coefficients,
+    image_size,
     matrix_values,
     numbers,
-    pixels,
     size_of,
+    unsupported,
     value,
 )
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
@@ -138,12 +138,13 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
     """A camera, the rotation that rectifies it, and t of its projection matrix K [I | t]."""
     content, names = document.content, _names(document)
     with about(document.name):
-        size = pixels(content, names["width"]), pixels(content, names["height"])
+        size = image_size(content, names["width"], names["height"])
         lens = numbers(content, names["lens"], (-1,))
         # ROS itself reads a file without a model as plumb_bob; four coefficients could be equidistant.
         unsaid = "distortion_model" not in content and lens.size in (5, 8)
         stated = "plumb_bob" if unsaid else value(content, "distortion_model") or ""
-        check_model(stated, _MODELS)
+        if stated not in _MODELS:
+            raise unsupported(stated)
         check_no_lens(stated, lens)
         model = "equidistant" if stated in _EQUIDISTANT else Camera.model
         matrix, rotation = (_matrix(document, names[role], (3, 3)) for role in ("matrix", "rotation"))

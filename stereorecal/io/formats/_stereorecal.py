@@ -11,7 +11,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._matrix_search import has_cameras
-from stereorecal.io.formats._numbers import image_size, model_named, model_word, numbers, optional, value
+from stereorecal.io.formats._numbers import image_size, model_named, numbers, optional, value
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 
@@ -73,6 +73,11 @@ def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, An
     if rig is None:
         nothing = dict.fromkeys(("K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m"))
         return {"image_size": list(size), **nothing}
+    if rig.left.model != rig.right.model:
+        raise InputError(
+            f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
+            "both; write the rig as kalibr or basalt instead."
+        )
     cameras: dict[str, Any] = {}
     for side, camera in zip(_SIDES, (rig.left, rig.right), strict=True):
         cameras[f"K_{side}"] = np.asarray(camera.matrix).tolist()
@@ -80,7 +85,7 @@ def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, An
     return {
         "image_size": list(rig.left.size),
         **cameras,
-        "distortion_model": model_word(rig),
+        "distortion_model": "opencv" if rig.left.model == Camera.model else rig.left.model,
         "R": np.asarray(rig.rotation).tolist(),
         "T": np.asarray(rig.translation).tolist(),
         "baseline_m": float(rig.baseline),

@@ -1,13 +1,12 @@
 """A format as a table: where the numbers of a rig stand in a file, and by which conventions; one reader, one writer."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import yaml
-from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
@@ -15,8 +14,8 @@ from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints, Motion, Target, inverse, left_to_right, pose, rig_of
 from stereorecal.io.formats._numbers import (
+    Array,
     check_held,
-    check_model,
     check_no_lens,
     coefficients,
     has_lens,
@@ -25,13 +24,12 @@ from stereorecal.io.formats._numbers import (
     numbers,
     pinhole_matrix,
     pinhole_numbers,
-    pixels,
+    unsupported,
     value,
 )
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._nodes import Keys, at, leaves
 
-Array = Float[np.ndarray, "..."]
 Places = str | tuple[str, ...]
 """Where an array stands, or each of its numbers: keys with `/` between them, and `{}` for a camera's name."""
 
@@ -56,24 +54,22 @@ class Pose:
     translation: Places = ()
     inverted: bool = False
     between: bool = False
-    decode: Callable[[Array], Array] | None = None
-    encode: Callable[[Array], Array] | None = None
+    decode: Callable[[Array], Array] = lambda turn: turn.reshape(3, 3)
+    encode: Callable[[Array], Array] = lambda turn: turn
 
     def read(self, content: Any, name: str) -> Motion:
         """The motion of the camera of a name, as the file has it."""
         with _about_place(self.rotation, name):
-            if self.translation:
-                count = 9 if self.encode is None else int(np.size(self.encode(np.eye(3))))
-                turn = stated(content, self.rotation, name, (count,))
-                turn = turn.reshape(3, 3) if self.decode is None else self.decode(turn)
-                return pose(turn, stated(content, self.translation, name, (3,)))
-            return stated(content, self.rotation, name, (4, 4))
+            if not self.translation:
+                return stated(content, self.rotation, name, (4, 4))
+            turn = self.decode(stated(content, self.rotation, name, (self.encode(np.eye(3)).size,)))
+            return pose(turn, stated(content, self.translation, name, (3,)))
 
     def values(self, content: Any, name: str, motion: Motion) -> dict[Keys, Any]:
         """What to write for it."""
         if not self.translation:
             return to_write(content, self.rotation, name, motion)
-        turn = motion[:3, :3] if self.encode is None else self.encode(motion[:3, :3])
+        turn = self.encode(motion[:3, :3])
         return to_write(content, self.rotation, name, turn) | to_write(content, self.translation, name, motion[:3, 3])
 
 
@@ -104,7 +100,7 @@ class Table:
 
     Attributes:
         size: (width, height).
-        matrix, shape: fx fy cx cy, or the camera matrix, and its shape in the file.
+        matrix: fx fy cx cy, or the camera matrix, if it is `square`.
         lenses: by the words that tell the lens, with spaces between them.
         words: where they stand.
         pose: None if a table cannot say it.
@@ -112,7 +108,6 @@ class Table:
         where: what messages about a camera begin with, if not with the first of several keys.
         holder: whose model of a lens it is, for messages.
         fixed: what else a new file has, by places.
-        mapped: whether a new file has matrices as rows, cols and data.
     """
 
     size: Places
@@ -120,12 +115,11 @@ class Table:
     lenses: Mapping[str, Lens]
     words: tuple[str, ...] = ()
     pose: Pose | None = None
-    shape: tuple[int, ...] = (4,)
+    square: bool = False
     names: tuple[str, str] = ("left", "right")
     where: str = ""
     holder: str = ""
     fixed: Mapping[str, Any] = field(default_factory=dict)
-    mapped: bool = False
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""
@@ -144,59 +138,44 @@ class Table:
     def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""
         assert self.pose is not None
-        names, last = target.hints.cameras or self.names, len(target.documents) - 1
-        contents, found = (
-            [document.content for document in target.documents],
-            [dict[Keys, Any]() for _ in target.documents],
-        )
-        first, motion = self.motion(contents[0], names[0], 0), left_to_right(rig)
+        names, contents = target.hints.cameras or self.names, [document.content for document in target.documents]
+        found, motion = [dict[Keys, Any]() for _ in contents], left_to_right(rig)
+        first = self.motion(contents[0], names[0], 0)
         second = first @ inverse(motion) if self.pose.inverted else motion @ first
-        found[last] |= self.pose.values(contents[last], names[1], second)
+        found[-1] |= self.pose.values(contents[-1], names[1], second)
         for side, camera in target.cameras(rig):
-            found[min(side, last)] |= self.values(contents[min(side, last)], names[side], camera)
+            found[-side] |= self.values(contents[-side], names[side], camera)
         return found
 
     def blank(self, rig: StereoRig, syntax: Syntax) -> list[str]:
         """The texts of new files: the words and sizes of a rig, no numbers, and both cameras where the body is."""
-        found = self.new_content(rig)
-        if syntax is Syntax.JSON:
-            return [strict_json_text(one) for one in found]
-        return [yaml_text(one) for one in found]
+        return [strict_json_text(one) if syntax is Syntax.JSON else yaml_text(one) for one in self.new_content(rig)]
 
     def new_content(self, rig: StereoRig) -> list[dict[str, Any]]:
         """The keys and values of new files."""
-        apart = not any("{}" in place for place in _each(self.matrix))
-        found: list[dict[str, Any]] = [{}, {}] if apart else [{}]
+        found: list[dict[str, Any]] = [{}] if "{}" in "".join(self.matrix) else [{}, {}]
         for name, camera, content in zip(self.names, (rig.left, rig.right), (found[0], found[-1]), strict=True):
             said = [word for word, lens in self.lenses.items() if lens.model == camera.model]
             said = [word for word in said if self.lenses[word] != Lens() or not has_lens(rig)]
             if not said:
                 check_held(camera, (), self.holder)
             lens = self.lenses[said[0]]
-            new = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
-            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
-            new |= _spread(self.size, list(camera.size)) | _spread(self.matrix, self._new_array(np.zeros(shape)))
-            terms = lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)
-            new |= _spread(lens.terms, [0.0] * terms) if lens.terms else {}
-            for place, item in new.items():
-                _put(content, place.format(name).split("/"), item)
-            for place, item in self._standing().items():
-                _put(content, place.format(name).split("/"), item)
+            new: list[tuple[Places, Any]] = [*self.fixed.items(), *zip(self.words, said[0].split(), strict=True)]
+            new += [(self.size, list(camera.size)), (self.matrix, [0.0] * (9 if self.square else 4 + lens.before))]
+            new += [(lens.terms, [0.0] * (lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)))]
+            if self.pose is not None and self.pose.translation:
+                turn = self.pose.encode(np.eye(3)).ravel().tolist()
+                new += [(self.pose.rotation, turn), (self.pose.translation, [0.0] * 3)]
+            elif self.pose is not None:
+                new += [(self.pose.rotation, {"rows": 4, "cols": 4, "data": np.eye(4).ravel().tolist()})]
+            for place, item in new:
+                for one, part in ((place, item),) if isinstance(place, str) else zip(place, item, strict=True):
+                    *above, last = one.format(name).split("/")
+                    inside = content
+                    for key in above:
+                        inside = inside.setdefault(key, {})
+                    inside[last] = part
         return [_with_lists(content) for content in found]
-
-    def _new_array(self, array: Array) -> Any:
-        if self.mapped and array.ndim == 2:
-            return {"rows": len(array), "cols": len(array[0]), "data": array.ravel().tolist()}
-        return array.tolist()
-
-    def _standing(self) -> dict[str, Any]:
-        """A pose where the body is."""
-        if self.pose is None:
-            return {}
-        if not self.pose.translation:
-            return {str(self.pose.rotation): self._new_array(np.eye(4))}
-        turn = np.eye(3) if self.pose.encode is None else self.pose.encode(np.eye(3))
-        return _spread(self.pose.rotation, turn.ravel().tolist()) | _spread(self.pose.translation, [0.0] * 3)
 
     def motion(self, content: Any, name: str, side: int) -> Motion:
         """The motion of the left (0) or the right camera (1), as the file has it."""
@@ -205,31 +184,29 @@ class Table:
 
     def lens(self, content: Any, name: str) -> Lens:
         """What the file says that a lens is."""
-        stated_words = [value(*holder_of(content, place, name)) for place in self.words]
-        found = self.lenses.get(" ".join(map(str, stated_words)))
+        said = [value(*holder_of(content, place, name)) for place in self.words]
+        found = self.lenses.get(" ".join(map(str, said)))
         if found is None:
-            camera = stated_words[:-1] or ["pinhole"]
-            check_model(stated_words[-1], (), camera[0])
-        assert found is not None
+            raise unsupported(said[-1], *said[:-1])
         return found
 
     def camera(self, content: Any, name: str) -> Camera:
         """The camera of a name."""
         with about(self.where.format(name)) if self.where else _about_place(self.matrix, name):
             lens = self.lens(content, name)
-            shape = (4 + lens.before,) if self.shape == (4,) else self.shape
-            first, matrix = np.split(stated(content, self.matrix, name, shape).ravel(), [lens.before])
+            shape = (9,) if self.square else (4 + lens.before,)
+            first, matrix = np.split(stated(content, self.matrix, name, shape), [lens.before])
             terms = stated(content, lens.terms, name, (-1,)) if lens.terms else np.zeros(0)
             terms = _with_radial(content, lens.radial, name, terms) if lens.radial else terms
             if lens.becomes:
                 check_no_lens("none", terms)
                 terms = np.zeros(4) if lens.before else terms
-            matrix = pinhole_matrix(matrix) if matrix.size == 4 else matrix.reshape(3, 3)
             if isinstance(self.size, str):
                 size = image_size(*holder_of(content, self.size, name))
             else:
-                width, height = (pixels(*holder_of(content, place, name)) for place in self.size)
-                size = width, height
+                (holder, wide), (_, high) = (holder_of(content, place, name) for place in self.size)
+                size = image_size(holder, wide, high)
+            matrix = matrix.reshape(3, 3) if self.square else pinhole_matrix(matrix)
             return Camera(size, matrix, np.concatenate([first, terms]), model=lens.model)
 
     def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
@@ -239,7 +216,7 @@ class Table:
             counts = lens.counts if isinstance(lens.terms, str) or lens.radial else (len(lens.terms),)
             terms = coefficients(camera, counts, self.holder, "opencv, ros or depthai")
         first, terms = np.split(terms, [lens.before])
-        matrix = pinhole_numbers(camera) if self.shape == (4,) else np.asarray(camera.matrix).ravel().tolist()
+        matrix = np.asarray(camera.matrix).ravel() if self.square else pinhole_numbers(camera)
         found = to_write(content, self.matrix, name, np.array([*first, *matrix]))
         if lens.becomes and not np.any(terms):
             return found
@@ -273,39 +250,20 @@ def yaml_text(content: Mapping[str, Any]) -> str:
     return yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
 
 
-# --- places
-
-
-def _about_place(place: Places, name: str) -> AbstractContextManager[None]:
-    """What messages about a place begin with: the first of several keys."""
-    first, more, _ = _each(place)[0].format(name).partition("/")
-    return about(first) if more else nullcontext()
-
-
-def _each(place: Places) -> tuple[str, ...]:
-    return (place,) if isinstance(place, str) else place
-
-
-def _spread(place: Places, values: Any) -> dict[str, Any]:
-    """A value at its place, or the items of a list at theirs."""
-    return {place: values} if isinstance(place, str) else dict(zip(place, values, strict=True))
-
-
-def _put(content: dict[str, Any], keys: Sequence[str], item: Any) -> None:
-    *above, last = keys
-    for key in above:
-        content = content.setdefault(key, {})
-    content[last] = item
-
-
 def _with_lists(content: Any) -> Any:
     """A copy, since YAML would write one list at two places as an alias; mappings whose keys are numbers are lists."""
     if isinstance(content, list):
-        return [_with_lists(item) for item in content]
+        return [*content]
     if not isinstance(content, dict):
         return content
     inside = {key: _with_lists(item) for key, item in content.items()}
     return [*inside.values()] if inside and all(key.isdecimal() for key in inside) else inside
+
+
+def _about_place(place: Places, name: str) -> AbstractContextManager[None]:
+    """What messages about a place begin with: the first of several keys."""
+    first, more, _ = (place if isinstance(place, str) else place[0]).format(name).partition("/")
+    return about(first) if more else nullcontext()
 
 
 def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:

@@ -172,7 +172,7 @@ def image_of_message(message: Any, where: str) -> Image:
         InputError: if they are damaged, or encoded in a way that is not known.
     """
     if not hasattr(message, "encoding"):
-        return decode_image(bytes(message.data), f"{where} ({in_a_line(message.format)})")
+        return decode_image(bytes(message.data), f"{where} ({in_a_line(message.format)})")[0]
     encoding = _SAME.get(message.encoding, str(message.encoding))
     name = encoding.rstrip("0123456789")
     pattern = name.removeprefix("bayer_").rstrip("0123456789")

@@ -4,7 +4,7 @@ times; and times that are the names of images."""
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -35,21 +35,19 @@ class FrameSource:
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
     """The left and the right half of frames that show both images side by side. A frame is read once for both: to read
     one again, a video would be searched from its beginning."""
-    cached = replace(source, read=lru_cache(maxsize=1)(source.read))
-    return replace(source, read=lambda index: _half(cached, index, 0)), replace(
-        source, read=lambda index: _half(cached, index, 1)
-    )
+    cached = lru_cache(maxsize=1)(source.read)
 
+    def half(index: int, side: int) -> Image:
+        image = cached(index)
+        width = image.shape[1]
+        if width % 2:
+            raise InputError(
+                f"{source.names[index]}: the image is {width} pixels wide, which cannot be halved; left and right "
+                "image must have the same size."
+            )
+        return image[:, side * width // 2 : (side + 1) * width // 2]
 
-def _half(source: FrameSource, index: int, side: int) -> Image:
-    image = source.read(index)
-    width = image.shape[1]
-    if width % 2:
-        raise InputError(
-            f"{source.names[index]}: the image is {width} pixels wide, which cannot be halved; left and right image "
-            "must have the same size."
-        )
-    return image[:, side * width // 2 : (side + 1) * width // 2]
+    return replace(source, read=partial(half, side=0)), replace(source, read=partial(half, side=1))
 
 
 _OF_INTERVAL = 0.25  # of the time from one left frame to the next: the largest difference within a pair
@@ -63,7 +61,10 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
     Args:
         tolerance: seconds; default a quarter of the usual interval between left frames.
     """
-    first, second = (_required_times(source) for source in (left, right))
+    for source in (left, right):
+        if source.times is None:
+            raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
+    first, second = np.asarray(left.times), np.asarray(right.times)
     if tolerance is None:
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
     if not tolerance >= 0.0:
@@ -81,12 +82,6 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
             f"{gap:.4g} s apart; check the clocks, or give a larger tolerance."
         )
     return found
-
-
-def _required_times(source: FrameSource) -> Float[np.ndarray, "n"]:
-    if source.times is None:
-        raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
-    return source.times
 
 
 def _nearest(times: Float[np.ndarray, "n"], others: Float[np.ndarray, "m"]) -> np.ndarray:

@@ -15,60 +15,52 @@ import cv2
 from stereorecal._errors import CalibrationWarning, InputError, check_exists
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._frame_source import counted_times
-from stereorecal.io.images._image_files import (
-    announced_size,
-    decode_image,
-    image_bytes,
-    images_in,
-    natural_order,
-    orientation,
-)
+from stereorecal.io.images._image_files import image_bytes, images_in, natural_order, read_image
 from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 Size = tuple[int, int]
 Sizes = tuple[Size, Size]  # (width, height) of the left and of the right camera's images
-Tags = tuple[int, int]  # EXIF orientations, 1 to 8; 1: upright
+Tags = tuple[int, int]  # EXIF orientations, 1 to 8, of the left and the right image
 UPRIGHT = (1, 1)
+_EXIF = (b"Exif", b"eXIf", b"EXIF")  # what files that state one have in them: JPEG, PNG, WebP
 
 
 def fitted_pair(images: Sequence[Any], tags: Tags, sizes: Sizes | None, about: str, name: str, **more: Any) -> Pair:
     """The pair of a left and a right image as OpenCV has them, in BGR order, fitted to their cameras and checked.
 
+    Pixels are used as stored, unless only turned images have the sizes of their cameras (or, if these are not known,
+    one size); the larger of two sizes is resampled to the smaller.
+
     Args:
         about: what errors call it.
         more: its origin and its time.
+
+    Raises:
+        InputError: about `about`, if the sizes differ, or are not those of cameras that differ.
     """
-    left, right = fitted(images, tags, sizes, about)
+    if _only_turned_fit(images, tags, sizes):
+        images = [_turned(image, tag) for image, tag in zip(images, tags, strict=True)]
+    left, right = images
+    if sizes is not None and sizes[0] != sizes[1]:
+        if _sizes(images) != sizes:
+            found, wanted = (
+                f"{one[0]}x{one[1]} (left) and {other[0]}x{other[1]} (right)" for one, other in (_sizes(images), sizes)
+            )
+            raise InputError(
+                f"{about}: the images are {found}, but the calibration is for {wanted}; use images and calibration of "
+                "the same sizes."
+            )
+        left, right = (cv2.resize(image, common_size(sizes), interpolation=cv2.INTER_AREA) for image in images)
+    elif left.shape[:2] != right.shape[:2]:
+        one, other = (f"{width}x{height}" for width, height in _sizes(images))
+        raise InputError(
+            f"{about}: the left image is {one} and the right one {other}; both must have the same size, or each that "
+            "of its camera in a calibration that says one for each."
+        )
     pair = make_pair(left, right, channels="bgr", name=about, **more)
     check_two_images(pair)
     return replace(pair, name=name)
-
-
-def fitted(images: Sequence[Any], tags: Tags, sizes: Sizes | None, name: str) -> tuple[Any, Any]:
-    """A left and a right image of one size. Pixels are used as stored, unless only turned images have the sizes of
-    their cameras (or, if these are not known, one size); the larger of two sizes is resampled to the smaller.
-
-    Raises:
-        InputError: about `name`, if the sizes differ, or are not those of cameras that differ.
-    """
-    stored = _size(images[0]), _size(images[1])
-    if only_turned_fit(stored, tags, sizes):
-        images = [_turned(image, tag) for image, tag in zip(images, tags, strict=True)]
-        stored = _size(images[0]), _size(images[1])
-    if sizes is not None and sizes[0] != sizes[1]:
-        if stored != sizes:
-            raise InputError(
-                f"{name}: the images are {_text(stored)}, but the calibration is for {_text(sizes)}; use images and "
-                "calibration of the same sizes."
-            )
-        images = [cv2.resize(image, common_size(sizes), interpolation=cv2.INTER_AREA) for image in images]
-    elif stored[0] != stored[1]:
-        raise InputError(
-            f"{name}: the left image is {_wide(stored[0])} and the right one {_wide(stored[1])}; both must have the "
-            "same size, or each that of its camera in a calibration that says one for each."
-        )
-    return images[0], images[1]
 
 
 def common_size(sizes: Sizes) -> Size:
@@ -76,34 +68,17 @@ def common_size(sizes: Sizes) -> Size:
     return min(sizes, key=lambda size: size[0] * size[1])
 
 
-def only_turned_fit(stored: Sizes, tags: Tags, sizes: Sizes | None) -> bool:
+def _sizes(images: Sequence[Any]) -> Sizes:
+    left, right = ((image.shape[1], image.shape[0]) for image in images)
+    return left, right
+
+
+def _only_turned_fit(images: Sequence[Any], tags: Tags, sizes: Sizes | None) -> bool:
     """Whether images have the sizes of their cameras only once they are turned."""
-    left, right = ((size[1], size[0]) if tag > 4 else size for size, tag in zip(stored, tags, strict=True))
-    return not _fit(stored, sizes) and _fit((left, right), sizes)
-
-
-def remark_orientation(name: str, stored: Sizes, tags: Tags, sizes: Sizes | None) -> None:
-    """Say how images with an EXIF orientation are read.
-
-    Warns:
-        CalibrationWarning: if one has.
-    """
-    if tags == UPRIGHT:
-        return
-    said = f"EXIF orientation {tags[0]}" if tags[0] == tags[1] else f"EXIF orientations {tags[0]} and {tags[1]}"
-    if only_turned_fit(stored, tags, sizes):
-        message = f"{name}: {said} applied, since the sizes of images and calibration fit only then."
-    else:
-        message = (
-            f"{name}: {said} not applied; the calibration may be for turned images, as cv2.imread and viewers give "
-            "them: if it is, turn the files, with cv2.imwrite(name, cv2.imread(name))"
-            f"{', or say --fix turned' if tags == (3, 3) else ''}."
-        )
-    warnings.warn(message, CalibrationWarning, stacklevel=3)
-
-
-def _fit(found: Sizes, sizes: Sizes | None) -> bool:
-    return found[0] == found[1] if sizes is None else found == sizes
+    as_stored, turned = _sizes(images), _sizes([_turned(image, tag) for image, tag in zip(images, tags, strict=True)])
+    if sizes is None:
+        return as_stored[0] != as_stored[1] and turned[0] == turned[1]
+    return as_stored != sizes and turned == sizes
 
 
 def _turned(image: Any, tag: int) -> Any:
@@ -111,18 +86,6 @@ def _turned(image: Any, tag: int) -> Any:
     image = image.swapaxes(0, 1) if tag in (5, 6, 7, 8) else image
     image = image[:, ::-1] if tag in (2, 3, 6, 7) else image
     return image[::-1] if tag in (3, 4, 7, 8) else image
-
-
-def _size(image: Any) -> Size:
-    return image.shape[1], image.shape[0]
-
-
-def _text(sizes: Sizes) -> str:
-    return f"{_wide(sizes[0])} (left) and {_wide(sizes[1])} (right)"
-
-
-def _wide(size: Size) -> str:
-    return f"{size[0]}x{size[1]}"
 
 
 def load_pair(left_path: AnyPath, right_path: AnyPath, time: float | None = None) -> Pair:
@@ -150,28 +113,36 @@ def read_pair(left: str, right: str, time: float | None, sizes: Sizes | None) ->
     """The pair of two files, fitted to cameras of these sizes; without remarks, since it is read again and again."""
     if left == right:
         raise InputError(f"{left}: this file is both the left and the right image; give two files.")
-    (first, turn), (second, other_turn) = _read_image(left), _read_image(right)
+    images, tags = _read_both(left, right)
     origin = (read_pair, (left, right, time, sizes))
-    about, name = f"{left} and {right}", Path(left).name
-    return fitted_pair((first, second), (turn, other_turn), sizes, about, name, origin=origin, time=time)
+    return fitted_pair(images, tags, sizes, f"{left} and {right}", Path(left).name, origin=origin, time=time)
 
 
-def _read_image(path: str) -> tuple[Any, int]:
-    """The pixels as stored, and the EXIF orientation."""
-    data = image_bytes(path)
-    return decode_image(data, path), orientation(data)
+def _read_both(left: str, right: str) -> tuple[tuple[Any, Any], Tags]:
+    (first, tag), (second, other) = read_image(left), read_image(right)
+    return (first, second), (tag, other)
 
 
 def _remark(left: str, right: str, sizes: Sizes | None) -> None:
-    """Say how images with an EXIF orientation are read; what is wrong with a file is said when it is read."""
+    """Say how images with an EXIF orientation are read; what is wrong with a file is said when it is used."""
     try:
-        heads = image_bytes(left), image_bytes(right)
+        if not any(name in image_bytes(path) for path in (left, right) for name in _EXIF):
+            return  # without decoding them
+        images, tags = _read_both(left, right)
     except InputError:
         return
-    stored = announced_size(heads[0]), announced_size(heads[1])
-    if stored[0] is not None and stored[1] is not None:
-        tags = orientation(heads[0]), orientation(heads[1])
-        remark_orientation(left if tags[0] > 1 else right, (stored[0], stored[1]), tags, sizes)
+    if tags == UPRIGHT:
+        return
+    if _only_turned_fit(images, tags, sizes):
+        what = "applied, since the sizes of images and calibration fit only then."
+    else:
+        what = (
+            "not applied; the calibration may be for turned images, as cv2.imread and viewers give them: if it is, "
+            "turn the files, with cv2.imwrite(name, cv2.imread(name))"
+            f"{', or say --fix turned' if tags == (3, 3) else ''}."
+        )
+    said = f"EXIF orientation {tags[0]}" if tags[0] == tags[1] else f"EXIF orientations {tags[0]} and {tags[1]}"
+    warnings.warn(f"{left if tags[0] > 1 else right}: {said} {what}", CalibrationWarning, stacklevel=3)
 
 
 def load_pairs(

@@ -5,6 +5,7 @@ import re
 import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -86,9 +87,7 @@ def without_lost_frames(found: MatchedFiles) -> Matched:
 def match_all(left: Sequence[Path], right: Sequence[Path]) -> Matched:
     """The files of both sides as pairs, in the order of the left ones, matched by their names."""
     lefts, rights = _by_name(left, right)
-    if not lefts:
-        raise _no_partner(left[0], "right")
-    return match_keys(lefts, rights)
+    return match_keys(lefts or dict(enumerate(left)), rights)
 
 
 def match_equal(left: Path, right: Path) -> Matched:
@@ -105,7 +104,9 @@ def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     for files, others, side in ((left, right, "right"), (right, left, "left")):
         for key, path in files.items():
             if key not in others:
-                raise _no_partner(path, side)
+                raise InputError(
+                    f"{path}: this image has no partner on the {side} side; add the partner or leave it out."
+                )
     return [(path, right[key]) for key, path in left.items()]
 
 
@@ -125,7 +126,7 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
     the first under which any has; empty if none has."""
     by_chance: _Sides = {}, {}
-    for read in (_by_stems, _by_parts, _by_markers, _by_one_number):
+    for read in (partial(_without, markers=("", ""), last=False), _by_parts, _by_markers, _by_one_number):
         sides = read(left, right)
         if _correspond(*sides):
             return sides
@@ -134,26 +135,25 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     return by_chance
 
 
-def _by_stems(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    return _by_key(left, "", False), _by_key(right, "", False)
-
-
 def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    for last, markers in product((False, True), _MARKERS):
-        lefts, rights = (_by_key(files, m, last) for files, m in zip((left, right), markers, strict=True))
-        if lefts.keys() & rights.keys():
-            return lefts, rights
-    return {}, {}
+    """Both sides by the first markers without which any names correspond; empty if there are none."""
+    found = (_without(left, right, markers, last) for last, markers in product((False, True), _MARKERS))
+    return next((sides for sides in found if sides[0].keys() & sides[1].keys()), ({}, {}))
 
 
-def _by_key(files: Sequence[Path], marker: str, last: bool) -> _Keys:
-    """Files by their names without `marker` where it stands first, or last; none if those names are not unique."""
-    by_key: _Keys = {}
-    for path in files:
-        at = path.stem.rfind(marker) if last else path.stem.find(marker)
-        if at >= 0:
-            by_key[path.stem[:at] + path.stem[at + len(marker) :]] = path
-    return by_key if len(by_key) == len(files) else {}
+def _without(left: Sequence[Path], right: Sequence[Path], markers: tuple[str, str], last: bool) -> _Sides:
+    """Both sides by names without the side's marker where it stands first, or last; none where a name lacks it."""
+    found = []
+    for files, marker in zip((left, right), markers, strict=True):
+        parts = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files if marker]
+        parts = [start + end for start, given, end in parts if given] if marker else [path.stem for path in files]
+        found.append(_unique(parts, files) if len(parts) == len(files) else {})
+    return found[0], found[1]
+
+
+def _unique(keys: Sequence[Hashable], files: Sequence[Path]) -> _Keys:
+    """Files by their keys; none if two have the same."""
+    return dict(zip(keys, files, strict=True)) if len(set(keys)) == len(files) else {}
 
 
 def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
@@ -178,11 +178,6 @@ def _found(left: Sequence[Path], right: Sequence[Path]) -> str:
         f"{len(files)} {side} images ({files[0].name}{f' to {files[-1].name}' if len(files) > 1 else ''})"
         for files, side in ((left, "left"), (right, "right"))
     )
-
-
-def _no_partner(path: Path, side: str) -> InputError:
-    """The error about an image whose partner on a side is missing."""
-    return InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
 
 
 def _by_parts(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
@@ -214,9 +209,10 @@ def _by_one_number(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
         partners = _partners(sides)
         if len(partners) == len(most) and partners != most:
             path = next(path for path in left if partners.get(path) != most.get(path))
+            one, other = (found[path].name if path in found else "missing" for found in (most, partners))
             raise InputError(
-                f"{path}: by one number in the names its partner is {_name(most.get(path))}, by another "
-                f"{_name(partners.get(path))}; leave only the number of the frame in the names."
+                f"{path}: by one number in the names its partner is {one}, by another {other}; leave only the number "
+                "of the frame in the names."
             )
     return next((sides for sides in found if _partners(sides) == most), ({}, {}))
 
@@ -228,10 +224,6 @@ def _correspond(left: _Keys, right: _Keys) -> bool:
 
 def _partners(sides: _Sides) -> dict[Path, Path]:
     return {path: sides[1][key] for key, path in sides[0].items() if key in sides[1]}
-
-
-def _name(path: Path | None) -> str:
-    return "missing" if path is None else path.name
 
 
 def _rows(files: Sequence[Path]) -> list[list[Hashable]]:
@@ -259,5 +251,4 @@ def _varying(rows: Sequence[Sequence[Hashable]]) -> list[int]:
 
 def _keyed(files: Sequence[Path], rows: Sequence[Sequence[Hashable]], columns: Sequence[int]) -> _Keys:
     """The files by what stands in these columns; none if that is not unique."""
-    keys: _Keys = {tuple(row[column] for column in columns): path for row, path in zip(rows, files, strict=True)}
-    return keys if len(keys) == len(files) else {}
+    return _unique([tuple(row[column] for column in columns) for row in rows], files)

@@ -79,11 +79,9 @@ def open_pairs(
         PairingWarning: if files were matched by their order.
         CalibrationWarning: as `load_pair`.
     """
-    topics = None
-    if left_topic is not None or right_topic is not None:
-        if left_topic is None or right_topic is None or right is not None:
-            raise InputError("a bag takes both a left and a right topic, and no right images.")
-        topics = (left_topic, right_topic)
+    topics = None if left_topic is None or right_topic is None else (left_topic, right_topic)
+    if (left_topic, right_topic) != (None, None) and (topics is None or right is not None):
+        raise InputError("a bag takes both a left and a right topic, and no right images.")
     if tolerance is not None and topics is None and right is None:
         raise InputError(
             f"{left}: left and right come from one image, so there are no times to match; leave the tolerance out."
@@ -155,23 +153,16 @@ def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Size
 
 def _alone(left: FrameSource, right: FrameSource, found: list[tuple[int, int]]) -> tuple[str, ...]:
     """The names of frames without partner."""
-    with_partner = [{pair[side] for pair in found} for side in (0, 1)]
-    return tuple(
-        name
-        for source, paired in zip((left, right), with_partner, strict=True)
-        for index, name in enumerate(source.names)
-        if index not in paired
-    )
+    sides = ((left, {first for first, _ in found}), (right, {second for _, second in found}))
+    return tuple(name for one, paired in sides for index, name in enumerate(one.names) if index not in paired)
 
 
 def _read_in_worker(places: _Places, number: int) -> Pair:
-    """A pair in another process."""
+    """A pair in another process, which is handed pair after pair and opens their video once."""
     return _opened_once(places).pairs[number]
 
 
-@lru_cache(maxsize=2)  # a worker that is handed pair after pair opens their video once
-def _opened_once(places: _Places) -> Recorded:
-    return _opened(places)
+_opened_once = lru_cache(maxsize=2)(_opened)
 
 
 class _Frame:
@@ -191,7 +182,8 @@ def _source(path: Path) -> FrameSource:
     if is_video(path):
         return video_source(path)
     files = find_images(path)
-    return FrameSource(str(path), tuple(file.name for file in files), None, lambda index: read_image(str(files[index])))
+    names = tuple(file.name for file in files)
+    return FrameSource(str(path), names, None, lambda index: read_image(str(files[index]))[0])
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:

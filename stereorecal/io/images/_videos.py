@@ -27,13 +27,18 @@ def video_source(path: Path) -> FrameSource:
         InputError: if the file is missing, empty, or no video that OpenCV can read.
     """
     video = _Video(path)
-    numbers = range(video.frames)
-    return FrameSource(
-        str(path),
-        tuple(f"{path.name} {number:06d}" for number in numbers),
-        np.arange(video.frames) / video.rate,
-        video.read,
-    )
+    names = tuple(f"{path.name} {number:06d}" for number in range(video.frames))
+    return FrameSource(str(path), names, np.arange(video.frames) / video.rate, video.read)
+
+
+def _captured(source: str | int, else_say: str, kind: int = cv2.CAP_ANY) -> cv2.VideoCapture:
+    """What OpenCV opens, with images as they were taken, which is what the calibration knows."""
+    with quiet_opencv():
+        capture = cv2.VideoCapture(source, kind)
+    if not capture.isOpened():
+        raise InputError(else_say)
+    capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+    return capture
 
 
 class _Video:
@@ -61,11 +66,9 @@ class _Video:
             raise InputError(f"{self.path}: there is no such file; check the path.")
         # FFmpeg's own lines about damaged videos; OpenCV asks once, when it first needs FFmpeg.
         os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-        with quiet_opencv():
-            self._video = cv2.VideoCapture(str(self.path))
-        if not self._video.isOpened():
-            raise InputError(f"{self.path}: not a video that OpenCV can read, or a damaged one; convert it.")
-        self._video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)  # as it was taken: what the calibration knows
+        self._video = _captured(
+            str(self.path), f"{self.path}: not a video that OpenCV can read, or a damaged one; convert it."
+        )
         self._next = 0
 
     def read(self, number: int) -> Image:
@@ -148,14 +151,11 @@ class _Camera:
                 f"camera {name}: this OpenCV was built without GStreamer; name a device, such as 0, or install one "
                 "that has it (python3-opencv of Debian and Ubuntu has)."
             )
-        with quiet_opencv():
-            if "!" in name:
-                self._capture = cv2.VideoCapture(name, cv2.CAP_GSTREAMER)
-            else:
-                self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
-        if not self._capture.isOpened():
-            raise InputError(f"camera {name}: cannot be opened; check that it is there, and that nothing else uses it.")
-        self._capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)  # as it was taken: what the calibration knows
+        self._capture = _captured(
+            int(name) if name.isdecimal() else name,
+            f"camera {name}: cannot be opened; check that it is there, and that nothing else uses it.",
+            cv2.CAP_GSTREAMER if "!" in name else cv2.CAP_ANY,
+        )
         if not self._is_file:
             self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest frame, where a driver can
 

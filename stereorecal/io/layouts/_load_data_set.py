@@ -2,19 +2,44 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol, runtime_checkable
 
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import entry_points
 from stereorecal.io._read_files import AnyPath
-from stereorecal.io.formats._load_and_save import warn_of_file
-from stereorecal.io.layouts import _euroc, _kitti, _plain_log
-from stereorecal.io.layouts._layout import Layout, folder_name
-from stereorecal.io.layouts._scene_folder import is_scene_folder, open_scene_folder
+from stereorecal.io.formats._load_rig import warn_of_file
+from stereorecal.io.layouts import _data_sets, _own_folders
+from stereorecal.io.layouts._own_folders import folder_name, is_scene_folder, open_scene_folder
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene
+
+
+@runtime_checkable
+class Layout(Protocol):
+    """A module, or an object, that recognises a folder by what is in it and reads it as a log."""
+
+    @property
+    def LAYOUT(self) -> str:
+        """Its name and its files, for the message about a folder that no layout recognises: a constant."""
+        ...
+
+    def recognises(self, folder: Path, /) -> bool:
+        """Whether the folder has this layout. Looks at names only, and opens no file."""
+        ...
+
+    def read(self, folder: Path, limit: int | None, /) -> Log:
+        """The log in the folder, of each sequence the first `limit` pairs or all."""
+        ...
+
 
 # The first that recognises a folder reads it. KITTI stereo comes before odometry: both have folders such as image_0,
 # but only the names of its images end in _10.
-_LAYOUTS: tuple[Layout, ...] = (_plain_log, _kitti.RAW, _kitti.STEREO, _kitti.ODOMETRY, _euroc)
+_LAYOUTS: tuple[Layout, ...] = (
+    _own_folders,
+    _data_sets.KITTI_RAW,
+    _data_sets.KITTI_STEREO,
+    _data_sets.KITTI_ODOMETRY,
+    _data_sets.EUROC,
+)
 _GROUP = "stereorecal.layouts"
 _INSTALL = "run: pip install stereorecal-field (in a clone: pip install -e plugins/field)"
 _OF_FIELD = ("im0.png", "*/im0.png", "frames/*L.jpg", "video_data/*/frames", "calibration/calibration-*.yaml")
@@ -39,7 +64,15 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
         CalibrationWarning: as `load_rig`.
     """
     folder = existing_folder(folder)
-    log = _read_log(folder, limit)
+    if is_scene_folder(folder):
+        log = _log_of_scene(folder, limit)
+    elif (layout := _layout_of(folder)) is not None:
+        log = layout.read(folder, limit)
+    else:
+        known = "; ".join(layout.LAYOUT for layout in _layouts())
+        raise InputError(
+            f"{folder}: the layout is unknown; expected a scene folder (calib.json, left, right), or {known}."
+        )
     warn_of_file(folder, *log.calibrations.values(), sized=False)
     return log
 
@@ -67,7 +100,20 @@ def load_scene(
         CalibrationWarning: as `load_rig`.
     """
     folder = existing_folder(folder)
-    scene = _read_scene(folder, limit, choose)
+    layout = None if is_scene_folder(folder) else _layout_of(folder)
+    if layout is None:
+        found, pairs = open_scene_folder(folder, limit)
+        scene = Scene(folder_name(folder), found.rig, choose(pairs), found.reference, found.info)
+    else:
+        log = layout.read(folder, limit)
+        mission, *others = log.missions
+        if others:
+            raise InputError(
+                f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give the folder of one of "
+                "them."
+            )
+        assert isinstance(mission.pairs, LazyPairs)
+        scene = Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
     warn_of_file(folder, scene.rig, sized=False)
     return scene
 
@@ -94,33 +140,7 @@ def _layouts() -> tuple[Layout, ...]:
     return (*_LAYOUTS, *(point.load() for point in entry_points(group=_GROUP)))
 
 
-def _read_log(folder: Path, limit: int | None) -> Log:
-    if is_scene_folder(folder):
-        return _log_of(folder, limit)
-    layout = _layout_of(folder)
-    if layout is None:
-        known = "; ".join(layout.LAYOUT for layout in _layouts())
-        raise InputError(
-            f"{folder}: the layout is unknown; expected a scene folder (calib.json, left, right), or {known}."
-        )
-    return layout.read(folder, limit)
-
-
-def _read_scene(folder: Path, limit: int | None, choose: Callable[[LazyPairs], tuple[Pair, ...]]) -> Scene:
-    if is_scene_folder(folder) or _layout_of(folder) is None:
-        found, pairs = open_scene_folder(folder, limit)
-        return Scene(folder_name(folder), found.rig, choose(pairs), found.reference, found.info)
-    log = _read_log(folder, limit)
-    mission, *others = log.missions
-    if others:
-        raise InputError(
-            f"{folder}: {len(log.missions)} sequences are in there ({mission.name} …); give the folder of one of them."
-        )
-    assert isinstance(mission.pairs, LazyPairs)
-    return Scene(mission.name, log.calibration_of(mission), choose(mission.pairs))
-
-
-def _log_of(folder: Path, limit: int | None) -> Log:
+def _log_of_scene(folder: Path, limit: int | None) -> Log:
     """A scene folder as a log."""
     found, pairs = open_scene_folder(folder, limit)
     name = folder_name(folder)

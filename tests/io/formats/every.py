@@ -14,8 +14,7 @@ from lenses import WIDE_LENSES
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io import load_rig
 from stereorecal.io.formats._format import Target
-from stereorecal.io.formats._format_list import named
-from stereorecal.io.formats._read_rig import as_in_file, scaled
+from stereorecal.io.formats._read_rig import as_in_file, named, scaled
 from stereorecal.io.formats.text._document import document
 
 
@@ -172,9 +171,9 @@ def write_exchanged(rig: StereoRig, name: str, paths: list[Path]) -> None:
     format, turned = named(name), as_in_file(rig, exchanged=True)
     syntax = next(iter(format.syntax.values()))
     blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
-    texts = format.texts(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
-    for path, text in zip(paths, texts, strict=True):
-        path.write_text(text)
+    values = format.write(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
+    for path, new, numbers in zip(paths, blank, values, strict=True):
+        path.write_text(new.with_values(numbers))
 
 
 def new_files(folder: Path, name: str) -> list[Path]:

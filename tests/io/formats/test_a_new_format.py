@@ -11,7 +11,7 @@ from refusals import refused
 
 from stereorecal import UnsupportedModelError
 from stereorecal.io import load_rig, save_rig
-from stereorecal.io.formats import _format_list
+from stereorecal.io.formats import _read_rig
 from stereorecal.io.formats._format import JSON, YAML, Format
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 
@@ -26,8 +26,8 @@ TABLE = Table(
 )
 TABLES = {
     "of CONTRIBUTING": TABLE,
-    "camera matrices": replace(TABLE, matrix="{}/K", shape=(3, 3), size=places("{}", "wide high")),
-    "flat matrices": replace(TABLE, matrix="{}/K", shape=(9,), pose=Pose("{}/R", "{}/T")),
+    "camera matrices": replace(TABLE, matrix="{}/K", square=True, size=places("{}", "wide high")),
+    "flat matrices": replace(TABLE, matrix="{}/K", square=True, pose=Pose("{}/R", "{}/T")),
     "from left to right": replace(TABLE, pose=Pose("between/R", places("between", "x y z"), between=True)),
     "from right to left": replace(TABLE, pose=Pose("back", between=True, inverted=True)),
 }
@@ -38,8 +38,7 @@ TABLES = {
 def test_a_table_is_a_format(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, table: Table, syntax):
     format = Format("mine", "my own", "m", lambda document: "cam0" in document.content, table.read, syntax=syntax,
                     blank=table.blank, write=table.write)  # fmt: skip
-    monkeypatch.setattr(_format_list, "FORMATS", (format,))
-    monkeypatch.setattr(_format_list, "NAMES", ("mine",))
+    monkeypatch.setattr(_read_rig, "FORMATS", (format,))
     (path,) = paths = [tmp_path / f"a{next(iter(syntax))}"]
     save_rig(samples.RIG, path, format="mine")
     rig = load_rig(path)

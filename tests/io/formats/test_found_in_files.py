@@ -195,6 +195,28 @@ def test_aliases(tmp_path: Path):
     assert load_rig(path).right.size == samples.SIZE
 
 
+@pytest.mark.parametrize("merged", ["*one", "[*one, *none]"])
+def test_keys_that_are_merged(tmp_path: Path, merged: str):
+    """Those of cam1 itself come first. What stands once for both cameras is not changed for one."""
+    path, new = tmp_path / "a.yaml", tmp_path / "b.yaml"
+    expected = load_rig(SAMPLES["kalibr"].write(tmp_path))
+    start, cam1 = samples.KALIBR.split("cam1:\n")
+    cam1 = cam1.replace("  camera_model: pinhole\n", "").replace(f"  distortion_coeffs: {FOUR}\n", "")
+    start = start.replace("cam0:\n", "base: &none {intrinsics: [1]}\ncam0: &one\n")
+    path.write_text(f"{start}cam1:\n  <<: {merged}\n{cam1}")
+    rig = load_rig(path)
+    assert_same(rig, expected)
+    moved = rig.with_extrinsics(rig.extrinsics + 0.001)
+    save_rig(moved, new)
+    assert_same(load_rig(new), moved)
+    own = replace(rig, right=replace(rig.right, matrix=np.array(rig.right.matrix) + np.diag([1.0, 1.0, 0.0])))
+    save_rig(own, new, overwrite=True)
+    assert_same(load_rig(new), own)
+    lens = replace(rig, right=replace(rig.right, distortion=np.array(rig.right.distortion) * 1.5))
+    words = "cam1.distortion_coeffs stands once for several keys (YAML's & and *); write it out for each, or write a"
+    refused(lambda: save_rig(lens, new, overwrite=True), words)
+
+
 def test_a_date_is_no_line_of_numbers(tmp_path: Path):
     path = tmp_path / "a.yaml"
     path.write_text("date: 2016-01-01 12:00:00\n" + samples.KALIBR)

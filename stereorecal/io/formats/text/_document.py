@@ -94,24 +94,25 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
         lines: whether it may look like lines of keys and values.
     """
     with about(name):
-        guessed = syntax is None and lines and not _YAML.match(_first_line(text))
+        first = (line.strip() for line in text.splitlines() if not line.lstrip().startswith("#"))
+        guessed = syntax is None and lines and not _YAML.match(next(filter(None, first), ""))
         syntax = syntax or _syntax_of(text, lines)
-        if syntax is not Syntax.JSON:  # whose parser looks after itself
-            _check_flat(text)
         try:
-            return Document(str(name), text, syntax, _content(text, syntax))
+            if syntax is Syntax.JSON:  # whose parser looks after itself
+                return Document(str(name), text, syntax, _json.parsed(text))
+            # Before any parser sees it: what is too long for a calibration or may be nested too deeply.
+            openings = sum(text.count(bracket) for bracket in "[{<")
+            items = max((line.count("- ") for line in text.splitlines()), default=0)
+            if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
+                raise InputError(_NESTED)
+            content = _READ_ONLY[syntax](text) if syntax in _READ_ONLY else plain(_TREES[syntax](text)[1])
+            return Document(str(name), text, syntax, content)
         except RecursionError:
             raise InputError(_NESTED) from None
         except InputError as error:
             if guessed and str(error) == _yaml.DAMAGED:  # not known, rather than damaged: nothing is found in it
                 return Document(str(name), text, syntax, {})
             raise
-
-
-def _content(text: str, syntax: Syntax) -> Mapping[str, Any]:
-    if syntax is Syntax.JSON:
-        return _json.parsed(text)
-    return _READ_ONLY[syntax](text) if syntax in _READ_ONLY else plain(_TREES[syntax](text)[1])
 
 
 def read_document(
@@ -127,20 +128,6 @@ def read_document(
     if binary is not None:
         return document(path, binary, Syntax.JSON)
     return document(path, read_text(path, if_missing), syntax, lines=lines)
-
-
-def _check_flat(text: str) -> None:
-    """Refuse, before any parser sees it, a text that is too long for a calibration or may be nested too deeply."""
-    openings = sum(text.count(bracket) for bracket in "[{<")
-    items = max((line.count("- ") for line in text.splitlines()), default=0)
-    if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
-        raise InputError(_NESTED)
-
-
-def _first_line(text: str) -> str:
-    """That is neither empty nor a comment."""
-    lines = (line.strip() for line in text.splitlines())
-    return next((line for line in lines if line and not line.startswith("#")), "")
 
 
 def _syntax_of(text: str, lines: bool) -> Syntax:

@@ -1,7 +1,8 @@
 """The tree of a text: its values, and the characters that each of them takes; and texts in which only values change."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +44,12 @@ def number_or_word(word: str) -> float | str:
         return word
 
 
+def whole_or_word(word: str) -> float | int | str:
+    """As `number_or_word`; whole numbers as such."""
+    number = number_or_word(word)
+    return int(word) if isinstance(number, float) and re.fullmatch(r"[-+]?\d{1,15}", word) else number
+
+
 def words(text: str, start: int, end: int, read: Callable[[str], Any] = number_or_word) -> Node:
     """A node of the words in a part of a text, and what each of them says."""
     found = [(start + one.start(), start + one.end()) for one in re.finditer(r"\S+", text[start:end])]
@@ -58,19 +65,35 @@ def plain(node: Node) -> Any:
 
 def with_values(text: str, root: Node, values: Values, spelt: Callable[[Any], str]) -> str:
     """The text with other values: of a list, only the numbers that differ; every other character stays."""
-    edits = [edit for keys, value in values.items() for edit in _edits(text, _below(root, keys), value, spelt)]
-    for start, end, new in sorted(set(edits), reverse=True):  # of two that touch, the one that inserts is the later
+    edits, places = set[Edit](), Counter(_places(root))
+    for keys, value in values.items():
+        node = root
+        for key in keys:
+            try:
+                node = node.value[key]
+            except (KeyError, IndexError, TypeError):
+                raise InputError(f"the key {key!r} is missing; add it, or copy the file again.") from None
+        new = set(_edits(text, node, value, spelt))
+        if new and places[node.start, node.end] > 1:
+            name = ".".join(map(str, keys))
+            raise InputError(
+                f"{name} stands once for several keys (YAML's & and *); write it out for each, or write a new file: "
+                "`dataclasses.replace(rig, source=None)`."
+            )
+        edits |= new
+    for start, end, new in sorted(edits, reverse=True):  # of two that touch, the one that inserts is the later
         text = text[:start] + new + text[end:]
     return text
 
 
-def _below(node: Node, keys: Keys) -> Node:
-    for key in keys:
-        try:
-            node = node.value[key]
-        except (KeyError, IndexError, TypeError):
-            raise InputError(f"the key {key!r} is missing; add it, or copy the file again.") from None
-    return node
+def _places(node: Node) -> Iterator[tuple[int, int]]:
+    """Where the values and lists of a tree stand; one that YAML's aliases repeat, repeatedly."""
+    inside = node.value.values() if isinstance(node.value, dict) else node.value if isinstance(node.value, list) else ()
+    if isinstance(node.value, dict) or any(isinstance(one.value, dict) for one in inside):
+        for one in inside:
+            yield from _places(one)
+    else:
+        yield node.start, node.end
 
 
 def _edits(text: str, node: Node, value: Any, spelt: Callable[[Any], str]) -> Iterator[Edit]:
@@ -100,11 +123,6 @@ def _scalars(node: Node) -> Iterator[Node]:
         yield from _scalars(inside)
 
 
-def under(place: Keys, keys: Iterable[str | int], values: Iterable[Any]) -> dict[Keys, Any]:
-    """What to write below a place: a value under each key."""
-    return {(*place, key): value for key, value in zip(keys, values, strict=True)}
-
-
 def number_text(value: Any) -> str:
     """A number with all its digits, written so that every reader of YAML 1.1 takes it for a number; a word as it is."""
     if isinstance(value, str | int):
@@ -115,11 +133,11 @@ def number_text(value: Any) -> str:
     return f"{mantissa}{'' if '.' in mantissa or not exponent else '.0'}{exponent}{power}"
 
 
-def leaves(value: Any) -> Iterator[Any]:
-    """What nested lists contain."""
-    if isinstance(value, list):
+def leaves(value: Any, levels: int = 4) -> Iterator[Any]:
+    """What nested lists contain; one that is nested deeper than any matrix, as it is."""
+    if isinstance(value, list) and levels:
         for item in value:
-            yield from leaves(item)
+            yield from leaves(item, levels - 1)
     else:
         yield value
 

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from typing import Any
 
 import yaml
@@ -9,14 +10,14 @@ from yaml.composer import Composer
 from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word
+from stereorecal.io.formats.text._nodes import Node, mapping, whole_or_word
 
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
 _END = re.compile(r"(\n(---|\.\.\.)[ \t\r]*)+\s*\Z")  # after a message, as `ros2 topic echo` writes it
 _NO_SPACE = re.compile(r"^([ \t]*[\w.]+:)\[", re.MULTILINE)  # data:[1], which OpenCV reads, and YAML does not
-_MERGED = "<<"  # keys of other mappings, which no calibration file needs
+_MERGED = "<<"  # stands before the keys of other mappings
 _MARK = "\ufeff"  # of the order of bytes, which libyaml does not count among the characters
 _EXPANDED = 100_000  # nodes that aliases may add
 
@@ -62,8 +63,8 @@ def _composed(text: str) -> yaml.Node:
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
     try:
-        nodes = list(yaml.compose_all(text, _Loader))
-        nodes = [node for node in nodes if len(nodes) == 1 or not _is_empty(node)]
+        found: list[yaml.Node] = list(yaml.compose_all(text, _Loader))
+        nodes = [node for node in found if len(found) == 1 or not isinstance(node, ScalarNode) or node.value]
     except (yaml.YAMLError, UnicodeError, RecursionError):
         nodes = []
     node = nodes[0] if len(nodes) == 1 else _list_of(nodes) if nodes else None
@@ -75,10 +76,6 @@ def _composed(text: str) -> yaml.Node:
     except RecursionError:
         raise InputError(DAMAGED) from None
     return node
-
-
-def _is_empty(node: yaml.Node) -> bool:
-    return isinstance(node, ScalarNode) and not node.value
 
 
 def _list_of(nodes: list[yaml.Node]) -> yaml.Node:
@@ -104,8 +101,12 @@ def _node(node: yaml.Node, text: str, before: int) -> Node:
     """A node whose places count what stands before the text, too."""
     start, end = (before + mark.index for mark in (node.start_mark, node.end_mark)) if node.start_mark else (0, 0)
     if isinstance(node, MappingNode):
-        keys = [(key.value, value) for key, value in node.value if isinstance(key, ScalarNode)]
-        return mapping([(key, _node(value, text, before)) for key, value in keys if key != _MERGED], start, end)
+        pairs = [(key.value, _node(value, text, before)) for key, value in node.value if isinstance(key, ScalarNode)]
+        made = mapping([(key, value) for key, value in pairs if key != _MERGED], start, end)
+        for merged in (value.value for key, value in pairs if key == _MERGED):
+            for one in merged if isinstance(merged, list) else [Node(merged, start, end)]:
+                made = replace(made, value={**(one.value if isinstance(one.value, dict) else {}), **made.value})
+        return made
     if isinstance(node, SequenceNode):
         items = [_node(item, text, before) for item in node.value]
         return Node(
@@ -118,9 +119,7 @@ def _scalar(word: str) -> Any:
     if word.lower() in _WORDS:
         return _WORDS[word.lower()]
     found = _NOT_FINITE.fullmatch(word)
-    number = float(found[1] + found[2]) if found else number_or_word(word)
-    whole = isinstance(number, float) and re.fullmatch(r"[-+]?\d{1,15}", word)
-    return int(word) if whole else number
+    return float(found[1] + found[2]) if found else whole_or_word(word)
 
 
 def _new_item(text: str, last: int) -> str:

@@ -1,25 +1,58 @@
-"""KITTI's data sets: raw data, rectified or not; odometry; and the stereo benchmarks of 2012 and 2015."""
+"""Public data sets: EuRoC, and others in the ASL format; and KITTI's: raw data, rectified or not, odometry, and the
+stereo benchmarks of 2012 and 2015."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+import jax
 import numpy as np
 from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
+from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import read_text
+from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._read_rig import read_files
+from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
-from stereorecal.io.layouts._layout import Sequence, log_of
-from stereorecal.recordings import Log
+from stereorecal.io.layouts._own_folders import folder_name
+from stereorecal.recordings import LazyPairs, Log, Mission
 
+Sequence = tuple[Path, StereoRig, LazyPairs]  # its folder, the rig, the pairs
 _Sides = tuple[str, str]  # the folders of the left and the right camera
 _IF_MISSING = "download {} from KITTI's page and unpack it over the images."
+
+
+def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
+    """The log of the sequences in a folder, each named after its own folder.
+
+    A single calibration is named "stored"; of several, each is named after the first sequence that has it.
+
+    Raises:
+        InputError: if there is no sequence, or the first images of one do not fit its calibration; of others, this is
+            said when they are read.
+    """
+    found: list[tuple[str, Hashable, LazyPairs]] = []
+    rigs: dict[Hashable, tuple[str, StereoRig]] = {}
+    for place, rig, pairs in sequences:
+        name = folder_name(folder) if place == folder else place.name
+        rigs.setdefault(_rig_key(rig), (name, rig))
+        found.append((name, _rig_key(rig), fitting(place, Calibration(rig.sizes_taken[0], rig), pairs)))
+    names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
+    calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
+    return Log(
+        folder_name(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found)
+    )
+
+
+def _rig_key(rig: StereoRig) -> Hashable:
+    """A key that is equal for equal rigs."""
+    leaves, structure = jax.tree.flatten(rig)
+    return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)
 
 
 @dataclass(frozen=True)
@@ -50,7 +83,41 @@ def _sides_in(folder: Path, choices: Iterable[_Sides]) -> _Sides:
     raise InputError(f"{folder}: both cameras are needed, the folders {wanted}; unpack the images of the other one.")
 
 
-# --- odometry
+# --- EuRoC: a folder for each camera
+
+_SENSOR = "sensor.yaml"
+
+
+def _body(folder: Path) -> Path | None:
+    """mav0, which the folder is or contains."""
+    return next((body for body in (folder / "mav0", folder) if (body / "cam0/data").is_dir()), None)
+
+
+def _euroc(folder: Path, limit: int | None) -> Iterator[Sequence]:
+    """The images of cam0 (left) and cam1 (right) with equal time stamps; one that only one camera took is left out."""
+    left, right = ((_body(folder) or folder) / side for side in ("cam0", "cam1"))
+    left_files, right_files = by_stem(left / "data"), by_stem(right / "data")
+    matched = [(path, right_files[time]) for time, path in left_files.items() if time in right_files]
+    if not matched:
+        raise InputError(
+            f"{left / 'data'}: no image in it has the same time (file name) as one in {right / 'data'}; check both."
+        )
+    rig = read_files([left / _SENSOR, right / _SENSOR], "euroc")
+    sizes = rig.sizes_taken
+    pairs = load_matched(matched, limit, sizes=sizes)
+    if sizes[0] != sizes[1]:
+        rig = read_files([left / _SENSOR, right / _SENSOR], "euroc", hints=Hints(common_size=True))
+        remark_sizes(str(folder), sizes)
+    yield folder, rig, pairs
+
+
+EUROC = _DataSet(
+    "EuRoC or ASL (mav0/cam0 and cam1, each with sensor.yaml and data/TIME.png)",
+    lambda folder: _body(folder) is not None,
+    _euroc,
+)
+
+# --- KITTI odometry
 
 _ODOMETRY = ("sequences/*", (("image_0", "image_1"), ("image_2", "image_3")))  # grey before colour
 
@@ -75,13 +142,13 @@ def _read_times(path: Path, pairs: int) -> list[float] | None:
     return times if len(times) == pairs and np.isfinite(times).all() else None
 
 
-ODOMETRY = _DataSet(
+KITTI_ODOMETRY = _DataSet(
     "KITTI odometry (sequences/NN), or one sequence of it (calib.txt, image_0 and image_1, or image_2 and image_3)",
     lambda folder: bool(_places_in(folder, *_ODOMETRY)),
     _odometry,
 )
 
-# --- raw data
+# --- KITTI raw data
 
 _RAW = ("*_drive_*", (("image_00", "image_01"), ("image_02", "image_03")))
 _OF_DAY, _TIMES, _RECTIFIED, _AS_TAKEN = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
@@ -149,13 +216,13 @@ def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
     return list(files.values()), times
 
 
-RAW = _DataSet(
+KITTI_RAW = _DataSet(
     "KITTI raw data (DATE/calib_cam_to_cam.txt, DATE/DATE_drive_NNNN_sync or _extract), or one drive of it",
     lambda folder: (folder / _OF_DAY).is_file() or bool(_places_in(folder, *_RAW)),
     _raw,
 )
 
-# --- stereo 2012 and 2015: single rectified frames, each with a calibration file of its own
+# --- KITTI stereo 2012 and 2015: single rectified frames, each with a calibration file of its own
 
 _BENCHMARK = "_10"  # the benchmark's frame of each scene; "_11" is the next one
 _OF_2012 = ("calib", "kitti-odometry", "data_stereo_flow_calib.zip")
@@ -189,7 +256,7 @@ def _stereo(folder: Path, limit: int | None) -> Iterator[Sequence]:
         yield folder / path.stem, read_files([path], format, hints=hints, if_missing=missing), pairs
 
 
-STEREO = _DataSet(
+KITTI_STEREO = _DataSet(
     "KITTI stereo 2012 or 2015 (the folder training or testing, with NNNNNN_10.png and the calibration files)",
     lambda folder: any(any((folder / left).glob(f"*{_BENCHMARK}.png")) for left, _ in _KINDS),
     _stereo,

@@ -1,5 +1,7 @@
-"""Files whose first camera is the right one, or that have more than two: which cameras are read, and written back."""
+"""Which cameras of a file are read and written back, and how they stand: the right one first, two of four, one above
+the other, one upside down. Files are read and written as they are, and what matches images turns both."""
 
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -8,27 +10,39 @@ import numpy as np
 import pytest
 import samples
 import yaml
-from every import SAMPLES, assert_same, new_files, write_exchanged
+from every import SAMPLES, STANDS, assert_same, new_files, write_exchanged
 from refusals import refused
 
-from stereorecal.geometry import StereoRig
-from stereorecal.io import gather_scene, load_rig, save_rig
+from stereorecal import CalibrationWarning
+from stereorecal.geometry import StereoRig, same_rig
+from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_rig, save_scene
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 SWAPPED = "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
 EXCHANGED = ("right", "left")
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
+pytestmark = pytest.mark.filterwarnings("ignore:.*(translation is taken|turned by)")
 
 
-def test_derived_matrices_of_a_right_camera_first(tmp_path: Path):
-    """As OpenCV computes them of such a file."""
+@pytest.mark.parametrize("turns", [(0, 0), (1, 1), (3, 3)])
+def test_derived_matrices(tmp_path: Path, turns: tuple[int, int]):
+    """Of a file whose right camera stands first, and of cameras one above the other, as OpenCV computes them; from
+    these alone R and T are read."""
     (path,) = paths = new_files(tmp_path, "opencv")
-    write_exchanged(RIG, "opencv", paths)
+    if any(turns):
+        save_rig(replace(RIG, turns=turns), path, format="opencv")
+    else:
+        write_exchanged(RIG, "opencv", paths)
     storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
     K1, D1, K2, D2, R, T = (storage.getNode(key).mat() for key in ("K1", "D1", "K2", "D2", "R", "T"))
-    made = cv2.stereoRectify(K1, D1, K2, D2, samples.SIZE, R, T, alpha=1.0)
+    size = samples.SIZE[::-1] if any(turns) else samples.SIZE
+    made = cv2.stereoRectify(K1, D1, K2, D2, size, R, T, alpha=1.0)
     for key, matrix in zip(("R1", "R2", "P1", "P2", "Q"), made[:5], strict=True):
         np.testing.assert_allclose(storage.getNode(key).mat(), matrix, rtol=0, atol=1e-6, err_msg=key)
+    path.write_text(path.read_text().replace("\nR:", "\nR_:").replace("\nT:", "\nT_:"))
+    found = load_rig(path, unit="m", cameras=None if any(turns) else EXCHANGED)
+    np.testing.assert_allclose(found.rotation, R if any(turns) else R.T, atol=1e-9)
+    np.testing.assert_allclose(found.translation, T[:, 0] if any(turns) else -R.T @ T[:, 0], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -116,3 +130,50 @@ def test_a_scene(tmp_path: Path):
     scene = gather_scene(tmp_path / "left.png", tmp_path / "right.png", path, unit="m", cameras=EXCHANGED)
     assert isinstance(scene.rig, StereoRig)
     assert_same(scene.rig, RIG)
+
+
+# --- one above the other, or upside down
+
+
+@pytest.mark.parametrize("turns", [(1, 1), (3, 3)])
+def test_fisheyes_one_above_the_other(tmp_path: Path, turns: tuple[int, int]):
+    cameras = {side: replace(getattr(RIG, side), model="equidistant") for side in ("left", "right")}
+    paths, rig = new_files(tmp_path, "ros"), replace(RIG, **cameras, turns=turns)
+    for one in (rig, replace(rig, extrinsics=rig.extrinsics + CHANGE)):
+        save_rig(one, paths, format="ros", overwrite=True)
+        assert_same(load_rig(paths).side_by_side(), one)
+
+
+def test_both_upside_down_are_not_told_from_exchanged(tmp_path: Path):
+    """Neither is guessed."""
+    words = "if both are upside down, turn images and calibration"
+    refused(lambda: save_rig(replace(RIG, turns=(2, 2)), tmp_path / "calib.json"), words)
+
+
+def stood(folder: Path, scene, turns: tuple[int, int]) -> tuple[Path, Path, Path]:
+    """A scene as cameras that stand otherwise took it: images of either side, and the calibration."""
+    pair = scene.pairs[0]
+    for side, image, turn in zip(("l", "r"), (pair.left, pair.right), turns, strict=True):
+        (folder / side).mkdir(parents=True)
+        cv2.imwrite(str(folder / side / "7.png"), np.rot90(np.rint(image), -turn))
+    save_rig(replace(scene.rig, turns=turns, source=None), folder / "calib.json")
+    return folder / "l", folder / "r", folder / "calib.json"
+
+
+@pytest.mark.parametrize("turns", STANDS.values(), ids=STANDS)
+def test_images_are_turned_with_the_calibration(tmp_path: Path, scene, turns: tuple[int, int]):
+    rendered = scene("street", 0, (320, 240))
+    plain = gather_scene(*stood(tmp_path / "plain", rendered, (0, 0)))
+    places = stood(tmp_path / "turned", rendered, turns)
+    with pytest.warns(CalibrationWarning, match="turned by"):
+        turned = gather_scene(*places)
+    assert isinstance(turned.rig, StereoRig)
+    assert turned.rig.turns == turned.pairs[0].turns == turns
+    np.testing.assert_array_equal(turned.pairs[0].left, plain.pairs[0].left)
+    np.testing.assert_array_equal(turned.pairs[0].right, plain.pairs[0].right)
+    save_scene(turned, tmp_path / "saved")
+    assert same_rig(load_rig(tmp_path / "saved"), turned.rig)
+    again = cv2.imread(str(tmp_path / "saved" / "left.png"), cv2.IMREAD_GRAYSCALE)
+    np.testing.assert_array_equal(again, cv2.imread(str(places[0] / "7.png"), cv2.IMREAD_GRAYSCALE))
+    for read in (load_scene(tmp_path / "saved").pairs[0], load_log(tmp_path / "saved").missions[0].pairs[0]):
+        np.testing.assert_array_equal(read.left, plain.pairs[0].left)

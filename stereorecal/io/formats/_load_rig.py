@@ -1,0 +1,304 @@
+"""From paths to a rig: the files of a calibration, alone or in a folder; and what is said of one that was read."""
+
+import os
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+
+from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError
+from stereorecal.geometry import StereoRig, checked_unit, described_turns, doubt_of_length, fitted_to, whole_size
+from stereorecal.io._read_files import AnyPath
+from stereorecal.io.formats._format import Documents, Format, Hints
+from stereorecal.io.formats._matrix_search import said_of
+from stereorecal.io.formats._read_rig import FORMATS, checked_cameras, named, recognised, rig_in
+from stereorecal.io.formats._rig_file import ENDING, RigFile, file_of, read_stored_prior
+from stereorecal.io.formats.text._document import Document, Syntax, read_document
+from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
+
+_FAR = 0.15  # of the width or height: principal points of cameras whose images are whole lie nearer to the middle
+_MOST_FILES = 12  # one for each matrix, and some beside; and those of a folder that are tried in pairs
+_MOST_TOGETHER = 40  # of a folder, a file for each matrix
+_ENDINGS = (".yaml", ".yml", ".xml", ".json", ".txt")
+_BINARY = (".npz", ".npy", ".mat")  # read where a folder has no texts: most are images and maps
+_OF_CAMERAS = ("cam0/sensor.yaml", "cam1/sensor.yaml")  # EuRoC's, which lie in folders of their own
+_SCENE = "calib.json"
+
+
+def load_rig(
+    path: AnyPath | Sequence[AnyPath],
+    right: AnyPath | None = None,
+    *,
+    format: str | None = None,
+    unit: str | None = None,
+    size: tuple[int, int] | None = None,
+    cameras: tuple[str, str] | None = None,
+) -> StereoRig:
+    """The rig in a calibration file of any format of `docs/data.md`; it remembers the file, for `save_rig`. Where its
+    cameras stand one above the other, or one is upside down, what matches images turns it, and them:
+    `StereoRig.side_by_side`.
+
+    Args:
+        path: the file; a folder that holds one; or the left camera's file, where each camera has its own, alone or
+            with the right one's, as `save_rig` takes them; or all files, where each matrix has its own.
+        right: the right camera's file (or the extrinsics, where OpenCV's sample wrote them apart).
+        format: name of the format, such as "kalibr"; by default it is recognised.
+        unit: "m", "cm", "mm" or "in", of the lengths in the file; by default that of the format, or, if it has none
+            (OpenCV, BoofCV), inferred from the baseline.
+        size: (width, height) of the images, for files that say none.
+        cameras: names of the left and the right camera where a file has more than two, such as ("cam2", "cam3"), or
+            where the first one is the right one: ("cam1", "cam0"), or of any format ("right", "left").
+
+    Raises:
+        InputError: naming the file, if it cannot be read or does not hold a valid calibration; naming the formats that
+            are known, if it is none of them.
+        UnsupportedModelError: if the model of a lens is not known.
+
+    Warns:
+        CalibrationWarning: if the unit was inferred from the baseline, or the baseline is longer than 5 m or shorter
+            than 5 mm, as of a rig in other units; or if the principal points are far from the middle of
+            images whose size the file does not say.
+    """
+    paths = [*paths_of(path), *([] if right is None else [Path(right)])]
+    if not 1 <= len(paths) <= _MOST_FILES:
+        raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
+    if len(paths) > 2 and len(set(paths)) < len(paths):
+        raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
+    rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
+    if size is not None and rig.left.size != (size := whole_size(size)):
+        wide, high = rig.left.size
+        raise InputError(
+            f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
+            f"leave size out, and {fitted_to(rig.left.size, size)}."
+        )
+    warn_of_file(" and ".join(map(str, paths)), rig)
+    return rig
+
+
+def read_files(
+    paths: Sequence[Path],
+    format: str | None = None,
+    unit: str | None = None,
+    hints: Hints | None = None,
+    if_missing: str = "check the path.",
+) -> StereoRig:
+    """The rig in one file, in a left and a right file, or in a folder that holds such; it remembers where it came from.
+
+    Args:
+        format: name of the format; default: recognised.
+        unit: of lengths in the files; default: that of the format, or inferred from the length of the baseline.
+        if_missing: the end of the message if a file does not exist.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
+        UnsupportedModelError: if the model of a lens is not known.
+    """
+    checked_unit(unit)
+    hints = hints or Hints()
+    documents, found = _documents_of(paths, format, hints, if_missing)
+    rig = rig_in(documents, found, unit, hints)
+    return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
+
+
+def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
+    """Whether the format of files has a unit of lengths.
+
+    Raises:
+        InputError: as `read_files`, if the format is not recognised.
+    """
+    return _documents_of(paths, format, Hints(), "check the path.")[1].unit is not None
+
+
+def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
+    """One path, or several, as a list."""
+    return [Path(path)] if isinstance(path, str | os.PathLike) else [Path(each) for each in path]
+
+
+# --- warnings
+
+
+def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> None:
+    """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
+    than its own; of turned images; and of principal points far from the middle of images, where the user and not the
+    file says the size of these. To be called by the function that users call: the warning points at their line.
+
+    Args:
+        sized: whether the size may have come from the user.
+    """
+    known = [rig for rig in rigs if rig is not None]
+    doubts = [_doubt_of_size] if sized else []
+    said = [next(filter(None, map(doubt, known)), None) for doubt in (*doubts, _doubt_of_unit)]
+    for turns in {rig.turns for rig in known if any(rig.turns)}:
+        said.append(
+            f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
+        )
+    for message in filter(None, said):
+        warnings.warn(f"{path}: {message}", CalibrationWarning, stacklevel=3)
+
+
+def _doubt_of_size(rig: StereoRig) -> str | None:
+    source = file_of(rig)
+    if source is None or source.hints.size is None:
+        return None
+    for camera in (rig.left, rig.right):
+        place, size = np.asarray(camera.matrix)[:2, 2], np.array(camera.size)
+        if (np.abs(place + 0.5 - size / 2.0) > _FAR * size).any() and _fits_any_size(source, source.hints.size):
+            return (
+                f"the file has no image size, and its principal point ({place[0]:.0f}, {place[1]:.0f}) is far from the "
+                f"middle of images of {size[0]}x{size[1]}; if it is for images of another size, give that size, and "
+                "then resize or crop the rig (rig.resized, rig.cropped)."
+            )
+    return None
+
+
+def _fits_any_size(source: RigFile, size: tuple[int, int]) -> bool:
+    """Whether a file is for images of any size that is said, another one than this, too."""
+    other = size[0] + 1, size[1] + 1
+    try:
+        rig = rig_in(source.documents, named(source.format), source.unit, replace(source.hints, size=other))
+    except InputError:
+        return False
+    return rig.left.size == other
+
+
+def _doubt_of_unit(rig: StereoRig) -> str | None:
+    length, source = float(rig.baseline), rig.source
+    message = doubt_of_length(length, "m" if source is None else source.unit)
+    if message is None and source is not None and source.inferred:
+        return (
+            f"the file has no unit; its translation is taken to be in {source.unit}, a baseline of {length:.3g} m: say "
+            f"unit='{source.unit}' (--unit {source.unit}) if that is right, or another unit if it is not."
+        )
+    return message
+
+
+# --- which files, and of which format
+
+
+def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_missing: str) -> tuple[Documents, Format]:
+    chosen = None if format is None else named(format)
+    if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
+        documents = _in_folder(paths[0], chosen, hints)
+    else:
+        documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
+    return documents, chosen or _recognised(documents)
+
+
+def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+    """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
+    kinds = () if format is None else format.syntax.values()
+    of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
+    return read_document(path, of_lines, if_missing, lines=format is None or of_lines is not None)
+
+
+def _half_of(documents: Documents) -> Format | None:
+    """The format of which a single file is one of two."""
+    return recognised((documents[0], documents[0])) if len(documents) == 1 else None
+
+
+def _recognised(documents: Documents) -> Format:
+    """The format of documents; of two that none can read together, that of one, whose reader says what the other one
+    lacks."""
+    found = recognised(documents)
+    if found is not None:
+        return found
+    names = " and ".join(document.name for document in documents)
+    half = _half_of(documents)
+    if half is not None:
+        raise InputError(
+            f"{names}: this is one of two files ({half.name}: {half.about}); give both, left before right."
+        )
+    if any(document.content.keys() == {DOCUMENTS} for document in documents):
+        raise InputError(f"{names}: {SEVERAL}")
+    looks = [recognised((document,)) or _half_of((document,)) for document in documents if len(documents) == 2]
+    known = [format for format in looks if format is not None]
+    if not known:
+        raise InputError(f"{names}: {_unknown(documents)}")
+    if len(known) == 2 and known[0] is known[1]:
+        raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
+    if len(known) == 2 or known[0].files == 1:
+        one, other = ("nothing that is known" if format is None else format.name for format in looks)
+        raise InputError(
+            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
+            f"{other}; give two of one kind, or the whole one alone."
+        )
+    return known[0]
+
+
+def _unknown(documents: Documents) -> str:
+    """What to say where nothing is recognised."""
+    names = ", ".join(format.name for format in FORMATS)
+    return f"the format is unknown; expected one of {names} (documentation, page Your data).{said_of(documents)}"
+
+
+def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
+    """The file of a folder that holds a calibration, or the two that do so together; if none does, the likely ones."""
+    if format is None and (folder / _SCENE).is_file():
+        return (read_document(folder / _SCENE),)
+    found = _documents_in(folder, format)
+    single = [(document,) for document in found if _is_whole((document,), format, hints)]
+    parts = [document for document in found if (document,) not in single][:_MOST_FILES]
+    pairs = {
+        frozenset(document.name for document in pair): pair
+        for pair in reversed(list(permutations(parts, 2)))
+        if _is_whole(pair, format, hints)
+    }
+    whole = [*single, *reversed(pairs.values())]
+    if not whole and 2 < len(found) <= _MOST_TOGETHER and _is_whole(found, format, hints):
+        return found
+    if len(whole) == 1:
+        return whole[0]
+    if whole:
+        names = (" with ".join(str(Path(each.name).relative_to(folder)) for each in documents) for documents in whole)
+        raise InputError(f"{folder}: several calibrations are in there ({', '.join(names)}); give one of them.")
+    if not found:
+        raise InputError(
+            f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
+        )
+    for documents in (*permutations(parts, 2), *((document,) for document in found)):
+        fits = format or recognised(documents)
+        if fits is not None and fits.can_read(documents):
+            return documents  # whose reader says what is wrong with it
+    if format is None and len(found) <= 2:
+        return found
+    raise InputError(f"{folder}: {_unknown(found)}")
+
+
+def looks_calibrated(folder: Path) -> bool:
+    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
+    return bool(_files_in(folder))
+
+
+def _files_in(folder: Path, endings: tuple[str, ...] = _ENDINGS) -> list[Path]:
+    found = (path for path in folder.iterdir() if path.suffix.lower() in endings and path.is_file())
+    return sorted(path for path in found if not path.name.endswith(ENDING))
+
+
+def _documents_in(folder: Path, format: Format | None) -> Documents:
+    paths = _files_in(folder) or _files_in(folder, _BINARY)
+    cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
+    documents = []
+    for path in (*paths, *(path for path in cameras if path.is_file())):
+        try:
+            documents.append(_parsed_file(path, format))
+        except InputError:
+            continue  # something else that lies there
+    return tuple(document for document in documents if document.content)
+
+
+def _is_whole(documents: Documents, format: Format | None, hints: Hints) -> bool:
+    """Whether documents are a whole calibration, and not a part of one."""
+    format = format or recognised(documents)
+    if format is None or not format.can_read(documents) or len(documents) < format.files:
+        return False
+    try:
+        rig_in(documents, format, None, hints)
+    except UnsupportedModelError:
+        return len(documents) == format.files or _half_of(documents) is None
+    except InputError:
+        # One that has an error of its own is to be read, so that it is named; half a calibration is not.
+        return len(documents) == 1 and _half_of(documents) is None and format.name != "opencv"
+    return True
