@@ -7,11 +7,11 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
-from stereorecal.cli._advice_text import next_step
+from stereorecal.cli._advice_text import next_step, undetermined
 from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._html_page import check_rerun
 from stereorecal.cli._live_view import Lines, live
@@ -64,7 +64,7 @@ def run(options: MonitorOptions) -> int:
     if options.output is not None:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
-    began, unread = state.frame, 0
+    began, unread, sure = state.frame, 0, not options.until_sure
     log_rerun, save_rerun = rerun_watch(options, scene.name)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
@@ -90,12 +90,13 @@ def run(options: MonitorOptions) -> int:
                     show(stepped, found)
                 if stdout_reader_gone() and not (options.output or options.state or options.rrd or options.show):
                     return 0  # nothing is left to be done
-                if options.until_sure and found is not None and found.stands:
+                sure = sure or (found is not None and found.stands)
+                if options.until_sure and sure:
                     break
             hold()
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {state.frame - began} pairs.")
+        say(f"interrupted after {_pairs(state.frame - began)}.")
     except InputError as error:  # a pair that cannot be read: what the others have told is kept
         if state.frame == began:
             raise
@@ -110,7 +111,19 @@ def run(options: MonitorOptions) -> int:
         say(f"{unread} of {state.frame - began} pairs cannot be read; check the files.")
     if interrupted:
         return INTERRUPTED
-    return BAD_INPUT if 2 * unread > state.frame - began else _CODES[reading(state).condition]
+    if 2 * unread > state.frame - began:
+        return BAD_INPUT
+    condition = reading(state).condition
+    if sure:
+        return _CODES[condition]
+    if not options.quiet:
+        missing = undetermined(advice(state), float(state.initial.baseline))
+        say(f"the recording ended, after {_pairs(state.frame - began)}, before this was sure; not determined: {missing}")
+    return CANNOT_TELL if condition is Condition.HEALTHY else _CODES[condition]
+
+
+def _pairs(number: int) -> str:
+    return f"{number} pair{'s' * (number != 1)}"
 
 
 def _keep(options: MonitorOptions, state: State) -> None:
@@ -161,20 +174,19 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options, limits = _library_arguments.view(options.view), _library_arguments.tolerances(options.tolerances)
-    config = Config(
-        matcher=as_matcher(options.matcher),
-        synchronous=options.synchronous,
-        repair=not options.once,
-        tolerances=limits,
-    )
+    view_options = _library_arguments.view(options.view)
+    said: dict[str, Any] = {"repair": not options.once}  # what is not said is as it is by default, or in the state
+    if options.synchronous:
+        said["synchronous"] = True
+    if options.tolerances is not None:
+        said["tolerances"] = _library_arguments.tolerances(options.tolerances)
     if options.state is not None and Path(options.state).exists():
         state = load(options.state, scene.rig)
         if state.config.view != state.config.view | view_options:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
-        return state.configured(replace(config, matcher=state.config.matcher, **state.config.view))
+        return state.configured(replace(state.config, **said))
     assert scene.rig is not None
-    return init(scene.rig, replace(config, **view_options))
+    return init(scene.rig, Config(matcher=as_matcher(options.matcher), **said, **view_options))
 
 
 def _calibration_note(options: MonitorOptions, state: State) -> str:

@@ -113,8 +113,9 @@ class Parser(argparse.ArgumentParser):
     """A parser that says in one sentence what is wrong, with the nearest name, and exits with 2."""
 
     def __init__(self, **settings: Any) -> None:
-        # What is not given has the default of its field.
-        super().__init__(argument_default=argparse.SUPPRESS, formatter_class=_Help, **settings)
+        # What is not given has the default of its field. The beginning of a name is none: it would change its meaning
+        # with the next option that begins alike.
+        super().__init__(argument_default=argparse.SUPPRESS, formatter_class=_Help, allow_abbrev=False, **settings)
 
     def add_command(self, options: type[CommonOptions]) -> None:
         """Become the parser of a command."""

@@ -264,7 +264,7 @@ class MonitorOptions(
     shows a live view, other outputs get lines. The calibration file stays as it is.
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
-    tell; 130 interrupted."""
+    tell, or with --until-sure not yet; 130 interrupted."""
 
     summary = "watch a rig over a recording, and repair it"
     module = "stereorecal.cli._monitor"
