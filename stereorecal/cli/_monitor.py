@@ -118,7 +118,8 @@ def run(options: MonitorOptions) -> int:
         return _CODES[condition]
     if not options.quiet:
         missing = undetermined(advice(state), float(state.initial.baseline))
-        say(f"the recording ended, after {_pairs(state.frame - began)}, before this was sure; not determined: {missing}.")
+        seen = _pairs(state.frame - began)
+        say(f"the recording ended, after {seen}, before this was sure; not determined: {missing}.")
     return CANNOT_TELL if condition is Condition.HEALTHY else _CODES[condition]
 
 

@@ -58,9 +58,7 @@ def verdict_of(
     return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
 
 
-def advice_of(
-    reason: Reason, decision: Decision | None, mismatch: Mismatch | None, depth: Sequence[DepthError]
-) -> str:
+def advice_of(reason: Reason, decision: Decision | None, mismatch: Mismatch | None, depth: Sequence[DepthError]) -> str:
     """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it stays.
 
     Args:
