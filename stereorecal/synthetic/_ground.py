@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, tile_at, wrapped
+from stereorecal.synthetic._noise import Texture, tile_at, wrapped
 
 _MAP_NEAR = 3.0  # [m]: the shade map covers z >= 3 m and |x| <= z, which is more than the default rig sees
 _MAP_SIZE = (1280, 512)  # columns, rows: about a pixel of the default rig each

@@ -1,15 +1,19 @@
-"""Rays through the pixels of a camera, in the camera's frame and in the world's."""
+"""A camera: rays through its pixels, in its frame and in the world's; and from radiance to grey levels: lens blur,
+vignetting, tone curve, exposure, noise, quantisation.
+"""
 
 from functools import lru_cache
 
+import cv2
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.synthetic.rendering._patch import Point
-from stereorecal.synthetic.rendering._ray_patch_hits import Rays
+from stereorecal.synthetic._noise import Texture
+from stereorecal.synthetic._patch import Point
+from stereorecal.synthetic._ray_patch_hits import Rays
 
 _SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 
@@ -72,3 +76,43 @@ def world_rays(
 def pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "h w 2"]:
     """Pixel coordinates (column, row) of an image of `size` (width, height)."""
     return np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), -1).astype(float)
+
+
+def expose(
+    radiance: Texture,
+    noise_rng: np.random.Generator,
+    *,
+    gain: float,
+    centre: Float[np.ndarray, "2"],
+    blur: float,
+    vignetting: float,
+    noise: float,
+) -> Texture:
+    """The image (h, w) float32, whole grey levels in 0..255.
+
+    Args:
+        radiance: (h, w) float32, relative; a bright sky has about 1.
+        gain: factor on the grey levels.
+        centre: (2,) centre (x, y) of the vignetting in pixels; no light is lost there.
+        blur: sigma of the lens blur in pixels.
+        vignetting: fraction of the light lost in the corners, 0..1.
+        noise: standard deviation in grey levels at mid-grey; half of its variance is shot noise.
+    """
+    height, width = radiance.shape
+    if blur > 0.0:
+        radiance = cv2.GaussianBlur(radiance, (0, 0), blur, borderType=cv2.BORDER_REPLICATE)
+    x, y = np.arange(width) - centre[0], np.arange(height) - centre[1]
+    falloff = 1.0 - vignetting * (x[None, :] ** 2 + y[:, None] ** 2) / (0.25 * (width**2 + height**2))
+    grey = 255.0 * gain * tone(radiance * falloff.astype(np.float32))
+    sigma = noise * np.sqrt(0.5 + 0.5 * np.clip(grey, 0.0, 255.0) / 128.0)
+    noisy = grey + sigma * noise_rng.standard_normal(grey.shape, dtype=np.float32)
+    return np.rint(np.clip(noisy, 0.0, 255.0)).astype(np.float32)
+
+
+def tone(radiance: Texture) -> Texture:
+    """Tone curve from radiance to grey (1 is white): a shoulder that compresses highlights, gamma, a mild S-curve."""
+    # Reinhard's operator with white at a light of sqrt(3), gamma 2; the factors are chosen by eye.
+    light = np.maximum(radiance, 0.0) * np.float32(1.15)
+    grey = np.minimum(light * (1.0 + light / 3.0) / (1.0 + light), 1.0) ** np.float32(1.0 / 2.0)
+    curved = grey * grey * (3.0 - 2.0 * grey)
+    return grey + np.float32(0.7) * (curved - grey)

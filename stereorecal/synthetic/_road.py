@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, periodic
-from stereorecal.synthetic.surroundings._ground import Octaves, octaves, shade_at
-from stereorecal.synthetic.surroundings._sky import Sky
+from stereorecal.synthetic._ground import Octaves, octaves, shade_at
+from stereorecal.synthetic._noise import Texture, periodic
+from stereorecal.synthetic._sky import Sky
 
 _GRAINS = 24.0  # grains across a tile of the texture
 

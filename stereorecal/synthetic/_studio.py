@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._patch import Canvas, Paint, Patch, as_paint, mipmap
-from stereorecal.synthetic.surroundings._daylight import daylight
-from stereorecal.synthetic.surroundings._ground import Stain
+from stereorecal.synthetic._ground import Stain
+from stereorecal.synthetic._noise import Texture
+from stereorecal.synthetic._patch import Canvas, Paint, Patch, as_paint, mipmap
+from stereorecal.synthetic._sky import daylight
 
 Ground = tuple[float, float] | Float[np.ndarray, "2"]
 """A ground point (x, z) [m]."""

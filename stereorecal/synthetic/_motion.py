@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._patch import Point
+from stereorecal.synthetic._patch import Point
 
 BOAT_EYE, VAN_EYE = 2.5, 2.0
 """Height [m] of the left camera on a boat and on a van; chosen."""

@@ -1,16 +1,41 @@
-"""Ray casting in a world: radiance, haze included, and depth along each ray."""
+"""A world: patches, ground, sky, haze and the motion of the rig; and ray casting in it: radiance, haze included, and
+depth along each ray.
+"""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._ray_patch_hits import Rays, trace
-from stereorecal.synthetic.world._world import World
+from stereorecal.synthetic._motion import RigMotion
+from stereorecal.synthetic._noise import Texture
+from stereorecal.synthetic._patch import Patch
+from stereorecal.synthetic._ray_patch_hits import Rays, trace
+from stereorecal.synthetic._road import Road
+from stereorecal.synthetic._sky import Sky
+from stereorecal.synthetic._water import Water
 
 _CHUNK = 1 << 16  # rays at a time: bounds the memory that the octaves of the ground take
 _ROW = 256  # rays in a row of a chunk
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """Everything that a rendered scene shows.
+
+    Attributes:
+        patches: the solid objects.
+        ground: the surface at y = 0.
+        sky: the sky.
+        haze: distance [m] over which haze reduces contrast to 1/e.
+        motion: pose of the rig in each frame.
+    """
+
+    patches: tuple[Patch, ...]
+    ground: Water | Road
+    sky: Sky
+    haze: float
+    motion: RigMotion
 
 
 def radiance(world: World, rays: Rays, time: float) -> Texture:

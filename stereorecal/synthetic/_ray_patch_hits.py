@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Shaped
 
-from stereorecal.synthetic.rendering._patch import Patch, Point
+from stereorecal.synthetic._patch import Patch, Point
 
 _BLOCK = 16  # rays across and down in a block; patches are culled block by block
 _NEAR = 0.5  # near plane [m], for culling

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, fractal
+from stereorecal.synthetic._noise import Texture, fractal
 
 Point = Float[np.ndarray, "3"]
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, wave_slopes
-from stereorecal.synthetic.surroundings._ground import Octaves, octaves, shade_at
-from stereorecal.synthetic.surroundings._sky import Sky
+from stereorecal.synthetic._ground import Octaves, octaves, shade_at
+from stereorecal.synthetic._noise import Texture, wave_slopes
+from stereorecal.synthetic._sky import Sky
 
 _WAVES = 12.0  # wavelengths across a tile of the texture
 

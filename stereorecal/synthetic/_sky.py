@@ -1,11 +1,12 @@
-"""The sky: a vertical gradient with soft clouds."""
+"""The sky, a vertical gradient with soft clouds, and the light of a day."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic.rendering._noise import Texture, periodic, tile_at, wrapped
+from stereorecal.synthetic._noise import Texture, periodic, tile_at, wrapped
+from stereorecal.synthetic._patch import Point
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,3 +46,29 @@ def make_sky(rng: np.random.Generator, horizon: float, zenith: float, cover: flo
     field = periodic(rng, 256, lambda kx, ky: 1.0 / (4.0 + kx**2 + ky**2) ** 0.85)
     soft = 1.0 / (1.0 + np.exp(-2.0 * (field - 0.2)))
     return Sky(horizon, zenith, cover, wrapped(soft), rng.uniform(0.0, 1.0, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """Sunlight and skylight.
+
+    Attributes:
+        sun: (3,) unit vector towards the sun.
+        direct, ambient: irradiance of the sun at normal incidence and of the sky, relative: an albedo of 1 under an
+            irradiance of 1 gives a radiance of 1.
+    """
+
+    sun: Point
+    direct: float
+    ambient: float
+
+    def on(self, normal: Point) -> float:
+        """Irradiance of a surface with this unit normal (Lambert's cosine law; vertical surfaces get less skylight)."""
+        return self.ambient * (0.7 + 0.3 * float(normal[1])) + self.direct * max(0.0, float(normal @ self.sun))
+
+
+def daylight(rng: np.random.Generator) -> Light:
+    """Draw the light of a day: the sun behind or beside the camera, 26 to 54 degrees high."""
+    azimuth, height = rng.uniform(-2.2, 2.2), rng.uniform(0.45, 0.95)
+    sun = np.array([np.cos(height) * np.sin(azimuth), np.sin(height), -np.cos(height) * np.cos(azimuth)])
+    return Light(sun, rng.uniform(0.75, 1.2), rng.uniform(0.28, 0.42))
