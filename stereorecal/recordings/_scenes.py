@@ -1,13 +1,30 @@
-"""A log of missions: what a rig took over the years, and the calibrations that were made of it."""
+"""What a rig took: a scene at one place; a log of missions over the years, and the calibrations made of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.recordings._check_pairs import check_pairs
+from stereorecal.recordings._as_pairs import check_pairs
 from stereorecal.recordings._lazy_pairs import LazyPairs, PairSequence, names_of
-from stereorecal.recordings._scene import Scene
+from stereorecal.recordings._pair import Pair
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A rig (None without calibration) and the pairs it took.
+
+    Attributes:
+        reference: what `rig` is worth as a reference: "truth" (synthetic) or "stored" (a calibration from a file).
+        info: other facts about the scene, carried along untouched.
+    """
+
+    name: str
+    rig: StereoRig | None
+    pairs: tuple[Pair, ...]
+    reference: str = "stored"
+    info: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
