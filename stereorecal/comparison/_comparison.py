@@ -16,7 +16,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.io import write_json, write_text
 from stereorecal.matching import AbstractMatcher
 from stereorecal.recordings import Pair
-from stereorecal.report.trial_picture import TrialPicture
+from stereorecal.report.disparity_map import TrialPicture
 from stereorecal.scoring.host import disparity
 
 SCHEMA = "stereorecal.compare/1"

@@ -11,7 +11,6 @@ from rich.console import Group
 from rich.table import Column, Table
 from rich.text import Text
 
-from stereorecal.report._row_titles import several_schedules, strategies_of, title_of
 from stereorecal.report._table_width import first_that_fits
 from stereorecal.report.number_text import count, number, percent
 
@@ -39,6 +38,22 @@ _COUNTS = ("initial", "final", "reference")
 
 Row = Mapping[str, Any]
 _Make = Callable[[Mapping[str, Any], Sequence[str], int], Table]
+
+
+def several_schedules(data: Mapping[str, Any]) -> bool:
+    """Whether schedules stand side by side."""
+    return len({entrant["schedule"] for entrant in data["settings"]["entrants"]}) > 1
+
+
+def strategies_of(row: Row) -> str:
+    """The strategies that a trial or a summary ran: "compass + optimistix-levenberg-marquardt"."""
+    return " + ".join(row["strategies"])
+
+
+def title_of(row: Row, data: Mapping[str, Any]) -> str:
+    """A short name, different for each entrant: its schedule where schedules stand side by side, each with strategies
+    of its own, else the requested strategy."""
+    return row["schedule"] if several_schedules(data) else row["strategy"]
 
 
 def comparison_tables(data: Mapping[str, Any], width: int) -> Group:

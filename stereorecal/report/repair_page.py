@@ -9,9 +9,7 @@ import json
 from pathlib import Path
 
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture, rows_picture
-from stereorecal.report._expected_regions import larger_than_expected, unmeasured
-from stereorecal.report._headlines import headline, where
-from stereorecal.report._regions import misaligned
+from stereorecal.report._regions import headline, larger_than_expected, misaligned, unmeasured, where
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.repair_report import RepairReport

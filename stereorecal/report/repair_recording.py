@@ -13,7 +13,7 @@ import rerun.blueprint as rrb  # pyright: ignore[reportMissingImports]: an extra
 from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
-from stereorecal.report._headlines import headline, where
+from stereorecal.report._regions import headline, where
 from stereorecal.report._repair_figures import OVER, ROW_COLOURS, largest_row, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent

@@ -2,7 +2,7 @@
 
 from hypothesis import given, strategies as st
 
-from stereorecal.report.short_list import MOST, short_list
+from stereorecal.report.number_text import MOST, short_list
 
 
 @given(st.lists(st.text("abcdef", min_size=1), max_size=30))
