@@ -11,25 +11,19 @@ from typing import IO, Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
-from stereorecal.cli._advice_text import next_step, undetermined
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._html_page import check_rerun
-from stereorecal.cli._live_view import Lines, live
-from stereorecal.cli._output_files import deliver, written_or_printed
-from stereorecal.cli._output_places import (
+from stereorecal.cli._live_view import Lines, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._output_files import check_rerun, deliver, written_or_printed
+from stereorecal.cli._places import (
     Place,
     check_places,
-    image_inputs,
     named_inputs,
     places_of,
     refuse_replacing_inputs,
 )
-from stereorecal.cli._recordings import watched
+from stereorecal.cli._recordings import watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._rerun_watch import rerun_watch
-from stereorecal.cli._signals import hold
+from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, hold
 from stereorecal.cli._streams import say, stdout_reader_gone
-from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import (
@@ -59,7 +53,7 @@ def run(options: MonitorOptions) -> int:
     check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
-    refuse_replacing_inputs(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
+    refuse_replacing_inputs(places, {*read, *options.image_inputs, *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)

@@ -1,6 +1,12 @@
-"""Numbers that options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
+"""What options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
+
+from importlib import import_module
 
 from stereorecal._errors import InputError
+
+NONE_INSTALLED = (
+    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
+)
 
 
 def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
@@ -88,3 +94,18 @@ def camera_pair(text: str | None) -> tuple[str, str] | None:
             "right,left to exchange them."
         )
     return names[0], names[1]
+
+
+def strategy_names(text: str) -> list[str]:
+    """ "a,b" or "all".
+
+    Raises:
+        InputError: if there is none, or one is not installed.
+    """
+    strategies = import_module("stereorecal.strategies")
+    names = list(strategies.strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
+    if not names:
+        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
+    for name in names:
+        strategies.check_installed(name)
+    return list(dict.fromkeys(names))

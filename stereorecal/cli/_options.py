@@ -14,7 +14,7 @@ from inspect import get_annotations
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
-from stereorecal.cli._exit_codes import BAD_INPUT
+from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
 
@@ -71,7 +71,7 @@ class CommonOptions:
 
     Attributes:
         summary: what the command does, in the list of all commands.
-        module: the one whose `run(options)` does the work and returns the exit code.
+        module: "module:function" that does the work and returns the exit code; `run` where only the module is named.
         forms: what a command line may consist of, beside options.
         verb: the command.
         words: the command line from which they come; a page shows it.
@@ -93,7 +93,8 @@ class CommonOptions:
 
     def run(self) -> int:
         """Do the work; returns the exit code."""
-        return import_module(self.module).run(self)
+        module, _, function = self.module.partition(":")
+        return getattr(import_module(module), function or "run")(self)
 
 
 class _Help(argparse.HelpFormatter):

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._option_values import degrees_and_fraction
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
-from stereorecal.cli._output_places import Place, check_places, places_of
+from stereorecal.cli._places import Place, calibration_path, check_places, paths, places_of
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,

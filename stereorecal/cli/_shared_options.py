@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Literal
 
 from stereorecal._errors import InputError, check_exists, existing_folder
-from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._option_values import limit, slice_of_pairs
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
+from stereorecal.cli._places import check_calibration, named_inputs
 
 WRITES = "what to write"
 READS = "what to read"
@@ -94,6 +94,11 @@ class ImageOptions(CalibrationFormatOptions):
         "name unless this is given)",
         metavar="SECONDS",
     )
+
+    @property
+    def image_inputs(self) -> list[Path]:
+        """The images, videos and bags that are named by themselves, and may be read only later."""
+        return named_inputs(self.left, self.right, self.side_by_side, self.bag)
 
 
 @option_group

@@ -1,13 +1,47 @@
-"""The places that a command writes to, all checked before the work; nothing here takes time to import."""
+"""Files that options name: calibrations, which are one file, a folder, a data set, or LEFT,RIGHT; and places to write
+to, all checked before the work. Nothing here takes time to import.
+"""
 
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, check_exists
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._shared_options import ImageOptions
+
+CalibrationPath = Path | tuple[Path, Path]
+
+
+def calibration_path(words: str | Sequence[str], option: str) -> CalibrationPath:
+    """The path, or the paths of the left and the right camera's file: two words, or one with a comma.
+
+    Raises:
+        InputError: if there are more.
+    """
+    words = [words] if isinstance(words, str) else list(words)
+    if len(words) == 1 and "," in words[0] and not Path(words[0]).exists():
+        words = words[0].split(",")
+    if not all(words):
+        raise InputError(f"{option} is empty; give the name of a file or folder.")
+    if len(words) > 2:
+        raise InputError(f"{option} takes one file, or two where each camera has its own; {len(words)} were given.")
+    return Path(words[0]) if len(words) == 1 else (Path(words[0]), Path(words[1]))
+
+
+def paths(where: CalibrationPath) -> list[Path]:
+    """One or two paths."""
+    return list(where) if isinstance(where, tuple) else [where]
+
+
+def check_calibration(words: str | Sequence[str], option: str) -> None:
+    """Refuse files that are not there.
+
+    Raises:
+        InputError: names the first.
+    """
+    for path in paths(calibration_path(words, option)):
+        check_exists(path, "file")
 
 
 @dataclass(frozen=True)
@@ -89,11 +123,6 @@ def named_inputs(*words: str | Path | Sequence[str] | None) -> list[Path]:
     every = [word for some in words for word in (some if isinstance(some, list | tuple) else [some])]
     parts = [part for word in every if word is not None for part in (str(word), *str(word).split(","))]
     return [Path(part) for part in parts if part]
-
-
-def image_inputs(options: ImageOptions) -> list[Path]:
-    """The images, videos and bags that are named by themselves, and may be read only later."""
-    return named_inputs(options.left, options.right, options.side_by_side, options.bag)
 
 
 def _identity(path: Path) -> object:
