@@ -6,7 +6,7 @@ from typing import Literal, get_args
 from stereorecal._errors import InputError, existing_folder
 from stereorecal.cli._option_values import strategy_names
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._places import Place, check_places, places_of
+from stereorecal.cli._places import check_places
 from stereorecal.cli._shared_options import (
     FREE,
     READS,
@@ -25,8 +25,8 @@ class _ComparisonOutputOptions:
     """What a comparison writes."""
 
     title = WRITES
-    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-")
-    html: str | None = option("one page with tables and figures", metavar="FILE")
+    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=True)
+    html: str | None = option("one page with tables and figures", metavar="FILE", writes=True)
 
 
 @option_group
@@ -93,11 +93,6 @@ class CompareOptions(
 
     summary = "decalibrate rigs, and compare how strategies repair them"
     module = "stereorecal.cli._compare"
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        return places_of(self, "json", "html")
 
     def check(self) -> None:
         for scene in self.scene:

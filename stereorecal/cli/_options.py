@@ -14,6 +14,7 @@ from inspect import get_annotations
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
+from stereorecal.cli._places import Place, places_of
 from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
@@ -38,6 +39,7 @@ def option(
     metavar: str | tuple[str, ...] | None = None,
     flag: str = "",
     reads: str = "",
+    writes: bool = False,
 ) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
@@ -47,8 +49,10 @@ def option(
         flag: if it is no "--name-of-the-field".
         reads: "module:function" that makes of the words what the library's option of this name takes, if it does not
             take the words; `library_options` calls it.
+        writes: whether it names a file that the command writes; `CommonOptions.places` has them.
     """
-    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag, "reads": reads})
+    told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "writes": writes}
+    return field(default=default, metadata=told)
 
 
 def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
@@ -83,6 +87,11 @@ class CommonOptions:
     verb: str = ""
     words: tuple[str, ...] = ()
     traceback: bool = option("show where an error comes from", False)
+
+    @property
+    def places(self) -> list[Place]:
+        """The files that are to be written."""
+        return places_of(self, *(name for name, one in self.__dataclass_fields__.items() if one.metadata.get("writes")))
 
     def check(self) -> None:
         """Refuse what can be told at once, before the modules are imported that do the work, which takes seconds.

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stereorecal._errors import InputError, check_exists
-from stereorecal.cli._options import CommonOptions
 
 CalibrationPath = Path | tuple[Path, Path]
 
@@ -55,7 +54,7 @@ class Place:
         return f"{self.option} {self.path}"
 
 
-def places_of(options: CommonOptions, *names: str) -> list[Place]:
+def places_of(options: object, *names: str) -> list[Place]:
     """The files that these options name; stdout ("-") is none."""
     named = [(f"--{name}", getattr(options, name, None)) for name in names]
     return [Place(option, Path(text)) for option, text in named if text is not None and text != "-"]

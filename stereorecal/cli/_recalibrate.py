@@ -12,7 +12,7 @@ from stereorecal._run_all import Progress
 from stereorecal._version import versions
 from stereorecal.cli import _calibration_output
 from stereorecal.cli._executors import executor
-from stereorecal.cli._library_arguments import library_options, view
+from stereorecal.cli._library_arguments import library_options, settings_as_json, view
 from stereorecal.cli._output_files import check_page, check_rerun, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
@@ -20,10 +20,9 @@ from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
-from stereorecal.decision import Tolerances
 from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, save_maps
-from stereorecal.objectives import Parameters, Reach
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
     Repair,
@@ -37,7 +36,7 @@ from stereorecal.recalibration import (
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import Budget, origin_of
+from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -116,11 +115,7 @@ def _recalibrated_all(
 
 
 def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
-    """The settings in the JSON: what was computed with where that is numbers, else the words."""
-    found = {name: getattr(options, name, value) for name, value in settings.options.items()}
-    for name, value in settings.options.items():
-        if isinstance(value, Reach | Budget | Tolerances):
-            found[name] = asdict(value)
+    """What was asked for and computed with."""
     stages = [
         {
             "score": stage.score.name.lower(),
@@ -132,8 +127,7 @@ def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[s
         for stage in settings.schedule.stages
     ]
     return {
-        **found,
-        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
+        **settings_as_json(options, settings, settings.options),
         "schedule": settings.schedule.name,
         "stages": stages,
         "free": ("everything",) if settings.free.everything else settings.free.names,

@@ -6,7 +6,7 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._version import versions
-from stereorecal.cli._library_arguments import library_options
+from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings
@@ -88,12 +88,9 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
 
 def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:
     said = {
+        **settings_as_json(options, settings, HealthOptions.__optional_keys__ - {"tolerances"}),
         "pairs": options.pairs,
         "fix": options.fix,
-        "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
-        "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)},
-        "distances": options.distances,
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": said}

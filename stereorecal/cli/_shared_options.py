@@ -29,7 +29,7 @@ class ReportOptions:
     """What a command reports, and where."""
 
     title = WRITES
-    json: str | None = option("everything, as JSON", metavar="FILE|-")
+    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=True)
     force: bool = option("replace existing files, but none that is read", False)
     quiet: bool = option("no progress and no report", False)
 
@@ -44,7 +44,7 @@ class RerunOptions:
     """Pictures for Rerun's viewer."""
 
     title = WRITES
-    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE")
+    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=True)
     show: bool = option("open the pictures in Rerun's viewer", False)
 
 

@@ -21,7 +21,7 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 
 def repair_page(report: RepairReport) -> str:
     """The page as HTML text, at most some hundred kilobytes for images of any size; names are escaped."""
-    names = ("before", "after") if report.accepted else ("kept", "candidate")
+    names = report.names
     sights = dict(zip(names, (report.before, report.after), strict=True))
     least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights.values()])
     script = _SCRIPT.read_text(encoding="utf-8")
