@@ -29,10 +29,10 @@ _COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNO
 _BARS = "▁▂▃▄▅▆▇█"
 _LONG = 72  # readings in the curves
 _EVENTS = 8
-AXIS_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
+_AXIS_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
 
 _CURVES = {
-    **{axis: f"{axis} [{unit}]" for axis, unit in AXIS_UNITS.items()},
+    **{axis: f"{axis} [{unit}]" for axis, unit in _AXIS_UNITS.items()},
     "epipolar_error": "epipolar error [px]",
     "depth_error": f"depth error at {FAR} baselines [%]",
     "delay": "right shutter late by [frames]",
@@ -141,20 +141,17 @@ def view(name: str, state: State, history: list[Reading], found: Advice, happene
     table = Table(box=None, padding=(0, 2))
     for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
-    for axis, interval in last.axes.items():
-        style = "yellow" if axis in found.axes else ""
-        curve = _curve([h.axes[axis] for h in history])
-        table.add_row(axis, f"{interval.value:+.3f} {AXIS_UNITS[axis]}", _interval(interval), curve, style=style)
-    table.add_row(
-        "epipolar error", f"{last.rows_px.value:.3f} px", _interval(last.rows_px), _curve([h.rows_px for h in history])
-    )
-    depth = [h.depth_percent[FAR] for h in history]
-    table.add_row(
-        f"depth at {distance(FAR * baseline)}", f"{depth[-1].value:+.1f} %", _interval(depth[-1]), _curve(depth)
-    )
-    table.add_row(
-        "late by", f"{last.delay.value:+.2f} frames", _interval(last.delay), _curve([h.delay for h in history])
-    )
+    shown = {
+        **{axis: (axis, "+.3f", unit) for axis, unit in _AXIS_UNITS.items()},
+        "epipolar_error": ("epipolar error", ".3f", "px"),
+        "depth_error": (f"depth at {distance(FAR * baseline)}", "+.1f", "%"),
+        "delay": ("late by", "+.2f", "frames"),
+    }
+    curves = list(map(_curves, history))
+    for entity, (title, digits, unit) in shown.items():
+        now = curves[-1][entity]
+        cells = (title, f"{now.value:{digits}} {unit}", f"{now.low:+.3f} … {now.high:+.3f}")
+        table.add_row(*cells, _bars([one[entity] for one in curves]), style="yellow" if entity in found.axes else "")
     verdict = Text(
         f"{state.frame} pair{'s' * (state.frame > 1)}: {last.condition.value}", style=f"bold {_COLOURS[last.condition]}"
     )
@@ -178,11 +175,7 @@ def _covered(state: State, baseline: float) -> Table:
     return table
 
 
-def _interval(found: Interval) -> str:
-    return f"{found.low:+.3f} … {found.high:+.3f}"
-
-
-def _curve(values: list[Interval]) -> str:
+def _bars(values: list[Interval]) -> str:
     """Magnitudes as bars, the largest full; noise that is a tenth of the interval stays low. What is infinite is full,
     what is unknown is empty."""
     known = [size for v in values for size in (abs(v.value), 0.5 * (v.high - v.low)) if np.isfinite(size)]
@@ -215,7 +208,8 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
         log_curve_styles(stream, _CURVES)
 
     def log(stepped: Stepped) -> None:
-        curves, events = _curves(reading(stepped.state)), [str(event) for event in stepped.events]
+        found, events = _curves(reading(stepped.state)), [str(event) for event in stepped.events]
+        curves = {entity: (one.value, one.low, one.high) for entity, one in found.items()}
         for stream in streams:
             log_reading(stream, stepped.state.frame - 1, curves, events)
 
@@ -226,12 +220,7 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
     return log, save
 
 
-def _curves(found: Reading) -> dict[str, tuple[float, float, float]]:
-    """Value, low and high end of the 95 % interval, by the name of the curve; units as in `_CURVES`."""
-    intervals = {
-        **found.axes,
-        "epipolar_error": found.rows_px,
-        "depth_error": found.depth_percent[FAR],
-        "delay": found.delay,
-    }
-    return {entity: (one.value, one.low, one.high) for entity, one in intervals.items()}
+def _curves(found: Reading) -> dict[str, Interval]:
+    """What is drawn over time, by the name of its curve; units as in `_CURVES`."""
+    depth = found.depth_percent[FAR]
+    return {**found.axes, "epipolar_error": found.rows_px, "depth_error": depth, "delay": found.delay}

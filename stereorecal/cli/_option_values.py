@@ -31,19 +31,16 @@ def seed(number: int) -> int:
     return number
 
 
-def limit(text: str | None, default: int | None) -> int | None:
+def limit(text: str | None, default: int | None, option: str = "--limit") -> int | None:
     """A positive number, "all" for None, or the default."""
     if text is None or text == "all":
         return default if text is None else None
-    return positive(text, f"--limit is {shortened(text)}; give a positive number or all.")
+    return positive(text, f"{option} is {shortened(text)}; give a positive number or all.")
 
 
 def frame_limit(text: str | None, default: str = "all") -> int | None:
-    """A positive number, or None for all."""
-    text = default if text is None else text
-    if text == "all":
-        return None
-    return positive(text, f"--frames is {shortened(text)}; give a positive number or all.")
+    """That of --frames: a positive number, or None for all."""
+    return limit(default if text is None else text, None, "--frames")
 
 
 def slice_of_pairs(text: str | None) -> slice:

@@ -9,8 +9,8 @@ from stereorecal.recalibration._mismatch import Mismatch
 _NOT_CORRECTED = {
     Criterion.GAINS: "what a correction would gain is too little",
     Criterion.HARMLESS: "a correction may make it worse",
-    Criterion.PREDICTS: "parts of the images that were left out contradict its correction",
-    None: "its correction did not pass all checks",
+    Criterion.PREDICTS: "parts of the images that were left out do not confirm a correction",
+    None: "its correction does not pass all checks",
 }
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
