@@ -55,8 +55,8 @@ from stereorecal.online._row_solution import RowSolution as RowSolution
 from stereorecal.online._sequential_test import SequentialTest as SequentialTest
 from stereorecal.online._turning import small as small, turn as turn
 from stereorecal.scoring._correspondences import _means_of_cells as _means_of_cells
+from stereorecal.scoring._count import _soft_area as _soft_area
 from stereorecal.scoring._rectify import Rectified as Rectified
-from stereorecal.scoring._soft_count import _soft_area as _soft_area
 from stereorecal.scoring._subpixel import refine as refine
 from stereorecal.scoring.host import _survey as _survey
-from stereorecal.scoring.host._map_candidates import map_candidates as map_candidates
+from stereorecal.scoring.host._cores import map_candidates as map_candidates

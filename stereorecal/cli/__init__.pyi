@@ -1,9 +1,6 @@
 from ._commands import options_of as options_of, parser as parser
 from ._executors import executor as executor
-from ._exit_codes import BAD_INPUT as BAD_INPUT, FAILURE as FAILURE, INTERRUPTED as INTERRUPTED
 from ._experiment_commands import CompareOptions as CompareOptions
-from ._growing_json import GrowingJson as GrowingJson
-from ._html_page import check_page as check_page
 from ._main import main as main
 from ._of_the_library import (
     Progress as Progress,
@@ -25,8 +22,13 @@ from ._options import (
     option as option,
     option_group as option_group,
 )
-from ._output_files import deliver as deliver, write_json as write_json
-from ._output_places import (
+from ._output_files import (
+    GrowingJson as GrowingJson,
+    check_page as check_page,
+    deliver as deliver,
+    write_json as write_json,
+)
+from ._places import (
     Place as Place,
     check_places as check_places,
     places_of as places_of,
@@ -42,5 +44,6 @@ from ._shared_options import (
     ReportOptions as ReportOptions,
     WorkerOptions as WorkerOptions,
 )
+from ._signals import BAD_INPUT as BAD_INPUT, FAILURE as FAILURE, INTERRUPTED as INTERRUPTED
 from ._streams import say as say
 from ._terminal import progress_bar as progress_bar, table_console as table_console

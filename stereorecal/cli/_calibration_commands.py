@@ -1,8 +1,7 @@
 """The options of the commands about calibration files."""
 
-from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._output_places import Place, check_places, places_of
+from stereorecal.cli._places import check_calibration, check_places
 from stereorecal.cli._shared_options import FORMATS, READS, WRITES, CalibrationOptions, ReportOptions
 
 
@@ -24,15 +23,10 @@ class DiffOptions(_ComparedCalibrations, CalibrationOptions, ReportOptions, Comm
     Exit code: 0 done; 2 bad input; 3 internal failure."""
 
     summary = "what one calibration changes against another"
-    module = "stereorecal.cli._diff"
+    module = "stereorecal.cli._calibrations:diff"
 
     forms = ("A B",)
-    json: str | None = option("everything, as JSON, with a map of the epipolar error", metavar="FILE|-")
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        return places_of(self, "json")
+    json: str | None = option("everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=True)
 
     def check(self) -> None:
         check_places(self.places, force=self.force)
@@ -71,7 +65,7 @@ class ConvertOptions(_ConvertedCalibration, CalibrationOptions, _NewCalibration,
     failure."""
 
     summary = "write a calibration in another format"
-    module = "stereorecal.cli._convert"
+    module = "stereorecal.cli._calibrations:convert"
 
     forms = ("A B",)
     quiet: bool = option("print nothing", False)

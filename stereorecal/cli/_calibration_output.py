@@ -7,8 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.cli._calibration_paths import CalibrationPath, calibration_path, paths
-from stereorecal.cli._output_places import Place, check_places, image_inputs, refuse_replacing_inputs
+from stereorecal.cli._places import (
+    CalibrationPath,
+    Place,
+    calibration_path,
+    check_places,
+    paths,
+    refuse_replacing_inputs,
+)
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, next_copy, prior_beside, save_rig, unsaid_unit
@@ -54,7 +60,7 @@ def output_of(
     """
     calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
     refuse_replacing_inputs(options.places, calibrations, "replace it with --in-place")
-    refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
+    refuse_replacing_inputs(options.places, {*read, *options.image_inputs})
     rig, more = scenes[0].rig, []
     if rig is None:
         return Output()

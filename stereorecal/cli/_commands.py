@@ -26,8 +26,8 @@ COMMANDS = Registry[CommonOptions](
         "diff": "stereorecal.cli._calibration_commands:DiffOptions",
         "convert": "stereorecal.cli._calibration_commands:ConvertOptions",
         "compare": "stereorecal.cli._experiment_commands:CompareOptions",
-        "strategies": "stereorecal.cli._plugin_commands:PluginOptions",
-        "matchers": "stereorecal.cli._plugin_commands:PluginOptions",
+        "strategies": "stereorecal.cli._experiment_commands:PluginOptions",
+        "matchers": "stereorecal.cli._experiment_commands:PluginOptions",
     },
 )
 

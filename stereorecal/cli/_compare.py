@@ -5,13 +5,11 @@ from pathlib import Path
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments, _option_values
 from stereorecal.cli._executors import executor
-from stereorecal.cli._exit_codes import FAILURE, INTERRUPTED
 from stereorecal.cli._experiment_commands import CompareOptions
-from stereorecal.cli._growing_json import GrowingJson
-from stereorecal.cli._html_page import check_page
-from stereorecal.cli._output_files import deliver, write_json
-from stereorecal.cli._output_places import refuse_replacing_inputs
-from stereorecal.cli._strategy_names import strategy_names
+from stereorecal.cli._option_values import strategy_names
+from stereorecal.cli._output_files import GrowingJson, check_page, deliver, write_json
+from stereorecal.cli._places import refuse_replacing_inputs
+from stereorecal.cli._signals import FAILURE, INTERRUPTED
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
 from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies

@@ -1,11 +1,12 @@
-"""The options of the command that compares methods."""
+"""The options of the commands that compare methods, and list and check plug-ins."""
 
 from importlib import import_module
 from typing import Literal, get_args
 
-from stereorecal._errors import existing_folder
-from stereorecal.cli._options import CommonOptions, option, option_group
-from stereorecal.cli._output_places import Place, check_places, places_of
+from stereorecal._errors import InputError, existing_folder
+from stereorecal.cli._option_values import strategy_names
+from stereorecal.cli._options import CommonOptions, argument, option, option_group
+from stereorecal.cli._places import check_places
 from stereorecal.cli._shared_options import (
     FREE,
     READS,
@@ -24,8 +25,8 @@ class _ComparisonOutputOptions:
     """What a comparison writes."""
 
     title = WRITES
-    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-")
-    html: str | None = option("one page with tables and figures", metavar="FILE")
+    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=True)
+    html: str | None = option("one page with tables and figures", metavar="FILE", writes=True)
 
 
 @option_group
@@ -93,14 +94,30 @@ class CompareOptions(
     summary = "decalibrate rigs, and compare how strategies repair them"
     module = "stereorecal.cli._compare"
 
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        return places_of(self, "json", "html")
-
     def check(self) -> None:
         for scene in self.scene:
             existing_folder(scene)
         check_places(self.places, force=self.force)
         if self.strategies is not None:
-            import_module("stereorecal.cli._strategy_names").strategy_names(self.strategies)
+            strategy_names(self.strategies)
+
+
+@option_group
+class PluginOptions(CommonOptions):
+    """List what is installed, or run the conformance kit on one."""
+
+    summary = "list those that are installed, or check one"
+    module = "stereorecal.cli._installed_plugins"
+    forms = ("[list]", "check NAME")
+    action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
+    name: str | None = argument("the one to be checked", None, metavar="NAME")
+
+    def __post_init__(self) -> None:
+        if self.action == "check" and self.name is None:
+            raise InputError(f"{self.verb} check needs a name; {self.verb} list shows those that are installed")
+        if self.action == "list" and self.name is not None:
+            raise InputError(f"unrecognized arguments: {self.name}")
+
+    def check(self) -> None:
+        if self.verb == "strategies" and self.name is not None:
+            import_module("stereorecal.strategies").check_installed(self.name)

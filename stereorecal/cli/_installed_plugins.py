@@ -9,9 +9,9 @@ from rich.table import Table
 from rich.text import Text
 
 from stereorecal._errors import InputError
-from stereorecal.cli._exit_codes import FAILURE
-from stereorecal.cli._plugin_commands import PluginOptions
-from stereorecal.cli._strategy_names import NONE_INSTALLED
+from stereorecal.cli._experiment_commands import PluginOptions
+from stereorecal.cli._option_values import NONE_INSTALLED
+from stereorecal.cli._signals import FAILURE
 from stereorecal.cli._terminal import table_console
 from stereorecal.matching import MatcherInfo, matcher, overview as matchers_found
 from stereorecal.strategies import StrategyInfo, overview as strategies_found, strategy

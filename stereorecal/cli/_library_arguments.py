@@ -1,6 +1,7 @@
-"""Options as the arguments that the library takes."""
+"""Options as the arguments that the library takes, and as the settings in the JSON."""
 
 from collections.abc import Collection, Iterable, Iterator
+from dataclasses import asdict
 from importlib import import_module
 from typing import Any
 
@@ -9,6 +10,9 @@ from stereorecal.cli._option_values import degrees_and_fraction, shortened
 from stereorecal.cli._options import CommonOptions
 from stereorecal.decision import LIMITS, Tolerances, as_tolerances
 from stereorecal.geometry import checked_view_arguments
+from stereorecal.objectives import Reach
+from stereorecal.recalibration import Settings
+from stereorecal.strategies import Budget
 
 
 def library_options(options: CommonOptions, names: Collection[str]) -> dict[str, Any]:
@@ -26,6 +30,18 @@ def library_options(options: CommonOptions, names: Collection[str]) -> dict[str,
             module, _, reader = field.metadata["reads"].partition(":")
             found[name] = getattr(import_module(module), reader)(value) if module else value
     return found
+
+
+def settings_as_json(options: CommonOptions, settings: Settings, names: Collection[str]) -> dict[str, Any]:
+    """The settings in the JSON, by name: what was computed with where that is numbers, else the words.
+
+    Args:
+        names: of the library's options.
+    """
+    used = {name: value for name, value in settings.options.items() if name in names}
+    words = {name: getattr(options, name, value) for name, value in used.items()}
+    numbers = {name: asdict(value) for name, value in used.items() if isinstance(value, Reach | Budget | Tolerances)}
+    return {**words, **numbers, "matcher": {"name": words["matcher"], **asdict(settings.matcher)}}
 
 
 def motion(text: str) -> bool | None:

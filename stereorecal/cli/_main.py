@@ -10,9 +10,8 @@ from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError, PairingWarning, PluginError
 from stereorecal.cli._commands import options_of
-from stereorecal.cli._exit_codes import BAD_INPUT, FAILURE, INTERRUPTED
 from stereorecal.cli._options import CommonOptions
-from stereorecal.cli._signals import interrupted, interruptible
+from stereorecal.cli._signals import BAD_INPUT, FAILURE, INTERRUPTED, interrupted, interruptible
 from stereorecal.cli._streams import say, stdout_error
 
 _WITHOUT_PROGRAMS = (("convert", None), ("diff", None), ("strategies", "list"), ("matchers", "list"))  # and actions

@@ -7,29 +7,23 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli import _library_arguments
-from stereorecal.cli._advice_text import next_step
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
-from stereorecal.cli._html_page import check_rerun
-from stereorecal.cli._live_view import Lines, live
-from stereorecal.cli._output_files import deliver, written_or_printed
-from stereorecal.cli._output_places import (
+from stereorecal.cli._live_view import Lines, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._output_files import check_rerun, deliver, written_or_printed
+from stereorecal.cli._places import (
     Place,
     check_places,
-    image_inputs,
     named_inputs,
     places_of,
     refuse_replacing_inputs,
 )
-from stereorecal.cli._recordings import watched
+from stereorecal.cli._recordings import watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._rerun_watch import rerun_watch
-from stereorecal.cli._signals import hold
+from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, hold
 from stereorecal.cli._streams import say, stdout_reader_gone
-from stereorecal.cli._watched_cameras import watched_cameras
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import (
@@ -59,12 +53,12 @@ def run(options: MonitorOptions) -> int:
     check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
-    refuse_replacing_inputs(places, {*read, *image_inputs(options), *named_inputs(options.camera)})
+    refuse_replacing_inputs(places, {*read, *options.image_inputs, *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)
     state, interrupted = _start(options, scene), False
-    began, unread = state.frame, 0
+    began, unread, sure = state.frame, 0, not options.until_sure
     log_rerun, save_rerun = rerun_watch(options, scene.name)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
 
@@ -90,12 +84,13 @@ def run(options: MonitorOptions) -> int:
                     show(stepped, found)
                 if stdout_reader_gone() and not (options.output or options.state or options.rrd or options.show):
                     return 0  # nothing is left to be done
-                if options.until_sure and found is not None and found.stands:
+                sure = sure or (found is not None and found.stands)
+                if options.until_sure and sure:
                     break
             hold()
     except KeyboardInterrupt:
         interrupted = True
-        say(f"interrupted after {state.frame - began} pairs.")
+        say(f"interrupted after {_pairs(state.frame - began)}.")
     except InputError as error:  # a pair that cannot be read: what the others have told is kept
         if state.frame == began:
             raise
@@ -110,7 +105,20 @@ def run(options: MonitorOptions) -> int:
         say(f"{unread} of {state.frame - began} pairs cannot be read; check the files.")
     if interrupted:
         return INTERRUPTED
-    return BAD_INPUT if 2 * unread > state.frame - began else _CODES[reading(state).condition]
+    if 2 * unread > state.frame - began:
+        return BAD_INPUT
+    condition = reading(state).condition
+    if sure:
+        return _CODES[condition]
+    if not options.quiet:
+        missing = undetermined(advice(state), float(state.initial.baseline))
+        seen = _pairs(state.frame - began)
+        say(f"the recording ended, after {seen}, before this was sure; not determined: {missing}.")
+    return CANNOT_TELL if condition is Condition.HEALTHY else _CODES[condition]
+
+
+def _pairs(number: int) -> str:
+    return f"{number} pair{'s' * (number != 1)}"
 
 
 def _keep(options: MonitorOptions, state: State) -> None:
@@ -161,20 +169,19 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options, limits = _library_arguments.view(options.view), _library_arguments.tolerances(options.tolerances)
-    config = Config(
-        matcher=as_matcher(options.matcher),
-        synchronous=options.synchronous,
-        repair=not options.once,
-        tolerances=limits,
-    )
+    view_options = _library_arguments.view(options.view)
+    said: dict[str, Any] = {"repair": not options.once}  # what is not said is as it is by default, or in the state
+    if options.synchronous:
+        said["synchronous"] = True
+    if options.tolerances is not None:
+        said["tolerances"] = _library_arguments.tolerances(options.tolerances)
     if options.state is not None and Path(options.state).exists():
         state = load(options.state, scene.rig)
         if state.config.view != state.config.view | view_options:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
-        return state.configured(replace(config, matcher=state.config.matcher, **state.config.view))
+        return state.configured(replace(state.config, **said))
     assert scene.rig is not None
-    return init(scene.rig, replace(config, **view_options))
+    return init(scene.rig, Config(matcher=as_matcher(options.matcher), **said, **view_options))
 
 
 def _calibration_note(options: MonitorOptions, state: State) -> str:

@@ -1,6 +1,12 @@
-"""Numbers that options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
+"""What options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
+
+from importlib import import_module
 
 from stereorecal._errors import InputError
+
+NONE_INSTALLED = (
+    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
+)
 
 
 def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
@@ -25,19 +31,16 @@ def seed(number: int) -> int:
     return number
 
 
-def limit(text: str | None, default: int | None) -> int | None:
+def limit(text: str | None, default: int | None, option: str = "--limit") -> int | None:
     """A positive number, "all" for None, or the default."""
     if text is None or text == "all":
         return default if text is None else None
-    return positive(text, f"--limit is {shortened(text)}; give a positive number or all.")
+    return positive(text, f"{option} is {shortened(text)}; give a positive number or all.")
 
 
 def frame_limit(text: str | None, default: str = "all") -> int | None:
-    """A positive number, or None for all."""
-    text = default if text is None else text
-    if text == "all":
-        return None
-    return positive(text, f"--frames is {shortened(text)}; give a positive number or all.")
+    """That of --frames: a positive number, or None for all."""
+    return limit(default if text is None else text, None, "--frames")
 
 
 def slice_of_pairs(text: str | None) -> slice:
@@ -88,3 +91,18 @@ def camera_pair(text: str | None) -> tuple[str, str] | None:
             "right,left to exchange them."
         )
     return names[0], names[1]
+
+
+def strategy_names(text: str) -> list[str]:
+    """ "a,b" or "all".
+
+    Raises:
+        InputError: if there is none, or one is not installed.
+    """
+    strategies = import_module("stereorecal.strategies")
+    names = list(strategies.strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
+    if not names:
+        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
+    for name in names:
+        strategies.check_installed(name)
+    return list(dict.fromkeys(names))

@@ -14,7 +14,8 @@ from inspect import get_annotations
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
-from stereorecal.cli._exit_codes import BAD_INPUT
+from stereorecal.cli._places import Place, places_of
+from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
 
@@ -38,6 +39,7 @@ def option(
     metavar: str | tuple[str, ...] | None = None,
     flag: str = "",
     reads: str = "",
+    writes: bool = False,
 ) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
@@ -47,8 +49,10 @@ def option(
         flag: if it is no "--name-of-the-field".
         reads: "module:function" that makes of the words what the library's option of this name takes, if it does not
             take the words; `library_options` calls it.
+        writes: whether it names a file that the command writes; `CommonOptions.places` has them.
     """
-    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": flag, "reads": reads})
+    told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "writes": writes}
+    return field(default=default, metadata=told)
 
 
 def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
@@ -71,7 +75,7 @@ class CommonOptions:
 
     Attributes:
         summary: what the command does, in the list of all commands.
-        module: the one whose `run(options)` does the work and returns the exit code.
+        module: "module:function" that does the work and returns the exit code; `run` where only the module is named.
         forms: what a command line may consist of, beside options.
         verb: the command.
         words: the command line from which they come; a page shows it.
@@ -84,6 +88,11 @@ class CommonOptions:
     words: tuple[str, ...] = ()
     traceback: bool = option("show where an error comes from", False)
 
+    @property
+    def places(self) -> list[Place]:
+        """The files that are to be written."""
+        return places_of(self, *(name for name, one in self.__dataclass_fields__.items() if one.metadata.get("writes")))
+
     def check(self) -> None:
         """Refuse what can be told at once, before the modules are imported that do the work, which takes seconds.
 
@@ -93,7 +102,8 @@ class CommonOptions:
 
     def run(self) -> int:
         """Do the work; returns the exit code."""
-        return import_module(self.module).run(self)
+        module, _, function = self.module.partition(":")
+        return getattr(import_module(module), function or "run")(self)
 
 
 class _Help(argparse.HelpFormatter):
@@ -113,8 +123,9 @@ class Parser(argparse.ArgumentParser):
     """A parser that says in one sentence what is wrong, with the nearest name, and exits with 2."""
 
     def __init__(self, **settings: Any) -> None:
-        # What is not given has the default of its field.
-        super().__init__(argument_default=argparse.SUPPRESS, formatter_class=_Help, **settings)
+        # What is not given has the default of its field. The beginning of a name is none: it would change its meaning
+        # with the next option that begins alike.
+        super().__init__(argument_default=argparse.SUPPRESS, formatter_class=_Help, allow_abbrev=False, **settings)
 
     def add_command(self, options: type[CommonOptions]) -> None:
         """Become the parser of a command."""

@@ -1,7 +1,8 @@
 """`python -m stereorecal recalibrate`."""
 
+import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -11,20 +12,17 @@ from stereorecal._run_all import Progress
 from stereorecal._version import versions
 from stereorecal.cli import _calibration_output
 from stereorecal.cli._executors import executor
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT
-from stereorecal.cli._html_page import check_page, check_rerun, write_recording, write_report
-from stereorecal.cli._library_arguments import library_options, view
-from stereorecal.cli._output_files import deliver, write_json, written_or_printed
-from stereorecal.cli._output_places import named_inputs
+from stereorecal.cli._library_arguments import library_options, settings_as_json, view
+from stereorecal.cli._output_files import check_page, check_rerun, deliver, write_json, written_or_printed
+from stereorecal.cli._places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
-from stereorecal.cli._signals import hold
+from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
-from stereorecal.decision import Tolerances
 from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, save_maps
-from stereorecal.objectives import Parameters, Reach
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
     Repair,
@@ -38,7 +36,7 @@ from stereorecal.recalibration import (
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import Budget, origin_of
+from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -82,14 +80,14 @@ def run(options: RecalibrateOptions) -> int:
                 lambda: _show(repairs, options),
                 *_saving(scenes, repairs, options, output),
                 lambda: write_json(content, options.json, force=options.force),
-                lambda: write_report(
+                lambda: _write_page(
                     options,
                     scenes,
                     repairs,
                     {**_page_settings(options, settings.free), "prior": prior, **pairing},
                     absent,
                 ),
-                lambda: write_recording(options, scenes, repairs),
+                lambda: _write_recording(options, scenes, repairs),
             )
     for repair in repairs:
         if repair.error is not None:
@@ -117,11 +115,7 @@ def _recalibrated_all(
 
 
 def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
-    """The settings in the JSON: what was computed with where that is numbers, else the words."""
-    found = {name: getattr(options, name, value) for name, value in settings.options.items()}
-    for name, value in settings.options.items():
-        if isinstance(value, Reach | Budget | Tolerances):
-            found[name] = asdict(value)
+    """What was asked for and computed with."""
     stages = [
         {
             "score": stage.score.name.lower(),
@@ -133,8 +127,7 @@ def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[s
         for stage in settings.schedule.stages
     ]
     return {
-        **found,
-        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
+        **settings_as_json(options, settings, settings.options),
         "schedule": settings.schedule.name,
         "stages": stages,
         "free": ("everything",) if settings.free.everything else settings.free.names,
@@ -184,6 +177,41 @@ def _saving(
         step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
 
     return [save_calibration] * bool(output.files) + ([lambda: save_seen(maps)] if maps else [])
+
+
+def _write_page(
+    options: RecalibrateOptions,
+    scenes: Sequence[Scene],
+    repairs: Sequence[Repair],
+    settings: Mapping[str, Any],
+    absent: Sequence[tuple[str, str]],
+) -> None:
+    """The page of the only recording, if one is wanted and there is an answer.
+
+    Args:
+        settings: what is needed to run it again beside what a solution knows.
+        absent: frames that did not come to the repair, and why.
+    """
+    solution = repairs[0].solution
+    if options.html is None or solution is None:
+        return
+    command = shlex.join(["python", "-m", "stereorecal", *options.words])
+    pairs, name = scenes[0].pairs, scenes[0].name
+    about = {"name": name, "command": command, "settings": settings, "absent": absent}
+    solution.to_html(options.html, pairs, **about, overwrite=options.force)
+    if options.prints:
+        print(f"{options.html}: written")
+
+
+def _write_recording(options: RecalibrateOptions, scenes: Sequence[Scene], repairs: Sequence[Repair]) -> None:
+    """The recording of the only repair, into a file and on the screen, if one is wanted and there is an answer."""
+    solution = repairs[0].solution
+    if solution is None:
+        return
+    for place in [options.rrd] * (options.rrd is not None) + [None] * options.show:
+        solution.to_rerun(place, scenes[0].pairs, name=scenes[0].name, overwrite=options.force)
+        if place is not None and options.prints:
+            print(f"{place}: written")
 
 
 def _content(

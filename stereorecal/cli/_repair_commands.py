@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._calibration_paths import calibration_path, paths
 from stereorecal.cli._option_values import degrees_and_fraction
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
-from stereorecal.cli._output_places import Place, check_places, places_of
+from stereorecal.cli._places import Place, calibration_path, check_places, paths
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,
@@ -43,8 +42,9 @@ class _CalibrationOutputOptions:
     maps: str | None = option(
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
+        writes=True,
     )
-    html: str | None = option("one page with pictures", metavar="FILE")
+    html: str | None = option("one page with pictures", metavar="FILE", writes=True)
 
 
 @option_group
@@ -154,7 +154,7 @@ class RecalibrateOptions(
     def places(self) -> list[Place]:
         """All files that are to be written."""
         files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
-        return [Place("--output", path) for path in files] + places_of(self, "json", "maps", "html", "rrd")
+        return [Place("--output", path) for path in files] + super().places
 
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """The prior of the recordings with these rigs; another distribution may know more of them."""
@@ -206,11 +206,6 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
 
     summary = "check a calibration against images"
     module = "stereorecal.cli._score"
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        return places_of(self, "json")
 
     def check(self) -> None:
         self.check_recordings()
@@ -264,7 +259,7 @@ class MonitorOptions(
     shows a live view, other outputs get lines. The calibration file stays as it is.
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
-    tell; 130 interrupted."""
+    tell, or with --until-sure not yet; 130 interrupted."""
 
     summary = "watch a rig over a recording, and repair it"
     module = "stereorecal.cli._monitor"

@@ -6,13 +6,12 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal._version import versions
-from stereorecal.cli._exit_codes import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT
-from stereorecal.cli._library_arguments import library_options
+from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._output_files import deliver, write_json
-from stereorecal.cli._output_places import image_inputs, refuse_replacing_inputs
+from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import ScoreOptions
-from stereorecal.cli._signals import hold
+from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, table_console
 from stereorecal.io import about, files_read
@@ -35,7 +34,7 @@ def run(options: ScoreOptions) -> int:
     settings = as_settings(how)
     with files_read() as read:
         scenes = recordings(options).scenes
-    refuse_replacing_inputs(options.places, {*read, *image_inputs(options)})
+    refuse_replacing_inputs(options.places, {*read, *options.image_inputs})
     looked: list[Health | InputError] = []
     interrupted = False
     try:
@@ -89,12 +88,9 @@ def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
 
 def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:
     said = {
+        **settings_as_json(options, settings, HealthOptions.__optional_keys__ - {"tolerances"}),
         "pairs": options.pairs,
         "fix": options.fix,
-        "motion": options.motion,
-        "matcher": {"name": options.matcher, **asdict(settings.matcher)},
-        "view": options.view,
         "thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)},
-        "distances": options.distances,
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": said}

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Literal
 
 from stereorecal._errors import InputError, check_exists, existing_folder
-from stereorecal.cli._calibration_paths import check_calibration
 from stereorecal.cli._option_values import limit, slice_of_pairs
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
+from stereorecal.cli._places import check_calibration, named_inputs
 
 WRITES = "what to write"
 READS = "what to read"
@@ -29,7 +29,7 @@ class ReportOptions:
     """What a command reports, and where."""
 
     title = WRITES
-    json: str | None = option("everything, as JSON", metavar="FILE|-")
+    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=True)
     force: bool = option("replace existing files, but none that is read", False)
     quiet: bool = option("no progress and no report", False)
 
@@ -44,7 +44,7 @@ class RerunOptions:
     """Pictures for Rerun's viewer."""
 
     title = WRITES
-    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE")
+    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=True)
     show: bool = option("open the pictures in Rerun's viewer", False)
 
 
@@ -94,6 +94,11 @@ class ImageOptions(CalibrationFormatOptions):
         "name unless this is given)",
         metavar="SECONDS",
     )
+
+    @property
+    def image_inputs(self) -> list[Path]:
+        """The images, videos and bags that are named by themselves, and may be read only later."""
+        return named_inputs(self.left, self.right, self.side_by_side, self.bag)
 
 
 @option_group

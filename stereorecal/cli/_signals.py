@@ -1,4 +1,5 @@
-"""Ctrl-C, SIGTERM (a cron job's end) and SIGHUP (a closed terminal): finished results are saved, and the run ends.
+"""How a command ends: its exit codes; and Ctrl-C, SIGTERM (a cron job's end) and SIGHUP (a closed terminal), after
+which finished results are saved, and the run ends.
 
 While libraries are imported a signal ends the process, since an exception raised there may come out as anything. Later
 it raises KeyboardInterrupt, and once all is finished it waits until that is saved. A terminal that is closed sends
@@ -15,7 +16,8 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
-INTERRUPTED = 130  # exit code
+REPAIR, BAD_INPUT, FAILURE, CANNOT_TELL, WRONG_INPUT = 1, 2, 3, 4, 5
+INTERRUPTED = 130
 _TOGETHER_S = 1.0
 _NUMBERS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 

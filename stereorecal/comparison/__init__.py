@@ -12,9 +12,10 @@ from stereorecal.comparison._summary import (
     Thresholds as Thresholds,
     summarise as summarise,
 )
-from stereorecal.comparison._trial import FAILED as FAILED, Trial as Trial
-from stereorecal.comparison._truth import (
+from stereorecal.comparison._trial import (
     DISTANCES as DISTANCES,
+    FAILED as FAILED,
+    Trial as Trial,
     errors_by_truth as errors_by_truth,
     is_harmful as is_harmful,
 )

@@ -11,10 +11,9 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._version import versions
-from stereorecal.comparison._comparison import Comparison
+from stereorecal.comparison._comparison import Comparison, Shown
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import JudgedScene, Task, Trial, failed, run_trial
-from stereorecal.comparison._trial_pictures import Shown
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereorecal.comparison._trial import FAILED, SCORE_AT, SKIPPED, Trial
-from stereorecal.comparison._truth import is_harmful
+from stereorecal.comparison._trial import FAILED, SCORE_AT, SKIPPED, Trial, is_harmful
 from stereorecal.strategies import Status
 
 

@@ -1,4 +1,4 @@
-"""One trial: one strategy repairs one decalibration of one scene."""
+"""One trial: one strategy repairs one decalibration of one scene; how it went, and what it did by the true rig."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,19 +7,43 @@ import numpy as np
 
 from stereorecal._errors import NeedNotMet
 from stereorecal.comparison._entrants import Entrant
-from stereorecal.comparison._trial_course import course_of
-from stereorecal.comparison._truth import errors_by_truth
-from stereorecal.geometry import StereoRig, View, axis_errors
+from stereorecal.geometry import StereoRig, View, angle_between, axis_errors
 from stereorecal.matching import AbstractMatcher, name_of
 from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
-from stereorecal.recalibration import Case, Solution, as_settings, recalibrate_case
+from stereorecal.recalibration import Case, Solution, as_settings, difference, recalibrate_case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, Objective
 
+DISTANCES = (10, 30)  # baselines, at which depth is compared
+
 SCORE_AT = (100, 300, 1000)  # units, at which the best score is noted: spread evenly over a logarithmic axis
 SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run, or crashed; else the name of a `Status`
+
+
+def errors_by_truth(start: StereoRig, final: StereoRig, truth: StereoRig, view: View) -> dict[str, Any]:
+    """Of both rigs, under "start" and "final": "row_error_px", median |row difference| over the view of points at 10
+    baselines and at infinity (NaN where nothing is seen), and "depth_error_percent" by distance in baselines (positive:
+    too far; infinite where rays do not meet)."""
+    wrong = {name: difference(rig, truth, view=view) for name, rig in (("start", start), ("final", final))}
+    return {
+        "row_error_px": {name: one.row_error_median for name, one in wrong.items()},
+        "depth_error_percent": {
+            name: {str(distance): one.depth_error_percent[distance] for distance in DISTANCES}
+            for name, one in wrong.items()
+        },
+    }
+
+
+def is_harmful(errors: dict[str, Any], rows_px: float, depth_percent: float) -> bool:
+    """Whether rows are worse than at the start by more than `rows_px`, or |depth error| at 30 baselines has grown by
+    more than `depth_percent` points, or either was known before and is not any more."""
+    rows, depth = errors["row_error_px"], errors["depth_error_percent"]
+    before, after = (abs(depth[when]["30"]) for when in ("start", "final"))
+    worse_rows = rows["final"] > rows["start"] + rows_px or (np.isnan(rows["final"]) and not np.isnan(rows["start"]))
+    worse_depth = after > before + depth_percent or (np.isnan(after) and not np.isnan(before))
+    return bool(worse_rows or worse_depth)
 
 
 @dataclass(frozen=True)
@@ -221,3 +245,34 @@ def _key(task: Task) -> dict:
         "reference": task.judged.worth,
         "strategies": tuple(task.entrant.running),
     }
+
+
+def course_of(reference: StereoRig, solution: Solution, *, one_score: bool) -> dict[str, list]:
+    """See `Trial.course`.
+
+    Args:
+        one_score: whether all of the schedule has the same score.
+    """
+    steps = solution.path
+    last = len(steps) - 1
+    rigs = [solution.initial.with_extrinsics(step.extrinsics) for step in steps]
+    cost = [float(step.cost) for step in steps]
+    return {
+        "cost": cost,
+        "rotation_error_deg": [float(np.degrees(angle_between(rig.rotation, reference.rotation))) for rig in rigs],
+        "axes_deg": [list(axis_errors(rig, reference).rotation_deg.values()) for rig in rigs],
+        "score": [
+            _best_at(solution, spent, ended=step == last) if one_score else None for step, spent in enumerate(cost)
+        ],
+    }
+
+
+def _best_at(solution: Solution, cost: float, *, ended: bool) -> float | None:
+    """Args: ended: whether the nomination counts, which the core has judged. A strategy that evaluates nothing itself,
+    inside JAX or on images, has no other value than that."""
+    runs = [run for stage in solution.stages for run in stage.runs]
+    if not runs:
+        return None
+    run = runs[-1]
+    values = [run.start_value, run.trace.best_within(cost), run.value if ended else None]
+    return float(max(value for value in values if value is not None))

@@ -10,6 +10,7 @@ from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.recalibration._expected import Interval, depth_error_intervals
+from stereorecal.recalibration._uncertainty import half_widths
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,14 +30,10 @@ class Correction:
     @cached_property
     def axes(self) -> dict[str, Interval]:
         """By name: pitch, yaw, roll in degrees, y and z in percent of the baseline, each with its 95 % interval."""
-        widths = 0.5 * (self.estimate.intervals[:, 1] - self.estimate.intervals[:, 0])
-        return {
-            name: Interval(value, value - width, value + width)
-            for name, value, width in zip(
-                self.estimate.names, self.decision.theta.tolist(), widths.tolist(), strict=True
-            )
-            if name in EXTRINSICS
-        }
+        theta, names = self.decision.theta, self.estimate.names
+        widths = half_widths(self.estimate.posterior.covariance, self.estimate.theta - theta)
+        each = zip(names, theta.tolist(), widths.tolist(), strict=True)
+        return {name: Interval(value, value - wide, value + wide) for name, value, wide in each if name in EXTRINSICS}
 
     @property
     def rows_px(self) -> Interval:

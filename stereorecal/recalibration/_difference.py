@@ -22,6 +22,7 @@ from stereorecal.geometry import (
 from stereorecal.recalibration._rig_errors import depth_errors, row_errors_of
 from stereorecal.report.number_text import change, distance, offset
 
+_MOST = 0.9  # of the view
 _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
 
 
@@ -70,6 +71,11 @@ class Difference:
         return float(np.median(self._row_errors)) if self._row_errors.size else float("nan")
 
     @property
+    def row_error_most(self) -> float:
+        """90th percentile of |row difference|, in pixels; NaN if nothing is seen."""
+        return float(np.quantile(self._row_errors, _MOST)) if self._row_errors.size else float("nan")
+
+    @property
     def row_error_worst(self) -> float:
         """Largest |row difference|, in pixels; NaN if nothing is seen."""
         return float(np.max(self._row_errors)) if self._row_errors.size else float("nan")
@@ -96,7 +102,11 @@ class Difference:
                 "translation_percent": dict(self.translation_percent),
                 "baseline_percent": self.baseline_percent,
                 "same_intrinsics": self.same_intrinsics,
-                "row_error_px": {"median": self.row_error_median, "worst": self.row_error_worst},
+                "row_error_px": {
+                    "median": self.row_error_median,
+                    "percentile_90": self.row_error_most,
+                    "worst": self.row_error_worst,
+                },
                 "row_map": {"columns": self.columns, "rows": self.rows, "difference_px": self.row_map},
                 "depth_error_percent": dict(self.depth_error_percent),
             }
@@ -107,8 +117,11 @@ class Difference:
         shifts = ", ".join(f"{name} {value:+z.2f} %" for name, value in self.translation_percent.items())
         rows = "no point of the view is seen by both cameras"
         if self._row_errors.size:
+            row, column = np.unravel_index(np.nanargmax(np.abs(self.row_map)), self.row_map.shape)
+            where = f"({self.columns[column]:.0f}, {self.rows[row]:.0f})"
             rows = (
-                f"error {self.row_error_median:.2f} px (median over the view), {self.row_error_worst:.2f} px at worst"
+                f"error {self.row_error_median:.2f} px (median over the view), within {self.row_error_most:.2f} px in "
+                f"{100 * _MOST:.0f} % of it; the worst point, {where}, has {self.row_error_worst:.2f} px"
             )
         lines = [
             f"rotation  {self.angle_deg:.3f} deg: {angles}",

@@ -14,8 +14,8 @@ from stereorecal.recalibration._matcher_loss import matcher_loss
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
+from stereorecal.report.number_text import short_list
 from stereorecal.report.repair_report import Change
-from stereorecal.report.short_list import short_list
 
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 _EPIPOLAR_ERROR_LEFT = (

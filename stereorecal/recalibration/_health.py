@@ -27,7 +27,7 @@ from stereorecal.recalibration._prepared_case import what_may_change
 from stereorecal.recalibration._prior_use import prior_for_health
 from stereorecal.recalibration._row_residuals import row_residuals
 from stereorecal.recalibration._settings import HealthOptions, as_settings
-from stereorecal.recalibration._verdict_text import verdict_of
+from stereorecal.recalibration._verdict_text import advice_of, verdict_of
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import ImageQuality, Pyramid, host, pyramid
 from stereorecal.scoring.host import Score, with_measured_range
@@ -121,11 +121,12 @@ class Health:
     @property
     def advice(self) -> str:
         """What to do."""
-        if self.mismatch is not None:
-            return self.mismatch.advice
-        if self.doubts and not self.healthy:
+        if self.mismatch is None and self.doubts and not self.healthy:
             return "Check the calibration file."
-        return "Run recalibrate with these images." if self.condition is Condition.REPAIR else self.reason.advice
+        if self.condition is Condition.REPAIR:
+            return "Run recalibrate with these images."
+        decision = None if self.correction is None else self.correction.decision
+        return advice_of(self.reason, decision, self.mismatch, self.depth)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON and tables; what is missing or infinite is None."""

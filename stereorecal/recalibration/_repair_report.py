@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from stereorecal.strategies import origin_of
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
 _REMARKS = ("left out", "misfit", "undetermined", "intrinsics", "ranges", "motion", "odometer", "error left")
+_MATCHED: WeakKeyDictionary[AbstractResult, dict[Pair, tuple[Sight, Sight]]] = WeakKeyDictionary()
 _SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
@@ -58,7 +60,8 @@ def report_of(
         way = way_of(found, solution.path)
     pair = matched[solution.used[frame] if solution.used else 0]
     expected = solution.expected
-    after = "after" if solution.accepted else "candidate, which was not taken"
+    before, after = _sights(solution, pair)
+    title = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
         name=name,
         conclusion=conclusion_of(solution.reason),
@@ -67,8 +70,8 @@ def report_of(
         baseline=float(solution.rig.baseline),
         facts=_facts(solution, telling=telling),
         frame=pair.name,
-        before=_sight(solution, solution.initial, pair),
-        after=_sight(solution, solution.candidate, pair),
+        before=before,
+        after=after,
         rows=rows,
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
@@ -86,7 +89,7 @@ def report_of(
         command=command,
         settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),
-        calibrations={"before": _calibration(solution.initial), after: _calibration(solution.candidate)},
+        calibrations={"before": _calibration(solution.initial), title: _calibration(solution.candidate)},
     )
 
 
@@ -97,6 +100,14 @@ def conclusion_of(reason: Reason) -> Conclusion:
     if not reason.healthy:
         return Conclusion.REFUSED
     return Conclusion.REPAIRED if reason.accepted else Conclusion.GOOD
+
+
+def _sights(solution: AbstractResult, pair: Pair) -> tuple[Sight, Sight]:
+    """A pair under the initial calibration and under the candidate: matched once for all that shows a solution."""
+    matched = _MATCHED.setdefault(solution, {})
+    if pair not in matched:
+        matched[pair] = _sight(solution, solution.initial, pair), _sight(solution, solution.candidate, pair)
+    return matched[pair]
 
 
 def _sight(solution: AbstractResult, rig: StereoRig, pair: Pair) -> Sight:

@@ -24,7 +24,7 @@ from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun, Waypoint, path_of
 from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.recalibration._verdict_text import verdict_of
+from stereorecal.recalibration._verdict_text import advice_of, verdict_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
@@ -77,9 +77,7 @@ class AbstractResult:
     @property
     def advice(self) -> str:
         """What to do."""
-        if self.mismatch is not None:
-            return self.mismatch.advice
-        return self.reason.advice
+        return advice_of(self.reason, self.decision, self.mismatch, self.depth_before)
 
     @property
     def rig(self) -> StereoRig:

@@ -1,8 +1,17 @@
-"""The first line of what is said of a repair, or of a look."""
+"""The first two lines of what is said of a repair, or of a look: the verdict, and what to do."""
 
-from stereorecal.decision import Decision, Reason
+from collections.abc import Sequence
+
+from stereorecal.decision import Criterion, Decision, Reason
+from stereorecal.recalibration._depth_errors import DepthError
 from stereorecal.recalibration._mismatch import Mismatch
 
+_NOT_CORRECTED = {
+    Criterion.GAINS: "what a correction would gain is too little",
+    Criterion.HARMLESS: "a correction may make it worse",
+    Criterion.PREDICTS: "parts of the images that were left out do not confirm a correction",
+    None: "its correction does not pass all checks",
+}
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
@@ -47,3 +56,18 @@ def verdict_of(
         which = f"from {number} pair{'' if pairs == 1 else 's'}"
         return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
     return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
+
+
+def advice_of(reason: Reason, decision: Decision | None, mismatch: Mismatch | None, depth: Sequence[DepthError]) -> str:
+    """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it stays.
+
+    Args:
+        decision, mismatch: as above.
+        depth: the errors of depth that are reported, of the initial calibration.
+    """
+    if mismatch is not None:
+        return mismatch.advice
+    off = [f"{error} at {error.where}" for error in depth if error.significant]
+    if reason is not Reason.ALREADY_GOOD or decision is None or not off:
+        return reason.advice
+    return f"But depth is {' and '.join(off)}, and {_NOT_CORRECTED[decision.failed]}; pairs of other places may decide."

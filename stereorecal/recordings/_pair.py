@@ -1,4 +1,4 @@
-"""One pair of images, taken at the same time."""
+"""One pair of images, taken at the same time, at once or row by row."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -128,7 +128,7 @@ class Pair:
 
     def read_out(self, seconds: float) -> "Pair":
         """The pair as rolling shutters took it that take so many seconds from the first row to the last."""
-        origin = None if self.origin is None else (_read_out, (self.origin, seconds))
+        origin = self._origin_of("read_out", seconds)
         return replace(self, origin=origin, readout=seconds)
 
     def turned(self, turns: Turns) -> "Pair":
@@ -140,7 +140,7 @@ class Pair:
         if turns == UPRIGHT:
             return self
         left, right = (np.rot90(image, turn) for image, turn in zip((self.left, self.right), turns, strict=True))
-        origin = None if self.origin is None else (_turned, (self.origin, turns))
+        origin = self._origin_of("turned", turns)
         now = (self.turns[0] + turns[0]) % 4, (self.turns[1] + turns[1]) % 4
         both = np.ascontiguousarray(left), np.ascontiguousarray(right)
         return replace(self, left=both[0], right=both[1], origin=origin, turns=now)
@@ -151,7 +151,11 @@ class Pair:
 
     def named(self, name: str) -> "Pair":
         """The pair under another name."""
-        return replace(self, name=name, origin=None if self.origin is None else (_named, (self.origin, name)))
+        return replace(self, name=name, origin=self._origin_of("named", name))
+
+    def _origin_of(self, method: str, argument: Any) -> tuple[Callable[..., "Pair"], tuple[Any, ...]] | None:
+        """Of what a method makes of the pair; None if it has none itself."""
+        return None if self.origin is None else (_again, (self.origin, method, argument))
 
     def __reduce__(self):
         if self.origin is not None:
@@ -159,19 +163,10 @@ class Pair:
         return Pair, (self.left, self.right, self.name, None, self.time, self.readout, self.turns)
 
 
-def _named(origin: tuple[Callable[..., Pair], tuple[Any, ...]], name: str) -> Pair:
+def _again(origin: tuple[Callable[..., Pair], tuple[Any, ...]], method: str, argument: Any) -> Pair:
+    """What a method made of a pair, where it arrives."""
     make, arguments = origin
-    return make(*arguments).named(name)
-
-
-def _read_out(origin: tuple[Callable[..., Pair], tuple[Any, ...]], seconds: float) -> Pair:
-    make, arguments = origin
-    return make(*arguments).read_out(seconds)
-
-
-def _turned(origin: tuple[Callable[..., Pair], tuple[Any, ...]], turns: Turns) -> Pair:
-    make, arguments = origin
-    return make(*arguments).turned(turns)
+    return getattr(make(*arguments), method)(argument)
 
 
 def make_pair(
@@ -261,3 +256,21 @@ def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:
 
 def _size_text(image: np.ndarray) -> str:
     return f"{image.shape[1]}x{image.shape[0]}"
+
+
+def share_of(first: Pair, second: Pair) -> float:
+    """The readout as a share of the time between two pairs; 0 where all rows are taken at once.
+
+    Raises:
+        InputError: if that time is not known, or not longer than the readout.
+    """
+    readout = max(first.readout, second.readout)
+    if not readout:
+        return 0.0
+    if first.time is None or second.time is None or second.time - first.time < readout:
+        raise InputError(
+            f"{first.name} and {second.name}: rolling shutters read an image in {readout:g} s, and the pairs do not "
+            "know times that are at least as far apart; give times, leave the readout (readout_s) out, or say "
+            "motion=False (--motion off)."
+        )
+    return readout / (second.time - first.time)

@@ -1,8 +1,15 @@
-"""The regions of the view with systematic epipolar errors, in words: where depth can be trusted, and where not."""
+"""Where depth can be trusted, and where not, in words: the headline of a repair, and the regions of the view whose
+epipolar error is systematic, too large, or larger than expected.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.report.repair_report import Conclusion, RepairReport
 
 GRID = (8, 6)  # columns and rows of the regions of a misfit
 PLACES = GRID[0] * GRID[1]
@@ -14,6 +21,10 @@ _PARTS = (
     ("upper left", "upper middle", "upper right"),
     ("left", "centre", "right"),
     ("lower left", "lower middle", "lower right"),
+)
+
+_NOT_MEASURED = (
+    "Epipolar errors were not measured, only matches counted: it is not known where in the image depth can be trusted."
 )
 
 
@@ -93,3 +104,55 @@ def _nearly_everywhere(places: list[int], misfit: Mapping[str, Any]) -> bool:
 
 def _listed(parts: list[str]) -> str:
     return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+def headline(report: RepairReport) -> str:
+    """What to do, in one sentence."""
+    if report.conclusion is Conclusion.UNKNOWN:
+        return "Cannot tell whether the calibration is right; it stays as it is"
+    if report.conclusion is Conclusion.REFUSED:
+        return "Not repaired: the calibration stays as it is, and its depth cannot be trusted"
+    repaired = report.conclusion is Conclusion.REPAIRED
+    best = "Use the new calibration" if repaired else "Keep the calibration that you have"
+    place = None if report.misfit is None else short_place(report.misfit, report.when)
+    if place is None:
+        return best if repaired else f"{best}: it is good"
+    return f"{best}, but do not trust depth {place}"
+
+
+def where(report: RepairReport) -> list[str]:
+    """Where the epipolar error is too large: of the calibration to use, and of a candidate that was refused."""
+    if report.misfit is None:
+        return [_NOT_MEASURED] if report.conclusion in (Conclusion.REPAIRED, Conclusion.GOOD) else []
+    sentences = [
+        misfit_sentence(report.misfit, report.when, "" if report.accepted else "With the calibration that you keep")
+    ]
+    if report.conclusion is Conclusion.REFUSED:
+        sentences.append(
+            misfit_sentence(report.misfit, "after", "With the candidate, which was rejected", "it does not fit there")
+        )
+    return [*sentences, *filter(None, [coverage_sentence(report.misfit)])]
+
+
+def larger_than_expected(report: RepairReport) -> list[int]:
+    """Places of the view where the measured epipolar error of the calibration to use is significantly larger than the
+    expected one."""
+    if report.misfit is None or report.expected is None:
+        return []
+    errors = significant_errors(report.misfit, report.when)
+    return sorted(place for place, pixels in errors.items() if pixels > _largest(report.expected, place))
+
+
+def unmeasured(report: RepairReport) -> list[int]:
+    """Places of the view where too little matched in every frame."""
+    return [] if report.misfit is None else sorted(set(range(PLACES)) - set(report.misfit["place"]))
+
+
+def _largest(expected: Float[np.ndarray, "h w"], place: int) -> float:
+    """The largest expected error at a place; infinite where there is none."""
+    row, column = divmod(place, GRID[0])
+    height, width = expected.shape
+    rows = slice(row * height // GRID[1], -(-(row + 1) * height // GRID[1]))
+    columns = slice(column * width // GRID[0], -(-(column + 1) * width // GRID[0]))
+    inside = expected[rows, columns]
+    return float(np.nanmax(inside)) if np.isfinite(inside).any() else float("inf")

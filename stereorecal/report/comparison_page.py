@@ -6,14 +6,11 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stereorecal.report._cost_curves import curve_figures, lines_of
+from stereorecal.report._comparison_figures import Series, curve_figures, lines_of, strips
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture
-from stereorecal.report._row_titles import strategies_of, title_of
-from stereorecal.report._strip_plot import Series, strips
-from stereorecal.report.comparison_tables import REFERENCES, schedules_legend
-from stereorecal.report.disparity_map import colour_range
+from stereorecal.report.comparison_tables import REFERENCES, schedules_legend, strategies_of, title_of
+from stereorecal.report.disparity_map import TrialPicture, colour_range
 from stereorecal.report.templates import Markup, flat_settings, rendered
-from stereorecal.report.trial_picture import TrialPicture
 
 _WIDE = 420  # pixels, of a disparity map
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero

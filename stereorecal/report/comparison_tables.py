@@ -11,7 +11,6 @@ from rich.console import Group
 from rich.table import Column, Table
 from rich.text import Text
 
-from stereorecal.report._row_titles import several_schedules, strategies_of, title_of
 from stereorecal.report._table_width import first_that_fits
 from stereorecal.report.number_text import count, number, percent
 
@@ -39,6 +38,22 @@ _COUNTS = ("initial", "final", "reference")
 
 Row = Mapping[str, Any]
 _Make = Callable[[Mapping[str, Any], Sequence[str], int], Table]
+
+
+def several_schedules(data: Mapping[str, Any]) -> bool:
+    """Whether schedules stand side by side."""
+    return len({entrant["schedule"] for entrant in data["settings"]["entrants"]}) > 1
+
+
+def strategies_of(row: Row) -> str:
+    """The strategies that a trial or a summary ran: "compass + optimistix-levenberg-marquardt"."""
+    return " + ".join(row["strategies"])
+
+
+def title_of(row: Row, data: Mapping[str, Any]) -> str:
+    """A short name, different for each entrant: its schedule where schedules stand side by side, each with strategies
+    of its own, else the requested strategy."""
+    return row["schedule"] if several_schedules(data) else row["strategy"]
 
 
 def comparison_tables(data: Mapping[str, Any], width: int) -> Group:
@@ -109,14 +124,8 @@ def _trials_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> T
     heads, about = _row_headings(data, fold, short=True)
     _add_columns(table, heads, parts, ["draw"], ["status"])
     for trial in data["trials"]:
-        cells = [*about(trial), str(trial["draw"])]
-        if "scores" in parts:
-            cells += [count(trial[f"score_{when}"]) for when in _COUNTS]
-            cells += [_ratio(trial["ratio"], flagged_ratio)]
-        if "errors" in parts:
-            cells += _errors(trial["rotation_error_deg"], trial["translation_error_percent"])
-        if "scores" in parts:
-            cells.append(trial["status"])
+        status = [trial["status"]] if "scores" in parts else []
+        cells = (*about(trial), str(trial["draw"]), *_results(trial, parts, "", flagged_ratio), *status)
         table.add_row(*map(Text, cells))
     return table
 
@@ -134,11 +143,7 @@ def _summary_table(data: Mapping[str, Any], parts: Sequence[str], fold: int) -> 
     for row in data["summary"]:
         cells = [*about(row), *([str(row["draws"])] if unequal else [])]
         cells += [percent(row["success_rate"])] if "errors" in parts else []
-        if "scores" in parts:
-            cells += [count(row[f"score_{when}_median"]) for when in _COUNTS]
-            cells += [_ratio(row["ratio_median"], flagged_ratio)]
-        if "errors" in parts:
-            cells += _errors(row["rotation_error_deg_median"], row["translation_error_percent_median"])
+        cells += _results(row, parts, "_median", flagged_ratio)
         if "scores" in parts:
             cells += [count(row["evaluations_median"])] if evaluations else []
             cells.append(number(row["seconds_median"], 1))
@@ -284,6 +289,17 @@ def _add_columns(
         headings += last
     for heading in headings:
         table.add_column(heading, justify="left" if heading == "status" else "right", no_wrap=True)
+
+
+def _results(row: Row, parts: Sequence[str], suffix: str, flagged_ratio: float) -> list[str]:
+    """The cells of scores and errors of a trial, or of their medians."""
+    cells = []
+    if "scores" in parts:
+        cells += [count(row[f"score_{when}{suffix}"]) for when in _COUNTS]
+        cells.append(_ratio(row[f"ratio{suffix}"], flagged_ratio))
+    if "errors" in parts:
+        cells += _errors(row[f"rotation_error_deg{suffix}"], row[f"translation_error_percent{suffix}"])
+    return cells
 
 
 def _errors(rotation: Mapping[str, float] | None, translation: Mapping[str, float] | None) -> list[str]:

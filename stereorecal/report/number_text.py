@@ -1,8 +1,11 @@
-"""Numbers as people read them, in table cells and in text; a missing value (None) is a dash."""
+"""Numbers and lists as people read them, in table cells and in text; a missing value (None) is a dash."""
 
 import math
+from collections.abc import Sequence
 
 METRES = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+
+MOST = 6
 
 
 def number(value: float | None, digits: int) -> str:
@@ -65,3 +68,10 @@ def between(low: float, high: float) -> str:
 def _unit(metres: float) -> str:
     size = abs(metres)
     return "mm" if size < 0.0995 else "cm" if size < 0.995 else "m"
+
+
+def short_list(names: Sequence[str], separator: str = ", ") -> str:
+    """All of them, or, of more than `MOST`, the first and how many more there are."""
+    if len(names) <= MOST:
+        return separator.join(names)
+    return separator.join([*names[: MOST - 1], f"{len(names) - MOST + 1} more"])

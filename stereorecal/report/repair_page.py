@@ -9,9 +9,7 @@ import json
 from pathlib import Path
 
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture, rows_picture
-from stereorecal.report._expected_regions import larger_than_expected, unmeasured
-from stereorecal.report._headlines import headline, where
-from stereorecal.report._regions import misaligned
+from stereorecal.report._regions import headline, larger_than_expected, misaligned, unmeasured, where
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.repair_report import RepairReport
@@ -23,7 +21,7 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 
 def repair_page(report: RepairReport) -> str:
     """The page as HTML text, at most some hundred kilobytes for images of any size; names are escaped."""
-    names = ("before", "after") if report.accepted else ("kept", "candidate")
+    names = report.names
     sights = dict(zip(names, (report.before, report.after), strict=True))
     least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights.values()])
     script = _SCRIPT.read_text(encoding="utf-8")

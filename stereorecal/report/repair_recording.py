@@ -13,7 +13,7 @@ import rerun.blueprint as rrb  # pyright: ignore[reportMissingImports]: an extra
 from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
-from stereorecal.report._headlines import headline, where
+from stereorecal.report._regions import headline, where
 from stereorecal.report._repair_figures import OVER, ROW_COLOURS, largest_row, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent
@@ -47,7 +47,7 @@ def log_repair(stream: rr.RecordingStream, report: RepairReport) -> None:
 def repair_layout(report: RepairReport) -> rrb.Blueprint:
     """What the viewer shows at first: before | after, the pair above its disparity above its row error, and the verdict
     beside them."""
-    names = ("before", "after") if report.accepted else ("kept", "candidate")
+    names = report.names
     columns = []
     for state, name, sight in zip(_STATES, names, (report.before, report.after), strict=True):
         shown = f"{name}: disparity, {percent(float(sight.valid.mean()))} matched"
@@ -80,7 +80,7 @@ def row_pictures(report: RepairReport) -> list[UInt8[np.ndarray, "h w 3"]]:
 
 def verdict_text(report: RepairReport) -> str:
     """The verdict, the numbers before and after, and how to read the pictures, as Markdown."""
-    names = ("before", "after") if report.accepted else ("kept", "candidate")
+    names = report.names
     expected = f"**Expect:** {report.expected_said}" if report.expected_said else ""
     parts = [f"# {headline(report)}", f"**Why:** {report.reason}", *where(report), expected, *report.remarks]
     facts = [(name, *values) for name, values in report.facts.items()]

@@ -167,6 +167,11 @@ class RepairReport:
         return self.conclusion is Conclusion.REPAIRED
 
     @property
+    def names(self) -> tuple[str, str]:
+        """What both calibrations are called."""
+        return ("before", "after") if self.accepted else ("kept", "candidate")
+
+    @property
     def when(self) -> str:
         """Which calibration is to be used: that "before" the repair, or "after"."""
         return "after" if self.accepted else "before"

@@ -5,36 +5,39 @@ The pure face, which users jit, batch and differentiate: `prepare` on the host, 
 matcher, on all cores.
 """
 
-from stereorecal.scoring._bands import bands as bands
 from stereorecal.scoring._correspondences import (
     TILES as TILES,
     Correspondences as Correspondences,
     correspondences as correspondences,
     with_rays_of as with_rays_of,
 )
-from stereorecal.scoring._count import count as count, count_scaled as count_scaled
-from stereorecal.scoring._forward_gradient import forward_gradient as forward_gradient
-from stereorecal.scoring._frame_selection import select_frames as select_frames
+from stereorecal.scoring._count import (
+    TEMPERATURE as TEMPERATURE,
+    checked_temperature as checked_temperature,
+    count as count,
+    count_scaled as count_scaled,
+    forward_gradient as forward_gradient,
+    soft_count as soft_count,
+    soft_count_scaled as soft_count_scaled,
+)
 from stereorecal.scoring._image_quality import (
     ImageQuality as ImageQuality,
     image_quality as image_quality,
     is_coarse as is_coarse,
+    select_frames as select_frames,
 )
 from stereorecal.scoring._prepare import (
     Pyramid as Pyramid,
     ScoringData as ScoringData,
+    bands as bands,
     prepare as prepare,
     pyramid as pyramid,
 )
-from stereorecal.scoring._robust_weights import Loss as Loss, curvatures as curvatures, precisions as precisions
 from stereorecal.scoring._row_differences import (
+    Loss as Loss,
+    curvatures as curvatures,
     median_row_error as median_row_error,
+    precisions as precisions,
     row_differences as row_differences,
-)
-from stereorecal.scoring._soft_count import (
-    TEMPERATURE as TEMPERATURE,
-    checked_temperature as checked_temperature,
-    soft_count as soft_count,
-    soft_count_scaled as soft_count_scaled,
 )
 from stereorecal.scoring._tracks import Tracks as Tracks

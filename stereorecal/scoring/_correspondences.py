@@ -25,10 +25,9 @@ from stereorecal.geometry import (
     same_camera,
 )
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
-from stereorecal.scoring._rectify import Rectified, rectify_frames
+from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over

@@ -1,4 +1,4 @@
-"""The data of a score: images, cameras and view at one image scale, ready for the kernels."""
+"""The data of a score: images, cameras and view at one image scale, whole or in bands of rows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -12,11 +12,12 @@ from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
 from stereorecal._errors import InputError
 from stereorecal.geometry import AnyView, Camera, StereoRig, View, as_view
 from stereorecal.recordings import Pair, Pairs, check_pairs
-from stereorecal.scoring._frame_selection import select_frames
-from stereorecal.scoring._image_quality import ImageQuality, image_quality
+from stereorecal.scoring._image_quality import ImageQuality, image_quality, select_frames
 
 _SMALLEST = 16  # pixels a side: below that no window of a matcher fits
 _COEFFICIENTS = 8  # of a pinhole camera in programs
+
+_ROWS = 32  # of a band: its border rows see less than a window
 
 
 @register_pytree
@@ -166,3 +167,22 @@ def _filled_up(camera: Camera) -> Camera:
     if camera.lens.WIDE or missing <= 0:
         return camera
     return replace(camera, distortion=np.pad(camera.distortion, (0, missing)))
+
+
+def bands(data: ScoringData, share: float) -> tuple[ScoringData, ...]:
+    """Bands of 32 rows, evenly spread over the view, that make up about `share` of it; at 1, the view itself.
+
+    Scores of the bands add up. Pixels between them are never rectified.
+
+    Raises:
+        InputError: if the share is not within (0, 1].
+    """
+    if not 0.0 < share <= 1.0:
+        raise InputError(f"rows is {share}; give the share of the rows that are scored, within (0, 1].")
+    width, height = data.view.size
+    number = max(1, round(share * height / _ROWS))
+    if number * _ROWS >= height:
+        return (data,)
+    firsts = np.round((np.arange(number) + 0.5) * height / number - _ROWS / 2)
+    views = (replace(data.view, size=(width, _ROWS), centre_row=data.view.centre_row - np.float32(f)) for f in firsts)
+    return tuple(replace(data, view=view) for view in views)

@@ -1,4 +1,6 @@
-"""The images of a drive, rendered place by place and cached in the user's folder."""
+"""The images of a drive, rendered place by place and cached in the user's folder, in weather whose sizes are chosen to
+look right.
+"""
 
 import hashlib
 import os
@@ -9,22 +11,27 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import cv2
 import numpy as np
 from jaxtyping import UInt8
 from platformdirs import user_cache_path
 
 from stereorecal.recordings import Pair
+from stereorecal.synthetic._camera import expose, pixel_rays, world_rays
 from stereorecal.synthetic._drive import Drive
-from stereorecal.synthetic._weather import lit, noise_of
-from stereorecal.synthetic.objects._boat import boat
-from stereorecal.synthetic.objects._car import car
-from stereorecal.synthetic.objects._studio import Studio
-from stereorecal.synthetic.rendering._camera_rays import pixel_rays, world_rays
-from stereorecal.synthetic.rendering._patch import Patch
-from stereorecal.synthetic.rendering._sensor import expose
-from stereorecal.synthetic.scenes import make_world
-from stereorecal.synthetic.world._motion import drawn_course
-from stereorecal.synthetic.world._raycast import radiance
+from stereorecal.synthetic._motion import drawn_course
+from stereorecal.synthetic._noise import Texture
+from stereorecal.synthetic._patch import Patch
+from stereorecal.synthetic._scenes import make_world
+from stereorecal.synthetic._studio import Studio
+from stereorecal.synthetic._vehicles import boat, car
+from stereorecal.synthetic._world import radiance
+
+_NIGHT = 0.05  # of daylight
+_NIGHT_NOISE = 6.0  # grey levels
+_VEIL = 0.25  # of the light is that of the rain
+_STREAKS = 120
+_DROPS = 6  # on the glass, for as long as the rain lasts
 
 Images = UInt8[np.ndarray, "n 2 h w"]
 
@@ -33,6 +40,39 @@ _MOVING = (0.05, 0.2)  # metres a frame
 _SPEED = {"harbour": 0.05, "coast": 0.05, "open-sea": 0.1, "street": 0.12}  # of the rig, likewise
 _SWAY_ON_LAND, _SWAY_AFLOAT = 0.004, 0.012  # of pitch and roll [rad]
 _BLUR, _VIGNETTING, _EXPOSURE = 0.7, 0.3, 0.15
+
+
+def noise_of(weather: str) -> float:
+    """Standard deviation of a sensor's noise, grey levels."""
+    return _NIGHT_NOISE if weather == "night" else 2.0
+
+
+def lit(light: Texture, weather: str, falling: np.random.Generator, glass: np.random.Generator) -> Texture:
+    """The light as it reaches one camera.
+
+    Args:
+        falling: draws what differs from frame to frame and from camera to camera: streaks.
+        glass: draws what stays on this camera's glass: drops.
+    """
+    if weather == "night":
+        return np.asarray(light * np.float32(_NIGHT))
+    return _rained(light, falling, glass) if weather == "rain" else light
+
+
+def _rained(light: Texture, falling: np.random.Generator, glass: np.random.Generator) -> Texture:
+    height, width = light.shape
+    grey = np.float32(light.mean())
+    wet = light * np.float32(1.0 - _VEIL) + grey * np.float32(_VEIL)
+    streaks = np.zeros_like(wet)
+    for x, y, long, bright in falling.uniform((0, -20, 8, 0.1), (width, height, 24, 0.35), (_STREAKS, 4)):
+        cv2.line(streaks, (int(x), int(y)), (int(x + 0.1 * long), int(y + long)), float(bright), 1, cv2.LINE_AA)
+    wet = wet + np.float32(0.5) * grey * cv2.GaussianBlur(streaks, (0, 0), 0.8)
+    blurred = cv2.GaussianBlur(wet, (0, 0), 6.0)
+    cover = np.zeros_like(wet)
+    for x, y, size in glass.uniform((0, 0, 5), (width, height, 14), (_DROPS, 3)):
+        cv2.circle(cover, (int(x), int(y)), int(size), 1.0, -1, cv2.LINE_AA)
+    cover = cv2.GaussianBlur(cover, (0, 0), 2.0)
+    return wet + cover * (blurred - wet)
 
 
 def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] | None = None) -> Iterator[Pair]:

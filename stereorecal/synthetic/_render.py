@@ -9,12 +9,11 @@ from jaxtyping import Float
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recordings import Pair, Scene
+from stereorecal.synthetic._camera import expose, supersampled_rays, world_rays
 from stereorecal.synthetic._default_rig import default_rig
-from stereorecal.synthetic.rendering._camera_rays import supersampled_rays, world_rays
-from stereorecal.synthetic.rendering._noise import Texture
-from stereorecal.synthetic.rendering._sensor import expose
-from stereorecal.synthetic.scenes import make_world
-from stereorecal.synthetic.world._raycast import radiance
+from stereorecal.synthetic._noise import Texture
+from stereorecal.synthetic._scenes import make_world
+from stereorecal.synthetic._world import radiance
 
 _SECONDS_PER_FRAME = 0.2  # how far the waves run between frames; chosen
 

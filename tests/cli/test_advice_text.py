@@ -2,7 +2,7 @@
 
 import pytest
 
-from stereorecal.cli._advice_text import away, next_step, reason, undetermined
+from stereorecal.cli._live_view import away, next_step, reason, undetermined
 from stereorecal.online import Advice, Showing, Undetermined
 
 ROWS = Undetermined("epipolar", 10.0, 0.612, 0.3)

@@ -55,6 +55,15 @@ def test_options_are_kept_with_the_state(command, scene: Path, tmp_path: Path):
     assert state.config.tolerances.distances == (3.0, 8.0)
 
 
+def test_what_is_not_said_is_as_in_the_state(command, scene: Path, drive: Ride, tmp_path: Path):
+    *_, last = run(drive.rig, drive.pairs[:1], Config(prior="exact", every=2, tolerances=sr.Tolerances(harm=0.01)))
+    save(last.state, tmp_path / "state")
+    words = ("--once", "--quiet", "--pairs", "1:2", "--state", tmp_path / "state")
+    assert command("monitor", scene, *words).code in (0, 1, 4)
+    config = load(tmp_path / "state").config
+    assert (config.prior, config.every, config.tolerances.harm, config.repair) == ("exact", 2, 0.01, False)
+
+
 def test_once_checks_and_changes_nothing(command, scene: Path):
     answer = command("monitor", scene, "--once", "--quiet")
     assert (answer.code, answer.out) == (1, "")
@@ -163,6 +172,10 @@ def test_until_sure_it_ends_when_the_answer_stands(command, scene: Path, tmp_pat
     steps = [line.partition("next: ")[2] for line in answer.out.splitlines() if "next: " in line]
     assert steps[-1] == "nothing: the answer stands"
     assert all(one != other for one, other in pairwise(steps))  # said when it changes
+    early = command("monitor", scene, "--once", "--until-sure", "--pairs", ":1")
+    assert (early.code, early.err.count("\n")) == (4, 1)
+    assert "the recording ended, after 1 pair, before this was sure; not determined: " in early.err
+    assert command("monitor", scene, "--once", "--until-sure", "--pairs", ":1", "--quiet").err == ""
 
 
 @pytest.mark.parametrize("yaw", [3.0, -3.0])

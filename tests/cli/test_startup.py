@@ -70,6 +70,7 @@ def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_o
         ("compare --seed some", "argument --seed: invalid int value: 'some'; see stereorecal compare --help"),
         ("score scene --jsno out.json", "unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         ("compare --drwas=3", "unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
+        ("monitor scene --until-sur", "unrecognized arguments: --until-sur (did you mean --until-sure?); see"),
         ("score scene --zzzz", "unrecognized arguments: --zzzz; see"),
         ("--verison score", "unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),

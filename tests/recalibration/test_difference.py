@@ -124,6 +124,12 @@ def test_rows_in_numbers():
     np.testing.assert_array_equal(np.abs(found.row_map), np.fmax(*known))
     assert found.row_error_worst == np.nanmax(known)
     assert found.row_error_median == np.nanmedian(known)
+    assert found.row_error_median < found.row_error_most == np.nanquantile(known, 0.9) < found.row_error_worst
+    row, column = np.argwhere(np.abs(found.row_map) == found.row_error_worst)[0]
+    assert (
+        f"{found.row_error_median:.2f} px (median over the view), within {found.row_error_most:.2f} px in 90 % of it; "
+        f"the worst point, ({found.columns[column]:.0f}, {found.rows[row]:.0f}), has {found.row_error_worst:.2f} px"
+    ) in str(found)
     # 0.7 degrees of pitch at a focal length of 500 pixels
     assert found.row_error_median == pytest.approx(6.1, abs=1.0)
 
@@ -165,7 +171,8 @@ def test_text():
 def test_nothing_is_seen_by_both():
     text = str(difference(rig(), rig(yaw=120)))
     assert "no point of the view is seen by both cameras" in text
-    assert difference(rig(), rig(yaw=120)).as_dict()["row_error_px"] == {"median": None, "worst": None}
+    errors = difference(rig(), rig(yaw=120)).as_dict()["row_error_px"]
+    assert errors == {"median": None, "percentile_90": None, "worst": None}
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

@@ -46,6 +46,18 @@ def test_all_that_repeats_a_repair(repaired, harbour):
     assert "compass 0." in said["versions"]["plug-ins"]
 
 
+def test_the_pair_that_is_shown_is_matched_once(repaired, harbour, tmp_path, monkeypatch):
+    """For the page and the recordings of one command."""
+    matched, solution = [], replace(repaired)
+    monkeypatch.setattr(
+        "stereorecal.recalibration._repair_report.disparity",
+        lambda rig, *given, **how: matched.append(rig) or sr.disparity(rig, *given, **how),
+    )
+    for name in ("page", "another"):
+        solution.to_html(tmp_path / f"{name}.html", harbour, name=name)
+    assert matched == [solution.initial, solution.candidate]
+
+
 def test_what_was_good_speaks_of_itself(harbour):
     solution = sr.recalibrate(RIG, harbour, matcher=SAD_64)
     found = reported(solution, harbour)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 
 import stereorecal as sr
-from stereorecal.recalibration import Condition, Health, Reason
+from stereorecal.decision import Criterion
+from stereorecal.recalibration import Condition, Health, Interval, Reason
 from stereorecal.scoring import ImageQuality
 
 SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
@@ -100,6 +101,20 @@ def test_no_number_makes_a_verdict_longer(looked, reason, pairs, rows):
     decision = replace(looked.correction.decision, rows_px=np.array([sorted(rows)] * 2))
     found = replace(looked, reason=reason, pairs=pairs, correction=replace(looked.correction, decision=decision))
     assert len(found.verdict.split()) <= 12
+
+
+@pytest.mark.parametrize("failed", [*Criterion, None])
+def test_a_good_calibration_whose_depth_is_off_says_why_it_stays(looked, repaired, failed):
+    """Rows make it good: what is said above an interval of depth that leaves out zero must not contradict it."""
+    off = replace(looked.depth[0], distance=2.0, percent=Interval(1.0, 0.5, 1.5))
+    decision = replace(looked.correction.decision, failed=failed)
+    look = replace(looked, reason=Reason.ALREADY_GOOD, correction=replace(looked.correction, decision=decision))
+    repair = replace(repaired, reason=Reason.ALREADY_GOOD, decision=decision)
+    vars(look)["depth"] = vars(repair)["depth_before"] = vars(repair)["depth"] = (off,)
+    for found in (look, repair):
+        assert found.verdict.startswith("Good.")
+        assert found.advice.startswith("But depth is 10 to 30 mm too far at 2 m, and ")
+        assert_plain(str(found), found.verdict, found.advice)
 
 
 @pytest.mark.parametrize("reason", [reason for reason in REASONS if not reason.accepted], ids=lambda one: one.name)

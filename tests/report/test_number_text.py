@@ -1,11 +1,11 @@
-"""Numbers that a person can read."""
+"""Numbers and lists that a person can read."""
 
 import re
 
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.report.number_text import between, change, distance, number, offset
+from stereorecal.report.number_text import MOST, between, change, distance, number, offset, short_list
 
 
 @pytest.mark.parametrize(
@@ -71,3 +71,13 @@ def test_distances(metres: float, text: str):
 
 def test_what_is_nothing_has_no_sign():
     assert number(-0.0004, 3) == "0.000"
+
+
+@given(st.lists(st.text("abcdef", min_size=1), max_size=30))
+def test_nothing_is_lost_but_counted(names: list[str]):
+    said = short_list(names, "; ").split("; ") if names else []
+    assert len(said) == min(len(names), MOST)
+    shown = [*said] if len(names) <= MOST else said[:-1]
+    assert shown == names[: len(shown)]
+    if len(names) > MOST:
+        assert said[-1] == f"{len(names) - len(shown)} more"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from made_up_repair import made_up, misfit
 
-from stereorecal.report._expected_regions import larger_than_expected
+from stereorecal.report._regions import larger_than_expected
 from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
 from stereorecal.report.repair_report import Conclusion, Rows
 

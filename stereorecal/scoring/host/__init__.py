@@ -6,10 +6,10 @@ from stereorecal.scoring.host._counts import (
     counts_by_tile as counts_by_tile,
     counts_one_by_one as counts_one_by_one,
 )
-from stereorecal.scoring.host._disparities import disparities as disparities
-from stereorecal.scoring.host._host_correspondences import (
+from stereorecal.scoring.host._disparities import (
     compile_in_background as compile_in_background,
     correspondences as correspondences,
+    disparities as disparities,
 )
 from stereorecal.scoring.host._pixel_matches import match_pixels as match_pixels
 from stereorecal.scoring.host._score import (

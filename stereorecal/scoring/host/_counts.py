@@ -11,9 +11,8 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._correspondences import TILES
 from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring.host._cores import on_all_cores
+from stereorecal.scoring.host._cores import map_candidates, on_all_cores
 from stereorecal.scoring.host._disparities import disparities
-from stereorecal.scoring.host._map_candidates import map_candidates
 
 _SMALL = 2**16  # pixels of a frame: its programs are then so short that candidates share a call of one
 _AT_ONCE = 64  # candidates in one call of a GPU, at most

@@ -14,7 +14,7 @@ from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, wi
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import rectify_frames
-from stereorecal.scoring._robust_weights import SMALLEST_SPREAD
+from stereorecal.scoring._row_differences import SMALLEST_SPREAD
 from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 

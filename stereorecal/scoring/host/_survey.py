@@ -12,10 +12,9 @@ from stereorecal._arrays import Extrinsics, refuse_tracers
 from stereorecal.geometry import AnyView, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, as_matcher
 from stereorecal.recordings import Pairs
-from stereorecal.scoring._match_frame import match_frame
 from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
-from stereorecal.scoring._rectify import Rectified, rectify_frames
-from stereorecal.scoring.host._map_candidates import map_candidates
+from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
+from stereorecal.scoring.host._cores import map_candidates
 from stereorecal.scoring.host._swapped_images import refuse_swapped_images
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, within the window of the matcher

@@ -14,8 +14,7 @@ from jaxtyping import Bool, Float, Int
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rotation_from_euler
 from stereorecal.recordings import Pair
-from stereorecal.scoring._frame_selection import select_frames
-from stereorecal.scoring._image_quality import image_quality
+from stereorecal.scoring._image_quality import image_quality, select_frames
 from stereorecal.scoring._prepare import Pyramid
 
 _FRAMES = 2

@@ -1,1 +1,0 @@
-"""Rendering: textures, lit patches, ray casting onto them, and the sensor that turns radiance into grey levels."""

@@ -1,1 +1,0 @@
-"""What surrounds the objects of a scene: ground (water or road), sky, daylight."""
