@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import COSTS, ENOUGH, Decision, Reason, Seen, decide, reason_of
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Reach, RigChart
@@ -103,11 +103,6 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
             break
         anew = _matched(case, run, chart, likely)
         again += 1
-        if anew.covered < enough:
-            # What no row shows may have moved too far for the disparity range; rows are aligned without it as well.
-            likely = estimated.with_free(case.free.names, keep_depth=COSTS[-1])
-            anew = _matched(case, run, chart, likely)
-            again += 1
         if anew.covered < enough:
             break
         found, at = anew, likely
