@@ -37,10 +37,10 @@ KEYSTONE = SIZE + 4
 OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
 # Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
-_TIMES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
+_PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
 _USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
 _MEMORY = 100.0  # measurements
-_MOST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
+_FARTHEST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +179,10 @@ class FilterEstimate:
             measured, information=measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
         )
 
+    def followed(self, measured: Measurement, together: int = 1) -> "FilterEstimate":
+        """With one more measurement, less sure by the turn's error, of which so many err together: none votes twice."""
+        return self.updated(self.doubted(measured).weighed(1.0 / together))
+
     def late(self) -> "FilterEstimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
         return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
@@ -255,7 +259,7 @@ class Pace:
     @staticmethod
     def at(estimate: FilterEstimate) -> "Pace":
         """Filters before anything is learnt."""
-        return Pace((estimate,) * len(_TIMES), _USUAL)
+        return Pace((estimate,) * len(_PACES), _USUAL)
 
     def again(self, estimate: FilterEstimate) -> "Pace":
         """The filters from another estimate on, with their evidence."""
@@ -264,22 +268,22 @@ class Pace:
     def config(self, config: Config) -> Config:
         """The configuration with the learnt wander and heating."""
         weights = np.exp(self.logs - np.logaddexp.reduce(self.logs))
-        return _scaled_rates(config, np.sqrt(weights @ _TIMES**2))
+        return _scaled_rates(config, np.sqrt(weights @ _PACES**2))
 
     def later(self, config: Config) -> "Pace":
         """The filters a frame later."""
         return replace(
             self,
             several=tuple(
-                one.later(_scaled_rates(config, times)) for one, times in zip(self.several, _TIMES, strict=True)
+                one.later(_scaled_rates(config, times)) for one, times in zip(self.several, _PACES, strict=True)
             ),
         )
 
     def updated(self, measured: Measurement) -> "Pace":
         """The filters after one more measurement."""
-        logs = np.array([one.log_likelihood(measured, _MOST) for one in self.several])
+        logs = np.array([one.log_likelihood(measured, _FARTHEST) for one in self.several])
         logs = _USUAL + (1.0 - 1.0 / _MEMORY) * (self.logs - _USUAL) + logs
-        return Pace(tuple(one.updated(one.doubted(measured)) for one in self.several), logs - logs.max())
+        return Pace(tuple(one.followed(measured) for one in self.several), logs - logs.max())
 
 
 def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:

@@ -1,5 +1,5 @@
 """What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use; and
-what a calibration leaves of the yaw before the first look."""
+what it knows before the first look."""
 
 from functools import lru_cache
 
@@ -18,8 +18,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._config import Config
-from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
+from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, at_start
 from stereorecal.online._state import State, rig_with
 
 _SHIFTS = np.array([index for index, name in enumerate(EXTRINSICS) if name != "yaw"])
@@ -94,22 +93,23 @@ def chart_and_keystone(
     return chart, way / like_yaw
 
 
-def left_of_yaw(rig: StereoRig, config: Config, view: View | None = None) -> tuple[float, float] | None:
-    """Standard deviations in degrees of the yaw with which depth is right, and of that with which rows lie straight
-    less that, the keystone, which intrinsics that are wrong bend; the mean over the calibrations that are thought
-    possible. None if the intrinsics are right.
+def before_looks(state: State) -> FilterEstimate:
+    """What the filter knows before the first look: the rig was calibrated, so that something will show a yaw that it
+    has turned by; and intrinsics that are wrong bend rows like a keystone, as a yaw does, which is none.
 
-    Args:
-        view: the view in which rows and depth are read; default the rig's own.
+    The yaw with which depth is right, and that with which rows lie straight less that, are as wide as the calibrations
+    that are thought possible leave them on average; if the intrinsics are right, no keystone is left, and the yaw as
+    any other angle.
     """
+    config, deviations = state.config, state.prior
     if is_exact(config.prior):
-        return None
-    chart = rig_parameters(rig)
-    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
+        return at_start(deviations, config)
+    chart = rig_parameters(state.initial)
+    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), state.view)
     rows, depth, own = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1], len(EXTRINSICS)
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
     prior = as_prior(config.prior, chart)
     both = np.stack([by_depth, by_rows[_YAW] - by_depth])
-    yaw, keystone = prior.weights @ np.linalg.norm(both @ prior.roots, axis=-1)
-    return float(yaw), float(keystone)
+    deviations[_YAW], keystone = prior.weights @ np.linalg.norm(both @ prior.roots, axis=-1)
+    return at_start(deviations, config, float(keystone))

@@ -152,15 +152,15 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     Corners are followed (Lucas & Kanade 1981) and the rotation solved for with Cauchy's weights, since what is near
     moves more than that when the rig travels.
     """
-    corners = cv2.goodFeaturesToTrack(before, _OF_TURN, 0.01, 6)
-    if corners is None or len(corners) < _FEWEST_OF_TURN or before.shape != after.shape:
+    starts = cv2.goodFeaturesToTrack(before, _OF_TURN, 0.01, 6)
+    if starts is None or len(starts) < _FEWEST_OF_TURN or before.shape != after.shape:
         return None
-    moved, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, corners, np.zeros_like(corners))
+    ends, followed, _ = cv2.calcOpticalFlowPyrLK(before, after, starts, np.zeros_like(starts))
     tracked = followed.reshape(-1) > 0
     if tracked.sum() < _FEWEST_OF_TURN:
         return None
     zoom = camera.size[0] / before.shape[1]
-    first, second = ((zoom * (points.reshape(-1, 2)[tracked] + 0.5) - 0.5).astype(float) for points in (corners, moved))
+    first, second = ((zoom * (points.reshape(-1, 2)[tracked] + 0.5) - 0.5).astype(float) for points in (starts, ends))
     design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
     if len(wanted) < _FEWEST_OF_TURN:
         return None
@@ -192,10 +192,10 @@ def _on_sphere(
 ) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
     """The same of directions: those far off the axis have no image point on a plane, or one that errs far. What lies at
     the edge of the lens' own image does not move with the scene."""
-    rays, moved = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
+    rays, ends = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
     around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
     directions_around = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)
-    known = np.isfinite(rays + moved + directions_around).all(axis=1)
-    rays, flow = rays[known], (moved - rays)[known]
+    known = np.isfinite(rays + ends + directions_around).all(axis=1)
+    rays, flow = rays[known], (ends - rays)[known]
     by_turn = np.cross(np.eye(3)[:, None], rays)  # (axis, k, 3)
     return by_turn.reshape(3, -1).T, flow.reshape(-1)

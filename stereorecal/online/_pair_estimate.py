@@ -132,13 +132,30 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     if found.found < ENOUGH.matches or found.covered < ENOUGH.covered:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
-    solution = _row_solution(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
+    solution = _row_solution(found, start, chart.prior)
     if solution.places < ENOUGH.places or (
         np.mean(solution.medians(solution.residual)) * solution.scale > _FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)
     return PairEstimate(chart, found.covered, solution, found)
+
+
+def _row_solution(found: Correspondences, start: LinearRows, prior: float) -> RowSolution:
+    """The solution of the rows of correspondences, from those under the initial calibration."""
+    rows, valid, scale = _solved_robustly(found, start, prior), np.asarray(found.weight) > 0, float(found.scale)
+    return RowSolution(
+        residual=rows.differences[valid] / scale,
+        start_residual=start.differences[valid] / scale,
+        tile=np.asarray(found.tile)[valid],
+        independent=float(found.independent),
+        z=rows.z,
+        jacobian=rows.jacobian[:, valid].T / scale,
+        weight=precisions(found, rows.differences, Loss.WELSCH)[valid] * scale**2,
+        curvature=curvatures(found, rows.differences)[valid] * scale**2,
+        prior=prior,
+        scale=scale,
+    )
 
 
 def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
@@ -149,29 +166,6 @@ def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) ->
         weight = precisions(found, (differences + z @ jacobian).reshape(start.differences.shape), loss).reshape(-1)
         z = -np.linalg.solve((jacobian * weight) @ jacobian.T + held, (jacobian * weight) @ differences)
     return LinearRows(z, start.differences + (z @ jacobian).reshape(start.differences.shape), start.jacobian)
-
-
-def _row_solution(
-    found: Correspondences, rows: LinearRows, start: Float[np.ndarray, "k m"], prior: float
-) -> RowSolution:
-    """The solution of the rows of correspondences.
-
-    Args:
-        start: row differences under the initial calibration.
-    """
-    valid, scale = np.asarray(found.weight) > 0, float(found.scale)
-    return RowSolution(
-        residual=rows.differences[valid] / scale,
-        start_residual=start[valid] / scale,
-        tile=np.asarray(found.tile)[valid],
-        independent=float(found.independent),
-        z=rows.z,
-        jacobian=rows.jacobian[:, valid].T / scale,
-        weight=precisions(found, rows.differences, Loss.WELSCH)[valid] * scale**2,
-        curvature=curvatures(found, rows.differences)[valid] * scale**2,
-        prior=prior,
-        scale=scale,
-    )
 
 
 def _jackknife(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:

@@ -144,8 +144,11 @@ class State:
 
     def measured(self, measurement: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
-        estimate = self.estimate.updated(self.estimate.doubted(measurement).weighed(1.0 / together))
-        return replace(self, estimate=estimate, pace=self.pace.updated(measurement.weighed(together**-0.5)))
+        estimate, pace = (
+            self.estimate.followed(measurement, together),
+            self.pace.updated(measurement.weighed(together**-0.5)),
+        )
+        return replace(self, estimate=estimate, pace=pace)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""

@@ -16,7 +16,7 @@ from stereorecal.online._config import Config
 from stereorecal.online._coverage import covered_by
 from stereorecal.online._events import Event, Kind
 from stereorecal.online._filter import SIZE, Pace, at_start
-from stereorecal.online._filter_posterior import left_of_yaw
+from stereorecal.online._filter_posterior import before_looks
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
@@ -44,16 +44,10 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
-    first = at_start(np.ones(SIZE), config)
-    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first))
     known = matcher if matcher.num_disparities is not None else None
-    prior, keystone_sigma = blank.prior, 0.0
-    if (
-        yaw_deviations := left_of_yaw(rig, config, blank.view)
-    ) is not None:  # a rig that was calibrated: that it has turned, something shows
-        prior[1], keystone_sigma = yaw_deviations
-    estimate = at_start(prior, config, keystone_sigma)
-    return blank.replace(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
+    view, blank = as_view(config.view, rig), at_start(np.ones(SIZE), config)
+    state = State(config, rig, view, np.zeros(SIZE), blank, Pace.at(blank), matcher=known, attempt=_FIRST)
+    return state.standing_at(before_looks(state))
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
