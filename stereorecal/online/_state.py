@@ -144,11 +144,8 @@ class State:
 
     def measured(self, measurement: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
-        estimate, pace = (
-            self.estimate.followed(measurement, together),
-            self.pace.updated(measurement.weighed(together**-0.5)),
-        )
-        return replace(self, estimate=estimate, pace=pace)
+        pace = self.pace.updated(measurement.weighed(together**-0.5))
+        return replace(self, estimate=self.estimate.followed(measurement, together), pace=pace)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
