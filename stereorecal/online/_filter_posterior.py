@@ -1,5 +1,5 @@
-"""What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use; and
-what it knows before the first look."""
+"""What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use; and what
+it knows before the first look."""
 
 from functools import lru_cache
 
