@@ -15,8 +15,14 @@ from stereorecal.online._coverage import BAND_EDGES as BAND_EDGES, PARTS as PART
 from stereorecal.online._events import EVENTS_SCHEMA as EVENTS_SCHEMA, Event as Event, Kind as Kind
 from stereorecal.online._monitor_process import MonitorProcess as MonitorProcess
 from stereorecal.online._reading import FAR as FAR, Reading as Reading, reading as reading
-from stereorecal.online._recalibrating import recalibrate as recalibrate
-from stereorecal.online._run import Stepped as Stepped, run as run
+from stereorecal.online._repairing import recalibrate as recalibrate
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State
-from stereorecal.online._step import freeze as freeze, init as init, rollback as rollback, step as step
+from stereorecal.online._step import (
+    Stepped as Stepped,
+    freeze as freeze,
+    init as init,
+    rollback as rollback,
+    run as run,
+    step as step,
+)

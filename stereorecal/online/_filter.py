@@ -10,6 +10,10 @@ rig's motion tells is the offset, and what the lenses leave besides. The offset 
 
 Heat drifts one way for minutes. A rate that is forgotten slowly (a process of Ornstein and Uhlenbeck) follows it; a
 random walk alone would lag behind, and not know it.
+
+The speed at which a rig drifts is learnt while it drives. Multiple-model estimation (Magill 1965): several filters
+differ only in how far the angles may move from one pair to the next. A filter whose predictions fit the measurements
+gets more weight. Old measurements are forgotten.
 """
 
 from collections.abc import Sequence
@@ -32,6 +36,11 @@ _RATES = slice(SIZE + 1, SIZE + 4)
 KEYSTONE = SIZE + 4
 OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
+# Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
+_PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
+_USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
+_MEMORY = 100.0  # measurements
+_FARTHEST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +179,10 @@ class FilterEstimate:
             measured, information=measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
         )
 
+    def followed(self, measured: Measurement, together: int = 1) -> "FilterEstimate":
+        """With one more measurement, less sure by the turn's error, of which so many err together: none votes twice."""
+        return self.updated(self.doubted(measured).weighed(1.0 / together))
+
     def late(self) -> "FilterEstimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
         return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
@@ -229,3 +242,53 @@ def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.
     lenses = 0.0 if is_exact(config.prior) else OF_LENSES
     spread = np.array([*prior, delay, *config.heating, keystone, lenses])
     return FilterEstimate(np.zeros(len(spread)), np.diag(spread**2))
+
+
+@dataclass(frozen=True, eq=False)
+class Pace:
+    """How fast a rig drifts: filters and their evidence.
+
+    Attributes:
+        several: a filter for each pace.
+        logs: (k,) logarithms of the evidence of each.
+    """
+
+    several: tuple[FilterEstimate, ...]
+    logs: Float[np.ndarray, "k"]
+
+    @staticmethod
+    def at(estimate: FilterEstimate) -> "Pace":
+        """Filters before anything is learnt."""
+        return Pace((estimate,) * len(_PACES), _USUAL)
+
+    def again(self, estimate: FilterEstimate) -> "Pace":
+        """The filters from another estimate on, with their evidence."""
+        return replace(self, several=(estimate,) * len(self.several))
+
+    def config(self, config: Config) -> Config:
+        """The configuration with the learnt wander and heating."""
+        weights = np.exp(self.logs - np.logaddexp.reduce(self.logs))
+        return _scaled_rates(config, np.sqrt(weights @ _PACES**2))
+
+    def later(self, config: Config) -> "Pace":
+        """The filters a frame later."""
+        return replace(
+            self,
+            several=tuple(
+                one.later(_scaled_rates(config, times)) for one, times in zip(self.several, _PACES, strict=True)
+            ),
+        )
+
+    def updated(self, measured: Measurement) -> "Pace":
+        """The filters after one more measurement."""
+        logs = np.array([one.log_likelihood(measured, _FARTHEST) for one in self.several])
+        logs = _USUAL + (1.0 - 1.0 / _MEMORY) * (self.logs - _USUAL) + logs
+        return Pace(tuple(one.followed(measured) for one in self.several), logs - logs.max())
+
+
+def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:
+    wander, heating = (
+        tuple((factor * np.asarray(some)).tolist())
+        for factor, some in zip(times, (config.wander, config.heating), strict=True)
+    )
+    return replace(config, wander=wander, heating=heating)

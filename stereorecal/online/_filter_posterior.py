@@ -1,4 +1,5 @@
-"""What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use."""
+"""What the filter knows of the rig, as the decision takes it: an estimate around the calibration in use; and what
+it knows before the first look."""
 
 from functools import lru_cache
 
@@ -10,15 +11,17 @@ from stereorecal.estimation import (
     Estimate,
     Posterior,
     Prior,
+    as_prior,
     consequences,
     is_exact,
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate
+from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, at_start
 from stereorecal.online._state import State, rig_with
 
+_SHIFTS = np.array([index for index, name in enumerate(EXTRINSICS) if name != "yaw"])
 _YAW, _PRINCIPAL_POINT = EXTRINSICS.index("yaw"), "right.cx"
 _ROWS_AT, _DEPTH_AT = 10, 30  # baselines, as a keystone is measured
 
@@ -88,3 +91,25 @@ def chart_and_keystone(
     way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
     like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])
     return chart, way / like_yaw
+
+
+def before_looks(state: State) -> FilterEstimate:
+    """What the filter knows before the first look: the rig was calibrated, so that something will show a yaw that it
+    has turned by; and intrinsics that are wrong bend rows like a keystone, as a yaw does, which is none.
+
+    The yaw with which depth is right, and that with which rows lie straight less that, are as wide as the calibrations
+    that are thought possible leave them on average; if the intrinsics are right, no keystone is left, and the yaw as
+    any other angle.
+    """
+    config, deviations = state.config, state.prior
+    if is_exact(config.prior):
+        return at_start(deviations, config)
+    chart = rig_parameters(state.initial)
+    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), state.view)
+    rows, depth, own = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1], len(EXTRINSICS)
+    by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
+    by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
+    prior = as_prior(config.prior, chart)
+    both = np.stack([by_depth, by_rows[_YAW] - by_depth])
+    deviations[_YAW], keystone = prior.weights @ np.linalg.norm(both @ prior.roots, axis=-1)
+    return at_start(deviations, config, float(keystone))

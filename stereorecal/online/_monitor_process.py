@@ -23,9 +23,8 @@ from stereorecal.geometry import StereoRig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._saving import load
+from stereorecal.online._saving import StateFile, load
 from stereorecal.online._state import State
-from stereorecal.online._state_file import StateFile
 from stereorecal.online._step import freeze, init, step
 from stereorecal.recordings import Images, Pair, as_pairs
 

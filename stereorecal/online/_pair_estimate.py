@@ -1,21 +1,85 @@
-"""One look at one pair through the calibration in use, at half scale: what it measures, and how well."""
+"""One look at one pair through the calibration in use, at half scale: what it measures, and how well.
+
+Everything rests on one linearisation at the solution, cut into tiles. Within a tile errors go together (windows
+overlap, a surface is smooth or a texture repeats), so the formal least-squares covariance is too small: tiles are the
+units of resampling.
+"""
 
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
-from stereorecal.online._row_solution import RowSolution, row_solution
-from stereorecal.recalibration import is_sparse, watching_scale
+from stereorecal.recalibration import RowResiduals, is_sparse, watching_scale
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, Loss, host, image_quality, precisions, pyramid
+from stereorecal.scoring import Correspondences, Loss, curvatures, host, image_quality, precisions, pyramid
 
 _FALSE = 0.4  # pixels left: chance matches lie evenly within a row of where they were sought, median 0.5
 # From afar to the end; the weights follow the solution. Rows are taken as linear: a rig that is watched is not far off.
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
+# Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
+_SHARED = 0.005
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RowSolution(RowResiduals):
+    """The least-squares problem at the solution, linear in z, the point of the unit box.
+
+    Attributes:
+        z: (n,) the solution.
+        jacobian: (m, n) of the row differences, pixels at full size.
+        weight: (m,) of the squared row differences.
+        curvature: (m,) second derivatives of their losses.
+        prior: standard deviation of the drift on each axis, in half widths of the box.
+        scale: pixels at which the rows were measured, per pixel at full size.
+    """
+
+    z: Float[np.ndarray, "n"]
+    jacobian: Float[np.ndarray, "m n"]
+    weight: Float[np.ndarray, "m"]
+    curvature: Float[np.ndarray, "m"]
+    prior: float
+    scale: float = 1.0
+
+    @property
+    def normal(self) -> Float[np.ndarray, "n n"]:
+        """The normal matrix with the prior's, of the curvatures of the losses."""
+        return self._normal(slice(None), self.curvature) + self._prior
+
+    @property
+    def _prior(self) -> Float[np.ndarray, "n n"]:
+        return np.eye(len(self.z)) / self.prior**2
+
+    def _normal(self, rows, weight: Float[np.ndarray, "m"]) -> Float[np.ndarray, "n n"]:
+        jacobian = self.jacobian[rows]
+        return jacobian.T @ (weight[rows, None] * jacobian)
+
+    def _pull(self, rows) -> Float[np.ndarray, "n"]:
+        return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
+
+    def covariance(self) -> Float[np.ndarray, "n n"]:
+        """Of the solution, in units of the box: the jackknife over places, and the prior.
+
+        Each place is left out in turn; how the solution moves then, to first order, is what the data can say of its
+        scatter (Efron & Stein 1981; for clusters in least squares: Bell & McCaffrey 2002). What they cannot say, the
+        prior does; and an offset that all rows share (of the interpolation, or of two shutters) is added.
+        """
+        left_out = [np.flatnonzero(self.place == one) for one in np.unique(self.place)]
+        if len(left_out) < 2:
+            return np.linalg.inv(self._prior)
+        normal = self.normal
+        pull = self._pull(slice(None)) + self._prior @ self.z
+        moves = np.stack(
+            [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
+        )
+        inverse = np.linalg.inv(normal)
+        shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
+        return _jackknife(moves) + inverse @ self._prior @ inverse + np.outer(shared, shared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +132,30 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     if found.found < ENOUGH.matches or found.covered < ENOUGH.covered:
         return PairEstimate(chart, found.covered)
     start = linearised(found, chart, np.zeros(chart.dim))
-    solution = row_solution(found, _solved_robustly(found, start, chart.prior), start.differences, chart.prior)
+    solution = _row_solution(found, start, chart.prior)
     if solution.places < ENOUGH.places or (
         np.mean(solution.medians(solution.residual)) * solution.scale > _FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
         return PairEstimate(chart, found.covered)
     return PairEstimate(chart, found.covered, solution, found)
+
+
+def _row_solution(found: Correspondences, start: LinearRows, prior: float) -> RowSolution:
+    """The solution of the rows of correspondences, from those under the initial calibration."""
+    rows, valid, scale = _solved_robustly(found, start, prior), np.asarray(found.weight) > 0, float(found.scale)
+    return RowSolution(
+        residual=rows.differences[valid] / scale,
+        start_residual=start.differences[valid] / scale,
+        tile=np.asarray(found.tile)[valid],
+        independent=float(found.independent),
+        z=rows.z,
+        jacobian=rows.jacobian[:, valid].T / scale,
+        weight=precisions(found, rows.differences, Loss.WELSCH)[valid] * scale**2,
+        curvature=curvatures(found, rows.differences)[valid] * scale**2,
+        prior=prior,
+        scale=scale,
+    )
 
 
 def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) -> LinearRows:
@@ -85,3 +166,18 @@ def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) ->
         weight = precisions(found, (differences + z @ jacobian).reshape(start.differences.shape), loss).reshape(-1)
         z = -np.linalg.solve((jacobian * weight) @ jacobian.T + held, (jacobian * weight) @ differences)
     return LinearRows(z, start.differences + (z @ jacobian).reshape(start.differences.shape), start.jacobian)
+
+
+def _jackknife(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:
+    """The covariance that solutions without one of u units each show (Efron & Stein 1981), wider for few units, so that
+    1.96 standard deviations mean 95 % of them too."""
+    moves = ends - ends.mean(0)
+    scatter = moves.T @ moves * (len(ends) - 1) / len(ends)
+    return (_student_975(len(ends) - 1) / NormalDist().inv_cdf(0.975)) ** 2 * scatter
+
+
+def _student_975(degrees: int) -> float:
+    """The quantile of Student's t for two-sided 95 %."""
+    from scipy.special import stdtrit  # a third of a second to import, for one number
+
+    return float(stdtrit(degrees, 0.975))

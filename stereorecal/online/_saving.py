@@ -2,10 +2,12 @@
 
 import io
 import json
+import math
+import time
 import zipfile
 import zlib
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -18,12 +20,10 @@ from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config
-from stereorecal.online._events import Kind
-from stereorecal.online._filter import FilterEstimate, Measurement
-from stereorecal.online._job import Job
-from stereorecal.online._pace import Pace
+from stereorecal.online._events import Event, Kind
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace
 from stereorecal.online._sequential_test import SequentialTest
-from stereorecal.online._state import State
+from stereorecal.online._state import Job, State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -175,3 +175,33 @@ def _decoded(value: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if "name" in value:
         return kind[value["name"]]
     return kind(**{name: _decoded(item, arrays) for name, item in value["with"].items()})
+
+
+@dataclass
+class StateFile:
+    """Where states are saved. A place that cannot be written to, such as a full disk, is told once, and tried again.
+
+    Attributes:
+        path: of the file; None saves nothing.
+        every: seconds between two attempts, at least.
+        written: the state that the file holds, or that need not be written.
+    """
+
+    path: str | Path | None
+    every: float
+    written: State
+    _tried: float = -math.inf
+    _failed: bool = False
+
+    def keep(self, state: State, *, now: bool) -> tuple[Event, ...]:
+        """Save a state if that is due, or `now`; returns what is to be told of it."""
+        if self.path is None or state is self.written or not (now or time.monotonic() - self._tried >= self.every):
+            return ()
+        self._tried, failed = time.monotonic(), self._failed
+        try:
+            save(state, self.path)
+        except InputError as error:
+            self._failed = True
+            return () if failed else (Event(state.frame, Kind.NOT_SAVED, str(error)),)
+        self.written, self._failed = state, False
+        return (Event(state.frame, Kind.SAVED),) if failed else ()

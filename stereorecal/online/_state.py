@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
@@ -12,11 +12,8 @@ from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config
 from stereorecal.online._coverage import no_coverage
 from stereorecal.online._events import Kind
-from stereorecal.online._filter import FilterEstimate, Measurement
-from stereorecal.online._job import Job
-from stereorecal.online._pace import Pace
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace
 from stereorecal.online._sequential_test import SequentialTest
-from stereorecal.online._turning import Small
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -24,6 +21,21 @@ _REPAIR_PAIRS = 3  # of a repair after a knock
 
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A repair of what the looks cannot follow, cut into slices, so that no step takes long.
+
+    Attributes:
+        pairs: that it rests on.
+        at: (6,) extrinsics [rad, m] where the next slice begins.
+        done: slices so far.
+    """
+
+    pairs: tuple[Pair, ...]
+    at: Float[np.ndarray, "6"]
+    done: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +85,7 @@ class State:
     matcher: AbstractMatcher | None = None
     seen: int = 0
     row_error: float = float("nan")
-    last: Small | None = None
+    last: UInt8[np.ndarray, "h w"] | None = None
     corners: Corners | None = None
     corners_frame: int = 0
     tracked_pairs: int = 2
@@ -132,8 +144,8 @@ class State:
 
     def measured(self, measurement: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
-        estimate = self.estimate.updated(self.estimate.doubted(measurement).weighed(1.0 / together))
-        return replace(self, estimate=estimate, pace=self.pace.updated(measurement.weighed(together**-0.5)))
+        pace = self.pace.updated(measurement.weighed(together**-0.5))
+        return replace(self, estimate=self.estimate.followed(measurement, together), pace=pace)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""

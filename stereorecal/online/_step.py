@@ -1,7 +1,9 @@
-"""One step: a pair comes, and what is known of the rig follows."""
+"""One step: a pair comes, and what is known of the rig follows; and steps through a recording, for scripts."""
 
+import math
 import time
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -13,18 +15,16 @@ from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config
 from stereorecal.online._coverage import covered_by
 from stereorecal.online._events import Event, Kind
-from stereorecal.online._filter import SIZE, at_start
-from stereorecal.online._keystone import left_of_yaw
-from stereorecal.online._moving import anchored, moved
-from stereorecal.online._pace import Pace
+from stereorecal.online._filter import SIZE, Pace, at_start
+from stereorecal.online._filter_posterior import before_looks
+from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
 from stereorecal.online._repairing import begun, continued, too_far
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import Outcome, nominated, switched, trial_after_look, trial_after_unmatched
-from stereorecal.online._turning import Small, small, turn
 from stereorecal.online._watching import followed, measurement
 from stereorecal.recalibration import Schedule
-from stereorecal.recordings import Images, Pair, check_pairs
+from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
 from stereorecal.scoring import image_quality, is_coarse, pyramid
 from stereorecal.scoring.host import with_measured_range
 
@@ -44,16 +44,10 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
-    first = at_start(np.ones(SIZE), config)
-    blank = State(config, rig, as_view(config.view, rig), np.zeros(SIZE), first, Pace.at(first))
     known = matcher if matcher.num_disparities is not None else None
-    prior, keystone_sigma = blank.prior, 0.0
-    if (
-        yaw_deviations := left_of_yaw(rig, config, blank.view)
-    ) is not None:  # a rig that was calibrated: that it has turned, something shows
-        prior[1], keystone_sigma = yaw_deviations
-    estimate = at_start(prior, config, keystone_sigma)
-    return blank.replace(estimate=estimate, pace=Pace.at(estimate), matcher=known, attempt=_FIRST)
+    view, blank = as_view(config.view, rig), at_start(np.ones(SIZE), config)
+    state = State(config, rig, view, np.zeros(SIZE), blank, Pace.at(blank), matcher=known, attempt=_FIRST)
+    return state.standing_at(before_looks(state))
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -186,3 +180,55 @@ def _unmatched_pair(state: State, pair: Pair, look: PairEstimate) -> Outcome:
 def _too_little(state: State) -> Outcome:
     kind = Kind.TOO_LITTLE_TEXTURE
     return state.replace(reported=kind), [] if state.reported is kind else [Event(state.frame, kind)]
+
+
+@dataclass(frozen=True, eq=False)
+class Stepped:
+    """The result of a step.
+
+    Attributes:
+        pair: the pair; None if its files cannot be read.
+        state: after the step.
+        events: of the step.
+    """
+
+    pair: Pair | Images | None
+    state: State
+    events: tuple[Event, ...]
+
+
+def run(
+    rig: StereoRig | State,
+    pairs: Iterable[Pair | Images],
+    config: Config = Config(),  # noqa: B008
+    seconds: float | None = math.inf,
+) -> Iterator[Stepped]:
+    """The results of steps, one for each pair, as the pairs come.
+
+    Args:
+        rig: the calibration to start from, or a state to continue from, with its own config.
+        pairs: any iterable, such as a recording (damaged files become events), a drive or a camera.
+        seconds: time for a repair in each step (`step`); by default a repair is finished within the step.
+    """
+    state = rig if isinstance(rig, State) else init(rig, config)
+    for pair in _read(pairs):
+        if isinstance(pair, InputError):
+            state, events = without_pair(state, pair)
+            yield Stepped(None, state, events)
+        else:
+            state, events = step(state, pair, seconds)
+            yield Stepped(pair, state, events)
+
+
+def _read(pairs: Iterable[Pair | Images]) -> Iterator[Pair | Images | InputError]:
+    """The pairs, or the error in place of a pair that cannot be read."""
+    if not isinstance(pairs, LazyPairs):
+        yield from pairs
+        return
+    for number in range(len(pairs)):
+        try:
+            pair = pairs[number]
+        except InputError as error:
+            yield error
+        else:
+            yield pair

@@ -65,17 +65,13 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
     """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
     A delay explains with one number what a knock explains with five, so it is asked first."""
+    together = state.config.together
     if not state.config.synchronous:
-        late = _with(state.estimate.late(), state, first)
+        late = state.estimate.late().followed(first, together)
         if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
-            return _with(late, state, second), False
-    knocked = _with(state.estimate.after_knock(state.prior), state, first)
-    return (_with(knocked, state, second), True) if knocked.chance_of(second) > _AGREE else None
-
-
-def _with(estimate: FilterEstimate, state: State, measured: Measurement) -> FilterEstimate:
-    """The estimate with a look, of which a share counts: nothing votes twice. The turn errs in all looks alike, too."""
-    return estimate.updated(estimate.doubted(measured).weighed(1.0 / state.config.together))
+            return late.followed(second, together), False
+    knocked = state.estimate.after_knock(state.prior).followed(first, together)
+    return (knocked.followed(second, together), True) if knocked.chance_of(second) > _AGREE else None
 
 
 def standing(state: State) -> tuple[State, list[Event]]:
