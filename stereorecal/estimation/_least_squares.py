@@ -22,7 +22,7 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
-from stereorecal.estimation._frames import other_rigs
+from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import FEWEST_GROUPS, first_of_same, grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
@@ -120,9 +120,7 @@ def solved(
         estimated,
         groups=len(residual),
         residual_px=float(np.sqrt(np.mean(residual**2))),
-        other_rigs=other_rigs(
-            _rows_of_frames(found, rows, chart, prior, posterior.mean), sum(best.misfit), posterior.mean
-        ),
+        other_rigs=_other_rigs(found, rows, chart, prior, best, posterior.mean),
         shown=rows.groups,
         hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
     )
@@ -173,13 +171,26 @@ def _settled(
     return rows, misfit
 
 
-def _rows_of_frames(
-    found: Correspondences, rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"]
-) -> LinearGroups:
-    """The rows near θ, each frame by itself."""
-    if len(rows.frames) == len(rows.groups.first):
-        return rows
-    return linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
+def _other_rigs(
+    found: Correspondences,
+    rows: LinearGroups,
+    chart: RigChart,
+    prior: CalibrationPrior,
+    best: Explanation,
+    theta: Float[np.ndarray, "n"],
+) -> tuple[OtherRig, ...]:
+    """Frames that show another rig than θ, each by itself, also where several show the same.
+
+    Args:
+        rows: near θ.
+        best: the most probable explanation of these.
+    """
+    misfit, first = best.misfit, rows.groups.first
+    if (first != np.arange(len(first))).any():
+        rows = linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
+        misfit = best_of(_searched(rows, prior, misfit, best.prior))[0].misfit
+        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
+    return other_rigs(rows, sum(misfit), theta)
 
 
 def _searched(
