@@ -89,10 +89,11 @@ def test_frames_that_lie_apart(cameras: Path, tmp_path: Path, drive: Ride):
 def test_a_camera_that_is_unplugged(monkeypatch):
     """Anything that is no file is expected to go on."""
 
-    class Capture:
+    class Capture(cv2.VideoCapture):
         frames = 0
 
-        def __init__(self, name):
+        def __init__(self, name, *options):
+            super().__init__()
             assert name == 0
 
         def isOpened(self):
