@@ -151,7 +151,8 @@ def _settled(
     if len(groups) < FEWEST_GROUPS:
         return None, misfit
     first = first_of_same(groups)
-    groups = grouped(found, chart, theta, first)
+    if (first != groups.first).any():
+        groups = grouped(found, chart, theta, first)
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
     for number in range(_ROUNDS):
