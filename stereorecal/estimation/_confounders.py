@@ -83,7 +83,7 @@ def hypotheses_with_confounders(
     """
     best, kind = best_of(alone)
     searched = _regions(rows, prior, best, kind)
-    if len(rows.frames) == 1:  # as the rig moves; in several frames it moves otherwise
+    if len(rows.frames) == 1:  # as the rig moves; where frames show several scenes, it moves otherwise
         searched += [*_rolling(rows, chart), _late(rows)]
     if not searched:
         return []

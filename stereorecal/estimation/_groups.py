@@ -5,7 +5,7 @@ a few; and what lies near and far there tells apart what a mean of both would hi
 together as well, and are one: what is seen a dozen times is not known a dozen times as well.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,8 +41,8 @@ class Groups:
         focal: of the rectified rows, in pixels at full size.
         resolution: (g,) pixels of the middle that a row of the view is wide there: 1 of pinholes, less where a view
             stretches what a wide lens shows.
+        first: (k,) of each frame the first of those that show the same, and are one here.
         projection: by which rays become rows.
-        first: (k,) of each frame the first of those that show the same; default itself.
     """
 
     left: Float[np.ndarray, "g 3"]
@@ -55,8 +55,8 @@ class Groups:
     count: Int[np.ndarray, "g"]
     focal: float
     resolution: Float[np.ndarray, "g"]
+    first: Int[np.ndarray, "k"]
     projection: str = PINHOLE
-    first: Int[np.ndarray, "k"] = field(default_factory=lambda: np.zeros(0, int))
 
     def __len__(self) -> int:
         return len(self.offset)
@@ -109,7 +109,8 @@ def grouped(
     focal, scale = float(found.focal), float(found.scale)
     valid = np.asarray(found.weight) > 0
     first = np.arange(len(valid)) if first is None else first
-    frame = first[np.nonzero(valid)[0]]
+    seen_in = np.nonzero(valid)[0]
+    frame = first[seen_in]
     left, right, weight = (np.asarray(part, float)[valid] for part in (found.left, found.right, found.weight))
     rows, disparity = _rectified(found, chart, theta, valid)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
@@ -126,8 +127,8 @@ def grouped(
             numbers,
             focal / scale,
             nothing,
-            found.projection,
             first,
+            found.projection,
         )
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
@@ -149,7 +150,9 @@ def grouped(
         for name, rays in (("left", left), ("right", right))
     }
     resolution = _resolution(chart.rig_at(theta), means["left"], found.projection)
-    news = _news_of_frames(rows, np.nonzero(valid)[0][order], number, inliers, spread**2 / float(found.independent))
+    news = np.ones(len(keys))
+    if any_same(first):
+        news = _news_of_frames(rows, seen_in[order], number, inliers, spread**2 / float(found.independent))
     by_noise = resolution * spread / np.sqrt(np.maximum(news * n * float(found.independent), 1.0)) / scale
     # What windows on weak texture have in common is larger, as is their noise; both in pixels of the images.
     in_images, typical = total / np.maximum(n, 1) / resolution**2, float(np.median(weight / resolution[number] ** 2))
@@ -222,6 +225,11 @@ def _news_of_frames(
     expected = noise[several] * (np.bincount(group, 1.0 / counts, len(noise)) / np.maximum(frames, 1))[several]
     independent = float(np.mean(np.minimum(between / expected, 1.0)))
     return 1.0 / (frames * (1.0 - independent) + independent).clip(min=1.0)
+
+
+def any_same(first: Int[np.ndarray, "k"]) -> bool:
+    """Whether frames show the same as an earlier one."""
+    return bool((first != np.arange(len(first))).any())
 
 
 def first_of_same(groups: Groups) -> Int[np.ndarray, "k"]:

@@ -23,7 +23,7 @@ from stereorecal.estimation._explanations import (
     mixture,
 )
 from stereorecal.estimation._frames import OtherRig, other_rigs
-from stereorecal.estimation._groups import FEWEST_GROUPS, first_of_same, grouped
+from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
 from stereorecal.estimation._lens_field import within_field
 from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -151,7 +151,7 @@ def _settled(
     if len(groups) < FEWEST_GROUPS:
         return None, misfit
     first = first_of_same(groups)
-    if (first != groups.first).any():
+    if any_same(first):
         groups = grouped(found, chart, theta, first)
     rows = linear_groups(groups, chart, theta, prior, measured)
     step = np.zeros(chart.dim)
@@ -186,8 +186,8 @@ def _other_rigs(
         rows: near θ.
         best: the most probable explanation of these.
     """
-    misfit, first = best.misfit, rows.groups.first
-    if (first != np.arange(len(first))).any():
+    misfit = best.misfit
+    if any_same(rows.groups.first):
         rows = linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
         misfit = best_of(_searched(rows, prior, misfit, best.prior))[0].misfit
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))

@@ -1,8 +1,8 @@
 """A solution as the plain data of its page."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from stereorecal.strategies import origin_of
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
 _REMARKS = ("left out", "misfit", "undetermined", "intrinsics", "ranges", "motion", "odometer", "error left")
-_MATCHED: WeakKeyDictionary[AbstractResult, dict[Pair, tuple[Sight, Sight]]] = WeakKeyDictionary()
 _SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
@@ -102,12 +101,10 @@ def conclusion_of(reason: Reason) -> Conclusion:
     return Conclusion.REPAIRED if reason.accepted else Conclusion.GOOD
 
 
+@lru_cache(maxsize=1)  # a page and a recording show the same; many solutions must not keep their images
 def _sights(solution: AbstractResult, pair: Pair) -> tuple[Sight, Sight]:
-    """A pair under the initial calibration and under the candidate: matched once for all that shows a solution."""
-    matched = _MATCHED.setdefault(solution, {})
-    if pair not in matched:
-        matched[pair] = _sight(solution, solution.initial, pair), _sight(solution, solution.candidate, pair)
-    return matched[pair]
+    """A pair under the initial calibration and under the candidate."""
+    return _sight(solution, solution.initial, pair), _sight(solution, solution.candidate, pair)
 
 
 def _sight(solution: AbstractResult, rig: StereoRig, pair: Pair) -> Sight:

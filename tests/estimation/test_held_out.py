@@ -18,8 +18,8 @@ def shown(disparity) -> Groups:
     frames, size = np.shape(disparity)
     rays, one = np.tile([0.0, 0.0, 1.0], (frames * size, 1)), np.ones(frames * size)
     frame, place = np.repeat(np.arange(frames), size), np.tile(np.arange(size), frames)
-    found = Groups(rays, rays, 0.0 * one, one, frame, place, np.ravel(disparity), one.astype(int), 500.0, one)
-    return replace(found, first=np.arange(frames))
+    told = (0.0 * one, one, frame, place, np.ravel(disparity), one.astype(int))
+    return Groups(rays, rays, *told, 500.0, one, np.arange(frames))
 
 
 @given(places=st.lists(st.integers(0, 5), min_size=1, max_size=9), seed=st.integers(0, 99))
