@@ -13,11 +13,223 @@ ranges of 1 % at 5 to 40 baselines), right (intrinsics that are right), baseline
 long: 200 frames of 640x480 as a process of its own, with its time and its memory.
 """
 
-import intrinsics_long
-from intrinsics_rendered import HEADS, REPAIRS, baseline, expectations, repairs
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import jax
+import numpy as np
 from tables import command_line, show, table_of, words
 
+import stereorecal as sr
+from stereorecal.geometry import Camera, changed_camera, view
+from stereorecal.objectives import Parameters
+from stereorecal.recalibration import NORMAL_95, depth_errors, row_errors_of
+
+BOTH = ("extrinsics", "intrinsics")
+SIGMAS = {"f": 0.3, "cx": 1.5, "cy": 1.5, "k1": 0.01, "k2": 0.02}  # of wrong intrinsics: percent, pixels
+PRIORS = {f"{side}.{name}": sigma for side in ("left", "right") for name, sigma in SIGMAS.items()}
+KINDS = ("harbour", "coast", "street")
+TRUE = sr.synthetic.default_rig()
+HEADS = "part | rows fixed | all, median / worst | taken, median / worst | |depth| at 10 / 30 B | taken | harmful"
+YAW = 0.05  # degrees: what repairs of real rigs leave
+REPAIRS = ("one", "each", "place", "ranges", "right")
 PARTS = (*REPAIRS, "baseline", "expected", "long")
+FRAMES, RENDERED = 200, 8  # of a long recording; most are some with other noise and exposure
+
+
+def wrong(seed: int) -> sr.StereoRig:
+    """The true rig with intrinsics as a chessboard may leave them."""
+    draw = np.random.default_rng(seed)
+
+    def camera(given: Camera) -> Camera:
+        units = {"f": 0.01}
+        return changed_camera(given, {n: sigma * units.get(n, 1.0) * draw.normal() for n, sigma in SIGMAS.items()})
+
+    return replace(TRUE, left=camera(TRUE.left), right=camera(TRUE.right))
+
+
+def rows(rig: sr.StereoRig) -> float:
+    """Root mean square over the view, pixels."""
+    apart = row_errors_of(rig, TRUE, view(rig), np.linspace(0, 639, 33), np.linspace(0, 479, 25))[0]
+    return float(np.sqrt(np.nanmean(apart**2)))
+
+
+def scenes(number: int = 8) -> list[sr.Scene]:
+    """Different ones of three kinds."""
+    return [sr.synthetic.render(KINDS[i % 3], 10 + i) for i in range(number)]
+
+
+def some_ranges(kind: str, seed: int, pair: sr.Pair | int, number: int, draw: int) -> list[sr.Range]:
+    """Ranges of 1 % noise at 5 to 40 baselines."""
+    pixels, metres = sr.synthetic.ranges(kind, seed, number=number, draw=draw)
+    return [sr.Range(pair, (p[0], p[1]), m) for p, m in zip(pixels.tolist(), metres.tolist(), strict=True)]
+
+
+def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str) -> Iterator[tuple]:
+    """Of the rig in use: rows where lenses are held, rows where they are free, depth at 10 and 30 baselines, whether
+    the intrinsics were taken, harm."""
+    ranges = some_ranges(KINDS[0], 10, given[0].pairs[0], 10, seed) if part == "ranges" else []
+    if part == "each":
+        some = [replace(s, rig=rig) for s in given]
+        held, found = ([r.solution for r in sr.recalibrate_many(some, **more)] for more in ({}, {"free": BOTH}))
+    else:
+        pairs = [s.pairs[0] for s in given]
+        held, found = [sr.recalibrate(rig, pairs)], [sr.recalibrate(rig, pairs, free=BOTH, ranges=ranges)]
+    for fixed, solution in zip(held, found, strict=True):
+        assert fixed is not None
+        assert solution is not None
+        depth = depth_errors(solution.rig, TRUE)
+        off = (rows(fixed.rig), rows(solution.rig), depth[10], depth[30])
+        taken = solution.intrinsics is not None and solution.intrinsics.taken
+        yield (*off, taken, harmful(solution, fixed))
+
+
+def harmful(solution: sr.Solution, fixed: sr.Solution) -> bool:
+    """Whether the rig in use is worse than what the extrinsics alone would have given: rows over the view, or depth
+    that lies outside of what was said to expect and farther off than before."""
+    if not solution.accepted:
+        return False
+    if rows(solution.rig) > rows(fixed.rig) + 0.02:
+        return True
+    said, now, before = solution.expected, depth_errors(solution.rig, TRUE), depth_errors(fixed.rig, TRUE)
+    return said is not None and any(
+        abs(now[d]) > abs(before[d]) and not said.depth_percent[d].low <= now[d] <= said.depth_percent[d].high
+        for d in (10, 30)
+    )
+
+
+def repairs(part: str, rigs: int) -> list[str]:
+    """One line of the table."""
+    given = scenes()
+    if part == "place":
+        many = sr.synthetic.render("harbour", 10, frames=8)
+        given = [replace(many, name=pair.name, pairs=(pair,)) for pair in many.pairs]
+    found, accepted = [], []
+    for seed in range(rigs):
+        some = list(repaired(given, seed, TRUE if part == "right" else wrong(seed), part))
+        accepted.append(some[0][4])
+        found += some
+        print(part, seed, *(np.round(row, 3).tolist() for row in some), flush=True)
+    values = np.array(found, float)
+    taken = values[values[:, 4] > 0]
+
+    def middle_and_worst(some: np.ndarray) -> str:
+        return f"{np.median(some[:, 1]):.3f} / {some[:, 1].max():.3f}" if len(some) else ""
+
+    return [
+        part,
+        f"{np.median(values[:, 0]):.2f}",
+        middle_and_worst(values),
+        middle_and_worst(taken),
+        f"{np.median(np.abs(values[:, 2])):.2f} / {np.median(np.abs(values[:, 3])):.2f} %",
+        f"{sum(accepted)} of {rigs}",
+        f"{int(values[:, 5].sum())} of {len(values)}",
+    ]
+
+
+def baseline(rigs: int) -> None:
+    """Of the length, from 100 ranges of 1 %; ten draws for each rig of the other parts, its yaw off as repairs leave
+    it."""
+    errors, intervals = [], []
+    for seed in range(2 * rigs):
+        kind = KINDS[seed % 3]
+        scene = sr.synthetic.render(kind, 100 + seed)
+        for draw in range(5):
+            longer, yaw = np.random.default_rng([seed, draw]).normal(0.0, (0.01, np.radians(YAW)))
+            turned = TRUE.extrinsics[:3] + np.array([0.0, yaw, 0.0])
+            rig = TRUE.with_extrinsics(np.concatenate([turned, (1.0 + longer) * TRUE.extrinsics[3:]]))
+            ranges = some_ranges(kind, 100 + seed, 0, 100, draw)
+            found = sr.recalibrate(rig, scene.pairs, free=("extrinsics", "baseline"), ranges=ranges).estimate
+            assert found is not None
+            low, high = found.intervals[found.names.index("baseline")]
+            errors.append(0.5 * (low + high) - 100.0 * (float(TRUE.baseline / rig.baseline) - 1.0))
+            intervals.append(0.5 * (high - low))
+    rms, covered = float(np.sqrt(np.mean(np.square(errors)))), np.mean(np.abs(errors) < intervals)
+    print(
+        f"length of the baseline, {len(errors)} draws: rms {rms:.2f} %, covered {100 * covered:.0f} %, "
+        f"median interval {np.median(intervals):.2f} %"
+    )
+
+
+def expectations(rigs: int) -> None:
+    """Does what a solution says to expect of it come true? Half of the rigs held (one scene), half freed (four); the
+    priors of the intrinsics are those of the draw."""
+    given, every = scenes(24), []
+    print("rigs with wrong intrinsics, drifted by up to 1 degree and 1 %; share of the cases within the 95 % intervals")
+    for name, number, groups in (("held, one scene", 1, ("extrinsics",)), ("freed, four scenes", 4, BOTH)):
+        free = Parameters(groups, PRIORS)
+        told, taken, widths = [], 0, []
+        for seed in range(rigs // 2):
+            chosen = np.random.default_rng([seed, number]).choice(len(given), number, replace=False)
+            start = sr.synthetic.decalibrate(wrong(1000 + seed), jax.random.key(seed), 1.0, 0.01)
+            solution = sr.recalibrate(start, [pair for i in chosen for pair in given[i].pairs], free=free)
+            if solution.expected is None or not solution.reason.healthy:
+                continue
+            taken += bool(solution.intrinsics and solution.intrinsics.taken)
+            told.append(came_true(solution))
+            depths = [solution.expected.depth_percent[distance] for distance in (10, 30)]
+            widths.append([*(max(abs(one.low), abs(one.high)) for one in depths), solution.expected.rows_px])
+            print(name, seed, solution.reason.name, np.round(told[-1], 2), np.round(widths[-1], 2), flush=True)
+        every += told
+        share, wide = 100 * np.mean(told, axis=0), np.median(widths, axis=0)
+        print(
+            f"{name}, {len(told)} of {rigs // 2} healthy, {taken} with intrinsics taken: depth at 10 B "
+            f"{share[0]:.0f} %, at 30 B {share[1]:.0f} %, rows {share[2]:.0f} %; "
+            f"interval of depth {wide[0]:.1f}, {wide[1]:.1f} %, expected rows {wide[2]:.2f} px (medians)",
+            flush=True,
+        )
+    share = 100 * np.mean(every, axis=0)
+    print(f"all {len(every)}: depth at 10 B {share[0]:.0f} %, at 30 B {share[1]:.0f} %, rows {share[2]:.0f} %")
+
+
+def came_true(solution: sr.Solution) -> tuple[bool, bool, float]:
+    """Whether depth at 10 and 30 baselines, and which share of the rows of the view, lie within their intervals."""
+    said = solution.expected
+    assert said is not None
+    off = depth_errors(solution.rig, TRUE)
+    near, far = (said.depth_percent[d].low <= off[d] <= said.depth_percent[d].high for d in (10, 30))
+    height, width = said.rows.shape
+    size = solution.view.size
+    columns, lines = np.linspace(0, size[0] - 1, width), np.linspace(0, size[1] - 1, height)
+    apart = row_errors_of(solution.rig, TRUE, solution.view, columns, lines)[0]
+    seen = np.isfinite(apart) & np.isfinite(said.rows)
+    within = np.abs(apart - said.rows) <= NORMAL_95 * said.rows_deviation
+    return near, far, float(within[seen].mean())
+
+
+def long_recording() -> None:
+    """Write the frames, repair them on the command line, print."""
+    with tempfile.TemporaryDirectory() as folder:
+        written(Path(folder))
+        options = ["--free", "extrinsics,intrinsics", "--frames", "all", "--quiet"]
+        command = [sys.executable, "-m", "stereorecal", "recalibrate", folder, *options]
+        began = time.perf_counter()
+        process = subprocess.Popen(command)
+        _, status, used = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - began
+    print(
+        f"{FRAMES} frames of 640x480, extrinsics and intrinsics: {seconds:.0f} s, {used.ru_maxrss / 1024:.0f} MB, "
+        f"exit code {os.waitstatus_to_exitcode(status)}"
+    )
+
+
+def written(folder: Path) -> None:
+    pairs = [sr.synthetic.render(KINDS[i % 3], 10 + i).pairs[0] for i in range(RENDERED)]
+    for side in ("left", "right"):
+        (folder / side).mkdir()
+        for frame in range(FRAMES):
+            draw = np.random.default_rng([frame, side == "right"])
+            image = np.asarray(getattr(pairs[frame * RENDERED // FRAMES], side), float)
+            image = (1.0 + 0.1 * np.sin(frame)) * image + draw.normal(0.0, 2.0, image.shape)
+            cv2.imwrite(str(folder / side / f"{frame:04}.png"), np.clip(image, 0, 255).round().astype(np.uint8))
+    sr.io.save_rig(wrong(0), folder / "calib.json")
 
 
 def main() -> None:
@@ -36,7 +248,7 @@ def main() -> None:
     if "expected" in parts:
         expectations(10 * options.rigs)
     if "long" in parts:
-        intrinsics_long.run()
+        long_recording()
 
 
 if __name__ == "__main__":

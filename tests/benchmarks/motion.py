@@ -19,20 +19,26 @@ away, and with a right shutter that is late by 0.2 of the time between two pairs
 """
 
 import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import product
 
 import jax
 import numpy as np
-from motion_rendered import rendered
 from motion_simulated import CASES, ROWS, simulated
 from real_scenes import DATA, present, rig_of
-from tables import command_line, show, table_of, words
+from tables import command_line, show, size, table_of, words
 
 import stereorecal as sr
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.online import Config, run
+from stereorecal.synthetic import photographs, plan_drive
 
 DRIVE = "kitti_odometry/suburb_drive"
-FRAMES = 9
+FRAMES = 9  # of the real drive, and of each that is rendered
+TOURS = ("street", "harbour")
+EVERY = {"street": 3, "harbour": 6}  # frames from one pair to the next: about a baseline
+STARTS = ((0.0, 0.0), (0.3, 0.0), (2.5, 0.0), (0.3, 0.2))  # degrees, and how late, of the time between two pairs
 
 
 def offset_px(used: sr.StereoRig, true: sr.StereoRig) -> float:
@@ -103,6 +109,51 @@ def on_the_vehicle() -> None:
     show(table)
 
 
+def depth_error_percent(used: sr.StereoRig, true: sr.StereoRig, baselines: float = 30.0) -> float:
+    """Of the depth that a rig reads, over the view, on average; positive: too far."""
+    near = float(readings(used, true, points_of_view(true, baselines))[1].mean())
+    return 100.0 * (1.0 / (1.0 + near) - 1.0)
+
+
+def taken(tour: str, seed: int, late: float, size: tuple[int, int]) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
+    """The true rig and some of the pairs of a drive in clear weather, on which things move."""
+    every = EVERY[tour]
+    number = (FRAMES - 1) * every + 1
+    plan = plan_drive(tour, seed, number, weather=False, late=((0, number, late * every),) if late else ())
+    plan = replace(plan, rig=plan.rig.resized(size))
+    return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
+
+
+def rendered(seeds: Sequence[int], size: tuple[int, int]) -> None:
+    """A table of repairs."""
+    table = table_of(
+        "drive | from | late by | verdict | |depth error| at 30 B, %: before | written | posterior's mean: 95 % | rows "
+        "| delay",
+        left=4,
+    )
+    for tour, seed, (degrees, late) in product(TOURS, seeds, STARTS):
+        true, pairs = taken(tour, seed, late, size)
+        given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
+        found = sr.recalibrate(given, pairs, motion=True)
+        seen, rows = found.estimate, found.row_errors
+        assert seen is not None
+        assert rows is not None
+        _, low, high = seen.depth_error_percent(seen.theta)[30]
+        delay = seen.delay
+        table.add_row(
+            f"{tour} {seed}",
+            f"{degrees:g}°",
+            f"{late:g}",
+            found.reason.name,
+            f"{abs(depth_error_percent(given, true)):.1f}",
+            f"{abs(depth_error_percent(found.rig, true)):.2f}",
+            f"{depth_error_percent(seen.chart.rig_at(seen.theta), true):+.2f}: {low:+.1f} {high:+.1f}",
+            f"{rows.before:.2f} {rows.after:.2f}",
+            f"{delay.seconds:+.3f}" if delay and delay.probability > 0.5 else "",
+        )
+    show(table)
+
+
 def main() -> None:
     """All, or some."""
     parser = command_line(__doc__)
@@ -111,16 +162,15 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
     parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
-    parser.add_argument("--size", default="320x240", help="of the pairs that are rendered")
+    parser.add_argument("--size", type=size, default=(320, 240), help="of the pairs that are rendered")
     parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
     parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle"))
     options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
     parts = {
         "real": lambda: real(options.starts),
         "vehicle": on_the_vehicle,
         "simulated": lambda: simulated(options.rigs, options.first, options.windows, words(options.cases)),
-        "rendered": lambda: rendered(range(options.first, options.first + options.seeds), (width, height)),
+        "rendered": lambda: rendered(range(options.first, options.first + options.seeds), options.size),
     }
     for name in [options.only] if options.only else parts:
         parts[name]()

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tables import command_line, show, table_of
+from tables import command_line, show, size, table_of
 
 import stereorecal as sr
 
@@ -53,11 +53,10 @@ def seconds(function: Callable, argument: jax.Array) -> float:
 def main() -> None:
     """Measure, print."""
     parser = command_line(__doc__)
-    parser.add_argument("--size", default="320x240")
+    parser.add_argument("--size", type=size, default=(320, 240))
     parser.add_argument("--calls", type=int, default=20)
     options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
-    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized((width, height)))
+    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized(options.size))
     data, at = sr.prepare(scene.rig, scene.pairs), jnp.asarray(scene.rig.extrinsics, jnp.float32)
     several = at + jnp.asarray(1e-3 * np.random.default_rng(0).uniform(-1, 1, (CANDIDATES, 6)), jnp.float32)
     found = jax.block_until_ready(sr.correspondences(data, at, MATCHER))
@@ -68,7 +67,7 @@ def main() -> None:
         "correspondences": lambda e: sr.correspondences(data, e, MATCHER),
         "row_differences": lambda e: sr.row_differences(found, e),
     }
-    shown = table_of("function | way | first call | a later one", title=options.size, left=2)
+    shown = table_of("function | way | first call | a later one", title="{}x{}".format(*options.size), left=2)
     for name, function in functions.items():
         for way, (make, batch) in ways_of(function, name in SMOOTH, name == "row_differences").items():
             argument = several if batch else at

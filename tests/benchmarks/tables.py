@@ -12,6 +12,12 @@ def command_line(about: str | None) -> argparse.ArgumentParser:
     return argparse.ArgumentParser(description=about, formatter_class=argparse.RawDescriptionHelpFormatter)
 
 
+def size(text: str) -> tuple[int, int]:
+    """What is said as WIDTHxHEIGHT."""
+    width, height = map(int, text.split("x"))
+    return width, height
+
+
 def words(text: str) -> list[str]:
     """What stands between commas."""
     return [word for word in text.split(",") if word]
