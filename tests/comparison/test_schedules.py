@@ -13,7 +13,7 @@ from stereorecal.recalibration import Schedule
 from stereorecal.scoring.host import score
 from stereorecal.strategies import Budget, strategy
 
-MATCHER = SAD(num_disparities=64)
+MATCHER = SAD(num_disparities=48)  # which other files have compiled
 SIZE = (320, 240)
 
 

@@ -14,7 +14,7 @@ from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason, row
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
-SAD_64 = sr.SAD(num_disparities=64)
+SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
 DRIFTED = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.6, -0.3, 0.5, 0.0, 0.0, 0.0]))
 
 
@@ -25,7 +25,7 @@ def harbour(scene) -> tuple[sr.Pair, ...]:
 
 @pytest.fixture(scope="module")
 def repaired(harbour) -> sr.Solution:
-    return sr.recalibrate(DRIFTED, harbour, matcher=SAD_64, budget=sr.Budget(evaluations=200), seed=7)
+    return sr.recalibrate(DRIFTED, harbour, matcher=SAD_48, budget=sr.Budget(evaluations=200), seed=7)
 
 
 def reported(solution: sr.Solution, pairs, **settings) -> RepairReport:
@@ -38,7 +38,7 @@ def test_all_that_repeats_a_repair(repaired, harbour):
     assert said["reach"] == "3°, 0.03 of the baseline"
     assert said["budget"] == {"units": "200", "seconds": "no limit"}
     assert (said["seed"], said["schedule"]) == (7, "default")
-    assert said["matcher"].startswith("SAD(min_disparity=0, num_disparities=64, block_size=11")
+    assert said["matcher"].startswith("SAD(min_disparity=0, num_disparities=48, block_size=11")
     assert list(said["stage"]) == ["1", "2", "3"]
     assert "compass(step=0.125, min_step=0.0625" in said["stage"]["1"]
     assert "rounds 4" in said["stage"]["3"]
@@ -59,7 +59,7 @@ def test_the_pair_that_is_shown_is_matched_once(repaired, harbour, tmp_path, mon
 
 
 def test_what_was_good_speaks_of_itself(harbour):
-    solution = sr.recalibrate(RIG, harbour, matcher=SAD_64)
+    solution = sr.recalibrate(RIG, harbour, matcher=SAD_48)
     found = reported(solution, harbour)
     assert found.conclusion is Conclusion.GOOD
     assert not found.accepted
@@ -72,7 +72,7 @@ def test_what_was_good_speaks_of_itself(harbour):
 
 def test_what_nobody_can_tell_has_no_tables(harbour):
     dark = [sr.Pair(0.01 * pair.left, 0.01 * pair.right, pair.name) for pair in harbour]
-    solution = sr.recalibrate(DRIFTED, dark, matcher=SAD_64)
+    solution = sr.recalibrate(DRIFTED, dark, matcher=SAD_48)
     assert solution.reason is Reason.TOO_LITTLE_TEXTURE
     found = reported(solution, dark)
     assert found.conclusion is Conclusion.UNKNOWN

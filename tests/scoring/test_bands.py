@@ -13,7 +13,7 @@ from stereorecal.objectives import Parameters, Reach, reach_chart, rig_count_obj
 from stereorecal.scoring import bands, prepare, pyramid
 from stereorecal.scoring.host import counts, rectify
 
-SAD_32 = SAD(num_disparities=32)
+SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
 @pytest.fixture(scope="module")
@@ -53,16 +53,16 @@ def test_all_rows_are_the_view_itself(prepared):
 def test_shares_that_make_no_sense(scene, share):
     given_scene = scene()
     with pytest.raises(InputError, match="share of the rows"):
-        sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=share)
+        sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_48, rows=share)
 
 
 @pytest.mark.slow
 def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
     given_scene = scene("street", 0, (320, 240))
-    few = sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_32, rows=0.4)
+    few = sr.objective(given_scene.rig, given_scene.pairs, matcher=SAD_48, rows=0.4)
     points = np.stack([np.zeros(few.dim), np.full(few.dim, 0.02)])
     expected = [
-        counts(band, np.stack([with_unit_baseline(few.images.chart.extrinsics(p)) for p in points]), SAD_32)
+        counts(band, np.stack([with_unit_baseline(few.images.chart.extrinsics(p)) for p in points]), SAD_48)
         for band in bands(prepared, 0.4)
     ]
     found = few.batch(points)
@@ -75,5 +75,5 @@ def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
 def test_some_rows_cost_less_where_intrinsics_are_free_too(scene, rows):
     given_scene = scene("street", 0, (320, 240))
     chart = reach_chart(given_scene.rig, Reach(), Parameters(("pitch", "left.f")))
-    found = rig_count_objective(pyramid(given_scene.rig, given_scene.pairs), SAD_32, chart, rows=rows)
+    found = rig_count_objective(pyramid(given_scene.rig, given_scene.pairs), SAD_48, chart, rows=rows)
     assert found.cost == pytest.approx(1.0 if rows == 1.0 else 96 / 240)

@@ -11,7 +11,7 @@ from stereorecal.matching import BM, SAD, SGBM, reference
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import Score, counts, disparities, disparity, rectify, score
 
-SAD_32 = SAD(num_disparities=32)
+SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
 def test_text():
@@ -22,7 +22,7 @@ def test_text():
 def test_what_is_seen_are_numpy_arrays_of_the_images_size(scene):
     given_scene = scene()
     left, right = rectify(given_scene.rig, given_scene.pairs[0])
-    found = disparity(given_scene.rig, given_scene.pairs[0], matcher=SAD_32)
+    found = disparity(given_scene.rig, given_scene.pairs[0], matcher=SAD_48)
     for array, kind in ((left, np.float32), (right, np.float32), (found.values, np.float32), (found.valid, np.bool_)):
         assert isinstance(array, np.ndarray)
         assert (array.shape, array.dtype) == ((240, 320), kind)
@@ -35,18 +35,18 @@ def test_what_is_seen_are_numpy_arrays_of_the_images_size(scene):
 def test_the_unit_of_the_baseline_does_not_matter(scene, factor):
     given_scene = scene()
     other = given_scene.rig.with_extrinsics(given_scene.rig.extrinsics * np.r_[np.ones(3), np.full(3, factor)])
-    expected = score(given_scene.rig, given_scene.pairs, matcher=SAD_32)
-    assert score(other, given_scene.pairs, matcher=SAD_32) == expected
+    expected = score(given_scene.rig, given_scene.pairs, matcher=SAD_48)
+    assert score(other, given_scene.pairs, matcher=SAD_48) == expected
 
 
 def test_pairs_of_another_size(scene):
     with pytest.raises(InputError, match="images are 320x240, but the calibration is for 160x120"):
-        score(scene(size=(160, 120)).rig, scene().pairs, matcher=SAD_32)
+        score(scene(size=(160, 120)).rig, scene().pairs, matcher=SAD_48)
 
 
 # --- what is counted ----------------------------------------------------------------------------------------
 
-MATCHERS = [cls(num_disparities=32) for cls in (SAD, BM, SGBM)]
+MATCHERS = [cls(num_disparities=48) for cls in (SAD, BM, SGBM)]
 
 
 @pytest.mark.parametrize("size", [(320, 240), (160, 120)])  # candidates of small ones share a call
