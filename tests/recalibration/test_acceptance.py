@@ -44,14 +44,14 @@ def test_a_candidate_that_matches_more_everywhere_loses_nothing(counts):
 @pytest.mark.parametrize("kind", ["harbour", "coast"])
 def test_half_of_an_image_that_moved_is_no_reason_to_change_a_calibration(scene, kind):
     """It is as many pixels as the other half, and fits a rig of its own; nobody can tell which is right."""
-    seen = scene(kind, 1, (640, 480))
+    seen = scene(kind, 1, (320, 240))
     right = np.array(seen.pairs[0].right)
-    right[:, 320:] = np.roll(right, -4, axis=0)[:, 320:]
+    right[:, 160:] = np.roll(right, -4, axis=0)[:, 160:]
     moved = make_pair(np.array(seen.pairs[0].left, np.uint8), right.astype(np.uint8))
     turned = seen.rig.with_extrinsics(seen.rig.extrinsics + np.radians([0.3, 0, 0, 0, 0, 0]))
-    assert not recalibrate(seen.rig, [moved]).accepted
-    done = recalibrate(turned, [moved])
-    assert (health(turned, [moved]).condition is Condition.REPAIR) <= done.accepted
+    assert not recalibrate(seen.rig, [moved], matcher=SAD_48).accepted
+    done = recalibrate(turned, [moved], matcher=SAD_48)
+    assert (health(turned, [moved], matcher=SAD_48).condition is Condition.REPAIR) <= done.accepted
     if done.accepted:  # as one of the halves has it
         from_truth = difference(done.rig, seen.rig, view=done.view).row_differences
         assert min(abs(np.nanmedian(from_truth)), abs(abs(np.nanmedian(from_truth)) - 4.0)) < 0.5

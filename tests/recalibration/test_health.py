@@ -78,8 +78,8 @@ def test_images_of_few_grey_levels_are_not_called_good(scene):
     few = Pair(np.rint(np.asarray(pair.left) / 64), np.rint(np.asarray(pair.right) / 64))
     assert image_quality(few).coarse
     assert not image_quality(pair).coarse
-    assert health(drifted, [few]).condition is Condition.CANNOT_TELL
-    assert recalibrate(drifted, [few]).reason is Reason.TOO_LITTLE_TEXTURE
+    assert health(drifted, [few], matcher=SAD_48).condition is Condition.CANNOT_TELL
+    assert recalibrate(drifted, [few], matcher=SAD_48).reason is Reason.TOO_LITTLE_TEXTURE
 
 
 def test_what_is_noticed_names_axes_and_matches_again(scene):
