@@ -258,7 +258,7 @@ def test_maps_of_a_calibration_that_is_good(command, clean_scene: Path, tmp_path
 
 
 @pytest.mark.slow(after=1)
-@pytest.mark.parametrize("coefficients", [12, 5])
+@pytest.mark.parametrize("coefficients", [5, 12])  # of twelve all programs are others
 def test_a_file_keeps_its_number_of_coefficients(
     command, drifted_scene: Path, sides, tmp_path: Path, coefficients: int
 ):

@@ -105,8 +105,8 @@ ENDS = {  # of `score`, and of `recalibrate`; None: it cannot be used
     ("names", "codes"),
     [
         (("drifted", "clean"), (1, 0)),
-        (("clean", "fog"), (4, 4)),
-        (("fog", "fog"), (4, 4)),  # the same name
+        pytest.param(("clean", "fog"), (4, 4), marks=pytest.mark.slow),
+        pytest.param(("fog", "fog"), (4, 4), marks=pytest.mark.slow),  # the same name
         (("fog", "drifted"), (1, 4)),  # an alarm is more urgent than none; a repair is none
         (("clean", "mixed", "drifted"), (2, 2)),
     ],
