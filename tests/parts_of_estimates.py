@@ -25,6 +25,11 @@ from stereorecal.estimation._losses import (
     errors_near as errors_near,
     points_shown as points_shown,
 )
+from stereorecal.estimation._misfit import (
+    correlation as correlation,
+    covariance_of_rows as covariance_of_rows,
+    unexpected as unexpected,
+)
 from stereorecal.estimation._motion_residuals import (
     Motion as Motion,
     by_theta as by_theta,

@@ -91,7 +91,7 @@ def turned(pair: sr.Pair, rig: sr.StereoRig, pitch: float) -> sr.Pair:
     return sr.Pair(pair.left, image, f"{pair.name} at {pitch}")
 
 
-@pytest.mark.slow
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("pitches", [(0.0, 1.2), (0.0, 1.2, -1.2), (0.0, 0.0, 1.2, 1.2)])
 def test_frames_so_far_apart_that_some_match_nothing(street, pitches):
     """They leave no correspondences under the candidate, and are no less apart for it."""

@@ -118,7 +118,7 @@ def very_wide():
 
 
 def test_a_very_wide_rig_is_repaired_in_an_equirectangular_view(very_wide):
-    start = very_wide.rig.with_extrinsics(very_wide.rig.extrinsics + 0.5 * DRIFT)  # one look sees it
+    start = very_wide.rig.with_extrinsics(very_wide.rig.extrinsics + DRIFT)
     solution = sr.recalibrate(start, very_wide.pairs)
     view = solution.view
     assert solution.accepted
@@ -126,14 +126,14 @@ def test_a_very_wide_rig_is_repaired_in_an_equirectangular_view(very_wide):
     assert f"view     {view}" in str(solution)
     assert max(axis_errors(solution.rig, very_wide.rig).rotation_deg.values()) < 0.2
     assert sr.difference(solution.rig, very_wide.rig, view=view).row_error_median < 0.2
-    assert solution.score_after.count > 1.02 * solution.score_before.count
+    assert solution.score_after.count > 1.1 * solution.score_before.count
     # What is to be expected is of the same view: rows of what lies far aside, too.
     expected = solution.expected
     assert expected is not None
     assert np.isfinite(expected.rows).mean() > 0.7
     assert expected.rows_px < 0.5
     apart = sr.difference(start, very_wide.rig, view=view)
-    assert apart.row_error_median > 0.5
+    assert apart.row_error_median > 1.0
 
 
 def test_disparities_of_an_equirectangular_view_are_those_of_the_truth(very_wide):
