@@ -15,8 +15,11 @@ from moody import Moody
 
 from stereorecal.cli import main
 from stereorecal.io import save_scene
+from stereorecal.matching import SAD
 from stereorecal.recordings import Scene
 from stereorecal.synthetic import default_rig, render
+
+SAD_48 = SAD(num_disparities=48)  # of tests at 320x240: what one file compiles, the others need not
 
 
 @pytest.fixture(scope="session")

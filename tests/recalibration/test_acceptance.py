@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from hypothesis import given, strategies as st
 from parts_of_repairs import share_lost
 
-from stereorecal import SAD, difference, health, make_pair, recalibrate
+from stereorecal import difference, health, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals
-
-SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
 def paired(before: np.ndarray, after: np.ndarray) -> RowErrors:

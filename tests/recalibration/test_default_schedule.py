@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import jax
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from spoiled import fog
 
 import stereorecal as sr
@@ -13,7 +14,6 @@ from stereorecal.recalibration import Reason, Schedule, ScoreKind, Solution, Sta
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Status
 from stereorecal.synthetic import decalibrate, default_rig, photographs, plan_drive
 
-SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
 RIG = default_rig().resized((320, 240))
 FREE = [0, 1, 2, 4, 5]
 UNITS = np.array([180 / np.pi] * 3 + [100 / RIG.baseline] * 2)  # degrees, percent of the baseline

@@ -5,15 +5,15 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
+from fixtures import SAD_48
 
 from stereorecal import recalibrate
-from stereorecal.matching import SAD, SGBM
+from stereorecal.matching import SGBM
 from stereorecal.recalibration import Condition, Health, Reason, health
 from stereorecal.recordings import Pair
 from stereorecal.scoring import image_quality
 from stereorecal.synthetic import decalibrate, photographs, plan_drive
 
-SAD_48 = SAD(num_disparities=48)
 SIZE = (320, 240)
 
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from parts_of_repairs import conclusion_of, report_of
 from simulated_rows import chart as chart, rig as rig, seen as seen
 
@@ -14,7 +15,6 @@ from stereorecal.recalibration import Intrinsics, IntrinsicsOutcome, Reason, row
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
 RIG = sr.synthetic.default_rig().resized((320, 240))
-SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
 DRIFTED = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.6, -0.3, 0.5, 0.0, 0.0, 0.0]))
 
 

@@ -4,13 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from spoiled import fog, turned
 
 import stereorecal as sr
 from stereorecal.recalibration import Condition, Reason
 from stereorecal.scoring import image_quality
 
-SAD_48 = sr.SAD(num_disparities=48)
 SIZE = (320, 240)
 
 

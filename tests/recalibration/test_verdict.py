@@ -6,6 +6,7 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from hypothesis import given, strategies as st
 
 import stereorecal as sr
@@ -13,7 +14,6 @@ from stereorecal.decision import Criterion
 from stereorecal.recalibration import Condition, Health, Interval, Reason
 from stereorecal.scoring import ImageQuality
 
-SAD_48 = sr.SAD(num_disparities=48)  # which other files have compiled
 DRIFT = np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0])
 REASONS = list(Reason)
 

@@ -3,17 +3,15 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.geometry import view, with_unit_baseline
-from stereorecal.matching import SAD
 from stereorecal.objectives import Parameters, Reach, reach_chart, rig_count_objective
 from stereorecal.scoring import bands, prepare, pyramid
 from stereorecal.scoring.host import counts, rectify
-
-SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
 @pytest.fixture(scope="module")

@@ -3,16 +3,15 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from parts_of_estimates import _means_of_cells
 from spoiled import fog
 
 from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
-from stereorecal.matching import SAD
 from stereorecal.scoring import TILES, Correspondences, median_row_error, prepare, row_differences
 from stereorecal.scoring.host import correspondences, match_radius
 from stereorecal.synthetic import default_rig
 
-SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 FIELDS = ("left", "right", "weight", "tile")
 
 

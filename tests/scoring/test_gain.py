@@ -3,12 +3,10 @@
 from dataclasses import replace
 
 import pytest
+from fixtures import SAD_48
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.matching import SAD
 from stereorecal.scoring.host import score
-
-SAD_48 = SAD(num_disparities=48)
 
 
 def under_gain(scene, gain):

@@ -3,6 +3,7 @@
 import cv2
 import numpy as np
 import pytest
+from fixtures import SAD_48
 from hypothesis import example, given, settings, strategies as st
 
 from stereorecal import InputError
@@ -10,8 +11,6 @@ from stereorecal.geometry import rectifying_rotations, rotation_from_euler, view
 from stereorecal.matching import BM, SAD, SGBM, reference
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import Score, counts, disparities, disparity, rectify, score
-
-SAD_48 = SAD(num_disparities=48)  # which other files have compiled
 
 
 def test_text():
