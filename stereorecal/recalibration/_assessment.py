@@ -13,7 +13,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
-from stereorecal.recalibration._mismatch import Mismatch, mismatch_of
+from stereorecal.recalibration._mismatch import Mismatch, mismatch_of, ratios_of_sizes
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import ScoreKind, Stage
@@ -45,7 +45,7 @@ class Assessment:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         excluded: numbers of the frames that show another rig than the others.
         matching_cost: units that matching again took.
-        covered_first: share of the image that the first matches cover.
+        covered_first: share of the image that the first matches cover, under the rig that a stage began from.
         mismatch: why the images cannot be of this rig; None: they can, or nobody asked.
     """
 
@@ -95,7 +95,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
     at = chart.coordinates_of(end_rig)
     found = _matched(case, run, chart, at) if fewer else run.found
-    estimate_of, covered_first = _estimator(case, found, end_rig), found.covered
+    estimate_of = _estimator(case, found, end_rig)
     excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
     for _ in range(_MATCHED_AGAIN):
         likely, enough = estimated.with_free(case.free.names), (1.0 - ENOUGH.lost) * found.covered
@@ -125,7 +125,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = (again + fewer) * case.images.at(run.scale).cost
     return Assessment(
-        used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost, covered_first
+        used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost, run.covered_first
     )
 
 
@@ -135,8 +135,9 @@ def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
     Raises:
         InputError: if they are certainly no left and right image of it.
     """
-    best = assessment.seen.covered  # a candidate that is refused may match by what it should not change
-    covered = best if assessment.reason.healthy else min(best, assessment.covered_first)
+    # A candidate that is refused may match by what it should not change, and a K of another size be bent to match.
+    best, likely = assessment.seen.covered, assessment.reason.healthy and not ratios_of_sizes(case.rig)
+    covered = best if likely else min(best, assessment.covered_first)
     mismatch = mismatch_of(case.images, case.matcher, covered, best)
     if mismatch is None:
         return assessment

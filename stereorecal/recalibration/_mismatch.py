@@ -161,18 +161,24 @@ def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, St
         rig,
         tuple(replace(pair, left=pair.right, right=pair.left, origin=None) for pair in pairs),
     )
-    size = np.array(rig.left.size)
-    middle = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
-    for ratio in dict.fromkeys(min(_RATIOS, key=lambda one: abs(np.log(one / each))) for each in 0.5 * size / middle):
-        if np.abs(np.log(ratio * middle / (0.5 * size))).min() < _NEAR_RATIO:
-            width, height = np.round(size / ratio).astype(int)
-            advice = f"K belongs to images of about {width}x{height}; scale it to {size[0]}x{size[1]}."
-            scaled = replace(rig, left=_scaled(rig.left, ratio), right=_scaled(rig.right, ratio))
-            yield Cause("scaled", f"with K scaled by {ratio:.3g}", advice), scaled, pairs
+    for ratio in ratios_of_sizes(rig):
+        size = np.array(rig.left.size)
+        width, height = np.round(size / ratio).astype(int)
+        advice = f"K belongs to images of about {width}x{height}; scale it to {size[0]}x{size[1]}."
+        scaled = replace(rig, left=_scaled(rig.left, ratio), right=_scaled(rig.right, ratio))
+        yield Cause("scaled", f"with K scaled by {ratio:.3g}", advice), scaled, pairs
     if _consecutive(pairs):
         for name, when, left, right in (("early", "later", pairs, pairs[1:]), ("late", "earlier", pairs[1:], pairs)):
             moved = tuple(replace(one, right=other.right, origin=None) for one, other in zip(left, right, strict=False))
             yield Cause(name, f"right images one frame {when}", _TWO_MOMENTS), rig, moved
+
+
+def ratios_of_sizes(rig: StereoRig) -> tuple[float, ...]:
+    """By which K may have to be scaled, going by where its principal points lie; none where that is the middle."""
+    half = 0.5 * np.array(rig.left.size)
+    middle = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
+    nearest = dict.fromkeys(min(_RATIOS, key=lambda one: abs(np.log(one / each))) for each in half / middle)
+    return tuple(ratio for ratio in nearest if np.abs(np.log(ratio * middle / half)).min() < _NEAR_RATIO)
 
 
 def _consecutive(pairs: tuple[Pair, ...]) -> bool:

@@ -46,6 +46,7 @@ class StageRun:
         matching_cost: units that went into finding correspondences.
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
+        covered_first: share of the image that the first correspondences cover, under the rig where it began.
         cut: the budget ended an epipolar stage before a round was solved.
         survey_cost: units of the survey that measured the disparity range anew after it.
     """
@@ -58,6 +59,7 @@ class StageRun:
     path: Float[np.ndarray, "m 7"]
     matching_cost: float = 0.0
     found: Correspondences | None = None
+    covered_first: float = 0.0
     cut: bool = False
     survey_cost: float = 0.0
 
@@ -150,7 +152,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
     began, at, runs, rounds, found = time.perf_counter(), chart.coordinates_of(start), [], 0, None
-    cut = False
+    cut, covered_first = False, 0.0
 
     def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
@@ -161,6 +163,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             cut = found is None
             break
         found = matched(data, chart, at, case.matcher)
+        covered_first = covered_first if rounds else found.covered
         rounds += 1
         if found.found < ENOUGH.matches:
             break
@@ -179,8 +182,8 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
         if cut or _moved(found, chart, before, at) < _SETTLED:
             break
-    nothing = np.zeros((0, 7))
-    return StageRun(stage, scale, start, chart.rig_at(at), tuple(runs), nothing, rounds * data.cost, found, cut)
+    ended, nothing, cost = chart.rig_at(at), np.zeros((0, 7)), rounds * data.cost
+    return StageRun(stage, scale, start, ended, tuple(runs), nothing, cost, found, covered_first, cut)
 
 
 def _moved(
