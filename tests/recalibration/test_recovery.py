@@ -112,8 +112,8 @@ def test_real_scenes(data_dir, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("prior", [None, "exact"])
 def test_chance_matches_make_no_rig_good(data_dir, prior):
-    """Seven frames of a room under a rig two degrees off: what matches by chance covers an eighth of the image. Its K is
-    some pixels off, so that an exact one may contradict what is left out: a refusal, but never a good rig."""
+    """Seven frames of a room under a rig two degrees off: what matches by chance covers an eighth of the image. Its
+    K is some pixels off, so that an exact one may contradict what is left out: a refusal, but never a good rig."""
     given_scene = sr.io.load_scene(data_dir / "euroc/vicon_room_seq", limit=7)
     rig = given_scene.rig
     far = drifted(rig, 1.0, 0.01, (-1.17, 1.17, 2.27, -2.21, 1.42))
