@@ -1,18 +1,21 @@
 """How fast, beside OpenCV with the same settings and as many threads? Prints one table, in one run.
 
-    python tests/benchmarks/speed.py [--rounds N] [--part platforms]
+    python tests/benchmarks/speed.py [--rounds N] [--part platforms] [--check FILE]
 
 Each figure is timed on both sides in turn, and the medians are compared (repairs and the search: one call each). A
 process of its own is bound to as many cores as the threads that are stated; OpenCV is told the same number. Pairs: a
 rendered street, 741x500, 80 disparities, window 11, x-Sobel prefilter, uniqueness, texture and left-right check on;
 repairs: 640x480; beside them PoseLib, where it is installed.
+
+`--check` keeps the ratios in a file that is not there yet. Where it is, each ratio that is worse by a fifth is measured
+again; if it still is, that is a regression, and the exit code is 1. Keep and check on one machine: processors differ.
 """
 
 import ctypes
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -42,6 +45,7 @@ except ImportError:
     poselib = None
 
 MATCHER = sr.SAD(num_disparities=80)
+WORSE = 1.2  # times the ratio that was kept: a regression
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,16 @@ class Figure:
     threads: int
     ours: float
     theirs: float | None
-    target: str
+
+    @property
+    def ratio(self) -> float | None:
+        """Of ours to theirs."""
+        return None if self.theirs is None else self.ours / self.theirs
+
+    @property
+    def key(self) -> str:
+        """By which it is found again."""
+        return f"{self.name}, threads: {self.threads}"
 
 
 def timed(rounds: int, *functions: Callable[[], object]) -> list[float]:
@@ -166,8 +179,8 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
     matched = (lambda: match_in_blocks(MATCHER, rectified), lambda: bm.compute(*images), lambda: sgbm.compute(*images))
     ours, theirs, slower = timed(rounds, *matched)
-    yield Figure("SAD / StereoBM, one pair", threads, ours, theirs, "1.5" if threads == 1 else "2.0")
-    yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower, "")
+    yield Figure("SAD / StereoBM, one pair", threads, ours, theirs)
+    yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower)
 
 
 def warping(threads: int, rounds: int) -> Iterator[Figure]:
@@ -188,7 +201,7 @@ def warping(threads: int, rounds: int) -> Iterator[Figure]:
         lambda: warp(image, turned).block_until_ready(),
         lambda: remapped(camera, pixels, turn, matrix, view.size),
     )
-    yield Figure("one warp, maps included / cv2", threads, ours, theirs, "2.0")
+    yield Figure("one warp, maps included / cv2", threads, ours, theirs)
 
 
 def counting(threads: int, rounds: int) -> Iterator[Figure]:
@@ -206,7 +219,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
     ours, theirs = timed(rounds, lambda: counts(quarter, stacked, matcher), others)
     cv2.setNumThreads(threads)
     name = "10 counts at quarter scale, 32 disparities / OpenCV"
-    yield Figure(name, threads, ours, theirs, "1.2" if threads == 2 else "")
+    yield Figure(name, threads, ours, theirs)
     if threads == 2:
         start = sr.synthetic.decalibrate(rig, jax.random.key(0), 1.0, 0.01)
         compass, budget = strategy("compass", min_step=1e-12), Budget(500)
@@ -221,7 +234,7 @@ def counting(threads: int, rounds: int) -> Iterator[Figure]:
             asked = sr.objective(start, scene.pairs, matcher=MATCHER, reach=Reach(), budget=budget)
             return run_strategy(compass, asked, np.zeros(chart.dim), 0)
 
-        yield Figure("compass, 500 evaluations, full scale / OpenCV", 2, *timed(1, by_us, by_opencv), "2.0")
+        yield Figure("compass, 500 evaluations, full scale / OpenCV", 2, *timed(1, by_us, by_opencv))
 
 
 def repairing(threads: int, rounds: int) -> Iterator[Figure]:
@@ -232,11 +245,11 @@ def repairing(threads: int, rounds: int) -> Iterator[Figure]:
         sr.recalibrate(start, scene.pairs)
     times = [timed(1, lambda start=start: sr.recalibrate(start, scene.pairs))[0] for start in starts]
     name, ours, pair = "a default repair, 640x480", float(np.median(times)), scene.pairs[0]
-    yield Figure(name, threads, ours, None, "400 ms" if threads == 2 else "")
+    yield Figure(name, threads, ours, None)
     cv2.setNumThreads(max(threads, 1))
     for other, pose in {"MAGSAC": pose_by_magsac, **({"PoseLib": pose_by_poselib} if poselib else {})}.items():
         theirs = timed(3, lambda pose=pose: by_features(starts[0], pair, pose))[0]
-        yield Figure(f"{name} / SIFT and {other}", threads, ours, theirs, "")
+        yield Figure(f"{name} / SIFT and {other}", threads, ours, theirs)
 
 
 def on_this_platform() -> None:
@@ -303,14 +316,44 @@ def of_each_platform(rounds: int) -> Table:
 def beside_opencv(figures: list[Figure], megabytes: float) -> Table:
     """The table of what each side takes."""
     shown = table_of(
-        "figure | threads | ours, ms | OpenCV, ms | ratio | target",
+        "figure | threads | ours, ms | OpenCV, ms | ratio",
         title=f"{os.cpu_count()} cores, OpenCV {cv2.__version__}, JAX {jax.__version__}",
     )
     for f in figures:
-        other, ratio = ("", "") if f.theirs is None else (f"{f.theirs:.2f}", f"{f.ours / f.theirs:.2f}")
-        shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio, f.target)
-    shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "", "50 MB")
+        other, ratio = ("", "") if f.ratio is None else (f"{f.theirs:.2f}", f"{f.ratio:.2f}")
+        shown.add_row(f.name, f"{f.threads}", f"{f.ours:.2f}", other, ratio)
+    shown.add_row("peak memory, 1280x720, 128 disparities", "1", f"{megabytes:.0f} MB", "", "")
     return shown
+
+
+def figures_of(threads: int, rounds: int) -> list[Figure]:
+    """All figures of so many threads, in a process of their own."""
+    return [Figure(**figure) for figure in json.loads(part(f"{threads}", threads, rounds))]
+
+
+def regressions(figures: Sequence[Figure], kept: dict[str, float]) -> dict[str, tuple[float, float]]:
+    """The ratios that are worse by a fifth than those that were kept, and those, by key."""
+    now = {figure.key: figure.ratio for figure in figures}
+    both = {key: (before, now[key]) for key, before in kept.items() if now.get(key) is not None}
+    return {key: ratios for key, ratios in both.items() if ratios[1] > WORSE * ratios[0]}
+
+
+def checked(figures: Sequence[Figure], file: Path, rounds: int) -> None:
+    """Keep the ratios, or compare them with those kept.
+
+    Raises:
+        SystemExit: if one is worse twice.
+    """
+    if not file.exists():
+        file.write_text(json.dumps({f.key: f.ratio for f in figures if f.ratio is not None}, indent=2) + "\n")
+        return
+    kept = json.loads(file.read_text())
+    worse = regressions(figures, kept)
+    again = [f for threads in {f.threads for f in figures if f.key in worse} for f in figures_of(threads, rounds)]
+    twice = regressions(again, {key: kept[key] for key in worse})
+    if twice:
+        lines = [f"{key}: ratio {before:.2f} -> {after:.2f}" for key, (before, after) in twice.items()]
+        raise SystemExit("\n".join(["slower by a fifth, twice:", *lines]))
 
 
 def main() -> None:
@@ -318,6 +361,7 @@ def main() -> None:
     parser = command_line(__doc__)
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--part", help="platforms: only what JAX's own platform and the CPU do in a second")
+    parser.add_argument("--check", type=Path, metavar="FILE", help="keep the ratios there, or compare with those kept")
     options = parser.parse_args()
     if options.part == "memory":
         peak_memory()
@@ -328,9 +372,10 @@ def main() -> None:
     elif options.part:
         print(json.dumps([asdict(f) for f in measured(int(options.part), options.rounds)]))
     else:
-        parts = [json.loads(part(f"{threads}", threads, options.rounds)) for threads in PARTS]
-        figures = [Figure(**figure) for some in parts for figure in some]
+        figures = [figure for threads in PARTS for figure in figures_of(threads, options.rounds)]
         show(beside_opencv(figures, float(part("memory", 1, options.rounds))), of_each_platform(options.rounds))
+        if options.check is not None:
+            checked(figures, options.check, options.rounds)
 
 
 if __name__ == "__main__":
