@@ -55,7 +55,6 @@ from .objectives import Parameters as Parameters, Reach as Reach, objective as o
 from .recalibration import (
     Cost as Cost,
     Difference as Difference,
-    Health as Health,
     HealthOptions as HealthOptions,
     Intrinsics as Intrinsics,
     IntrinsicsOutcome as IntrinsicsOutcome,

@@ -15,11 +15,11 @@ from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, table_console
 from stereorecal.io import about, files_read
-from stereorecal.recalibration import HEALTH_LIMITS, Condition, Health, HealthOptions, Settings, as_settings, health
+from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, Settings, Solution, as_settings, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
-SCHEMA = "stereorecal.health/2"
+SCHEMA = "stereorecal.health/3"
 _CODES = {  # the first that occurs
     Condition.WRONG_INPUT: WRONG_INPUT,
     Condition.REPAIR: REPAIR,
@@ -35,7 +35,7 @@ def run(options: ScoreOptions) -> int:
     with files_read() as read:
         scenes = recordings(options).scenes
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs})
-    looked: list[Health | InputError] = []
+    looked: list[Solution | InputError] = []
     interrupted = False
     try:
         for scene in scenes:
@@ -44,7 +44,7 @@ def run(options: ScoreOptions) -> int:
     except KeyboardInterrupt:
         interrupted = True
     rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
-    if any(isinstance(found, Health) for found in looked):
+    if any(isinstance(found, Solution) for found in looked):
         content = {**_about_all(options, settings), "interrupted": interrupted, "scenes": rows}
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for found in looked:
@@ -55,21 +55,21 @@ def run(options: ScoreOptions) -> int:
         return INTERRUPTED
     if any(isinstance(found, InputError) for found in looked):
         return BAD_INPUT
-    conditions = {found.condition for found in looked if isinstance(found, Health)}
+    conditions = {found.condition for found in looked if isinstance(found, Solution)}
     return next(code for condition, code in _CODES.items() if condition in conditions)
 
 
-def _show(looked: Sequence[Health | InputError], rows: Sequence[dict[str, Any]], options: ScoreOptions) -> None:
+def _show(looked: Sequence[Solution | InputError], rows: Sequence[dict[str, Any]], options: ScoreOptions) -> None:
     if not options.prints:
         return
     if len(looked) > 1:
         console = table_console()
         console.print(scores_table(rows, console.width))
-    elif looked and isinstance(looked[0], Health):
+    elif looked and isinstance(looked[0], Solution):
         print_lines(looked[0])
 
 
-def _health_or_error(scene: Scene, how: dict[str, Any]) -> Health | InputError:
+def _health_or_error(scene: Scene, how: dict[str, Any]) -> Solution | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
     assert scene.rig is not None
     try:
@@ -79,11 +79,11 @@ def _health_or_error(scene: Scene, how: dict[str, Any]) -> Health | InputError:
         return error
 
 
-def _row(scene: Scene, found: Health | InputError) -> dict[str, Any]:
+def _row(scene: Scene, found: Solution | InputError) -> dict[str, Any]:
     about_it = {"scene": scene.name, "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
     if isinstance(found, InputError):
         return {**about_it, "error": str(found)}
-    return {**about_it, "error": None, **found.as_dict()}
+    return {**about_it, "error": None, **found.to_dict()}
 
 
 def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:

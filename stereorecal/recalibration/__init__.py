@@ -8,12 +8,7 @@ from stereorecal.recalibration._difference import Difference as Difference, diff
 from stereorecal.recalibration._expected import Interval as Interval
 from stereorecal.recalibration._frame_choice import MOST_FRAMES as MOST_FRAMES, chosen_frames as chosen_frames
 from stereorecal.recalibration._freed_intrinsics import Intrinsics as Intrinsics, IntrinsicsOutcome as IntrinsicsOutcome
-from stereorecal.recalibration._health import (
-    HEALTH_LIMITS as HEALTH_LIMITS,
-    Condition as Condition,
-    Health as Health,
-    health as health,
-)
+from stereorecal.recalibration._health import HEALTH_LIMITS as HEALTH_LIMITS, health as health
 from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
@@ -31,6 +26,7 @@ from stereorecal.recalibration._recalibrate import (
     recalibrate as recalibrate,
     recalibrate_case as recalibrate_case,
 )
+from stereorecal.recalibration._result import Condition as Condition
 from stereorecal.recalibration._rig_errors import (
     DISTANCES as DISTANCES,
     ROW_DISTANCES as ROW_DISTANCES,

@@ -16,7 +16,7 @@ from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of, ratios_of_sizes
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._schedule import ScoreKind, Stage
+from stereorecal.recalibration._schedule import Stage
 from stereorecal.recalibration._stages import StageRun, matched, run_stage
 from stereorecal.recalibration._tile_counts import counts, share_lost
 from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, without_frames_of
@@ -67,19 +67,15 @@ class Assessment:
         return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
 
 
-def looked(case: Case, stage: Stage) -> tuple[StageRun, Assessment | None] | None:
-    """One look at the images from the initial calibration, as a stage has it, without a strategy: matches, which the
-    extrinsics are fitted to until both settle, and what they say; None if they are too few. Matches of rows that are
-    not aligned err together, all frames alike, and the estimate would explain it by lenses. None if the stage has no
-    matches.
+def run_look(case: Case, stage: Stage) -> StageRun:
+    """One look at the images from the initial calibration, as a stage on the rows has it, without a strategy: matches,
+    which the extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames
+    alike, and the estimate would explain it by lenses.
 
     Args:
         case: with a disparity range.
     """
-    if stage.score is not ScoreKind.EPIPOLAR:
-        return None
-    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
-    return run, assessed(case, run, run.ended)
+    return run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:

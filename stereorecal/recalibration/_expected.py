@@ -67,10 +67,6 @@ def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float
 
     slopes = central_differences(row_errors, estimated.theta, STEP)
     variance = np.einsum("hwi,ij,hwj->hw", slopes, estimated.posterior.covariance, slopes)
-    depth = depth_error_intervals(estimated, estimated.chart.coordinates_of(used))
+    found = estimated.depth_error_percent(estimated.chart.coordinates_of(used))
+    depth = {int(distance): Interval(*ends) for distance, ends in found.items()}
     return Expected(row_errors(estimated.theta), np.sqrt(np.maximum(variance, 0.0)), rows_px, depth)
-
-
-def depth_error_intervals(estimated: Estimate, used: Float[np.ndarray, "n"]) -> dict[int, Interval]:
-    """The error of depth of the rig at θ = used."""
-    return {int(distance): Interval(*ends) for distance, ends in estimated.depth_error_percent(used).items()}

@@ -7,7 +7,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._frame_choice import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
-from stereorecal.recalibration._prior_use import prior_of, prior_use
+from stereorecal.recalibration._prior_use import prior_for_health, prior_of, prior_use
 from stereorecal.recalibration._schedule import ScoreKind, check_schedule
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recordings import Pairs
@@ -21,8 +21,11 @@ def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
     return settings.free.of_all(rig, intrinsics=rows and not is_exact(settings.prior))
 
 
-def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
+def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool = True) -> Case:
     """The case of a repair, of whose strategies the extrinsics are asked.
+
+    Args:
+        learns: whether a prior is to follow: pairs that a saved one rests on do not count again then.
 
     Raises:
         InputError: as `recalibrate`.
@@ -32,15 +35,16 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
     check_schedule(settings.schedule, free)
     check_motion(settings.motion, len(images.pairs), settings.prior)
-    use = prior_use(settings.prior, rig, images.pairs)
-    numbers = use.numbers
+    use = prior_use(settings.prior, rig, images.pairs) if learns else None
+    numbers = tuple(range(len(images.pairs))) if use is None else use.numbers
     if free.shared:
         chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     measured = bool(ranges) or settings.odometer is not None
-    known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
+    prior = prior_for_health(settings.prior, rig) if use is None else use.prior
+    known = prior_of(prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
     return Case(
@@ -54,5 +58,5 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings) -> Case:
         tolerances=settings.tolerances,
         odometer=settings.odometer,
         prior_use=use,
-        selected=numbers if free.shared or use.dropped else None,
+        selected=numbers if free.shared or (use is not None and use.dropped) else None,
     )

@@ -7,9 +7,10 @@ from typing import Unpack
 from stereorecal._arrays import refuse_tracers
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
-from stereorecal.recalibration._assessment import looked
+from stereorecal.recalibration._assessment import assessed, run_look
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._prepared_case import prepared, what_may_change
+from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._search import run_schedule, started
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
@@ -59,8 +60,9 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     began = time.perf_counter() if began is None else began
     case, start, cost = started(case, settings.schedule)
     to_decide = case.with_free(settings.free)
-    if (look := looked(to_decide, settings.schedule.stages[-1])) is not None:
-        run, assessment = look
+    if (last := settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
+        run = run_look(to_decide, last)
+        assessment = assessed(to_decide, run, run.ended)
         cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
             run = replace(run, matching_cost=0.0)

@@ -21,8 +21,10 @@ def repair_text(solution: AbstractResult) -> str:
         *(_line(fact.heading, fact.text) for fact in facts if fact.about in _FIRST),
         *(map(_axis, changed_axes(solution)) if solution.accepted else ()),
         *(_line(fact.heading, fact.text) for fact in facts if fact.about not in _FIRST),
-        _line("search", f"{solution.message} ({solution.evaluations} evaluations, {solution.seconds:.1f} s)"),
     ]
+    if solution.searched:
+        how = f"{solution.message} ({solution.evaluations} evaluations, {solution.seconds:.1f} s)"
+        lines.append(_line("search", how))
     return "\n".join(lines)
 
 

@@ -1,5 +1,6 @@
 """What a recalibration found, as data, and what follows from it."""
 
+import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,6 +12,8 @@ from stereorecal.decision import Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import EXTRINSICS
+from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._depth_errors import DepthError, reported_depths
 from stereorecal.recalibration._difference import Difference, difference
@@ -25,9 +28,18 @@ from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import StageRun, Waypoint, path_of
 from stereorecal.recalibration._uncertainty import Uncertainty
 from stereorecal.recalibration._verdict_text import advice_of, verdict_of
-from stereorecal.scoring import Correspondences
+from stereorecal.scoring import Correspondences, ImageQuality
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
+
+
+class Condition(enum.Enum):
+    """The verdict on a calibration."""
+
+    HEALTHY = "healthy"
+    REPAIR = "repair it"
+    WRONG_INPUT = "wrong input"
+    CANNOT_TELL = "cannot tell"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +52,7 @@ class AbstractResult:
     score_before: Score
     score_after: Score
     used: tuple[int, ...]
+    shown: ImageQuality
     view: View
     matcher: AbstractMatcher
     stages: tuple[StageRun, ...]
@@ -61,6 +74,7 @@ class AbstractResult:
     seen: Seen | None = None
     mismatch: Mismatch | None = None
     prior_use: PriorUse | None = None
+    searched: bool = True
 
     @property
     def accepted(self) -> bool:
@@ -68,16 +82,75 @@ class AbstractResult:
         return self.reason.accepted
 
     @property
+    def condition(self) -> Condition:
+        """Of the initial calibration. Repair, if a change is an improvement, or hardly anything matches of images that
+        show enough. Healthy, if none is, and the rows are aligned where the images show something. Wrong input, if the
+        images cannot be of this rig. Cannot tell, otherwise."""
+        if self.mismatch is not None:
+            return Condition.WRONG_INPUT
+        if self.reason is Reason.ALREADY_GOOD:
+            return Condition.HEALTHY
+        repair = (self.accepted or self.reason is Reason.NO_MATCHES) and not self.doubts
+        return Condition.REPAIR if repair else Condition.CANNOT_TELL
+
+    @property
+    def healthy(self) -> bool:
+        """Whether the calibration to use is good; of a look, the initial one."""
+        if not self.searched:
+            return self.condition is Condition.HEALTHY
+        return self.reason.healthy and not self.leaves_epipolar_error
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on values of the initial calibration that hardly any rig has."""
+        return doubts(self.initial)
+
+    @property
+    def _doubtful(self) -> bool:
+        """Whether a look has nothing to say but its doubts."""
+        return not self.searched and self.condition is Condition.CANNOT_TELL and bool(self.doubts)
+
+    @property
     def verdict(self) -> str:
         """In one short sentence."""
-        pairs, problem = len(self.used) + len(self.left_out), self.seen and self.seen.problem
-        depth_off = any(one.significant for one in self.depth_before)
-        return verdict_of(self.reason, self.decision, pairs, self.mismatch, problem, depth_off, repaired=True)
+        if self._doubtful:
+            return "Cannot tell: the calibration has values that hardly any rig has."
+        if not self.searched and self.mismatch is None and self.reason is Reason.NO_MATCHES:
+            return f"Repair it: {self.reason.value}."
+        pairs, depth_off = len(self.used) + len(self.left_out), any(one.significant for one in self.depth_before)
+        return verdict_of(
+            self.reason, self.decision, pairs, self.mismatch, self.shown.problem, depth_off, repaired=self.searched
+        )
 
     @property
     def advice(self) -> str:
         """What to do."""
+        if self._doubtful:
+            return "Check the calibration file."
+        if not self.searched and self.condition is Condition.REPAIR:
+            return "Run recalibrate with these images."
         return advice_of(self.reason, self.decision, self.mismatch, self.depth_before)
+
+    @property
+    def covered(self) -> float:
+        """Share of the image in which correspondences were found that are good to a fraction of a pixel, of the frame
+        that shows most. False matches count as pixels, but hardly here."""
+        return self.seen.covered if self.seen is not None else self.found.covered if self.found is not None else 0.0
+
+    @cached_property
+    def main_axes(self) -> tuple[str, ...]:
+        """The extrinsics whose change alone moves rows or depth by what is noticed, what moves most first; if none
+        does, the first of them. None where nothing was decided."""
+        estimate, decision = self.estimate, self.decision
+        if estimate is None or decision is None:
+            return ()
+        effects = {
+            name: estimate.effect(np.where(np.arange(len(estimate.names)) == index, decision.theta, 0.0))
+            for index, name in enumerate(estimate.names)
+            if name in EXTRINSICS
+        }
+        most = sorted(effects, key=lambda name: -effects[name])
+        return tuple(name for name in most if effects[name] > 1.0) or tuple(most[:1])
 
     @property
     def rig(self) -> StereoRig:

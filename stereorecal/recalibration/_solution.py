@@ -14,8 +14,8 @@ from stereorecal.recordings import Pairs, as_pairs
 
 @dataclass(frozen=True, eq=False)
 class Solution(AbstractResult):
-    """What a recalibration found: `solution.rig` is the calibration to use; printed, it says what a person wants to
-    know.
+    """What a recalibration found, or a look at the images alone (`health`): `solution.rig` is the calibration to use;
+    printed, it says what a person wants to know.
 
     Attributes:
         initial: the calibration that the repair started from.
@@ -24,6 +24,7 @@ class Solution(AbstractResult):
         score_before, score_after: of the initial calibration and of the candidate, at full scale, over the pairs that
             were kept.
         used: numbers of the pairs that the candidate rests on, among those that were matched.
+        shown: light and texture of the images, of the frame that shows most.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
         stages: what each stage of the schedule did.
         status, message: how the search ended.
@@ -42,7 +43,8 @@ class Solution(AbstractResult):
         seen: what the images show besides, that checks look at; None in the same cases.
         mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
             rig explains it.
-        prior_use: the prior that it began with, and which pairs count.
+        prior_use: the prior that it began with, and which pairs count; None of a look, from which nothing is learnt.
+        searched: False of a look, which says what a repair begins with.
     """
 
     def to_dict(self, *, expected: bool = True) -> dict[str, Any]:

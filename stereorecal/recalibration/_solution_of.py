@@ -157,6 +157,7 @@ def _solution(
         score_before=before,
         score_after=after,
         used=tuple(np.flatnonzero(used).tolist()),
+        shown=case.images.best_quality,
         view=case.images.view,
         matcher=case.matcher,
         stages=stages,

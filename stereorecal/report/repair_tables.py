@@ -70,13 +70,14 @@ def _scores_table(scenes: Rows, folds: tuple[int, int]) -> list[Table]:
 
 
 def _score(scene: Mapping[str, Any]) -> tuple[str, ...]:
-    rows, depth = scene["rows_apart_px"], "-"
+    decision, depth = scene["decision"], "-"
     if depths := scene["depth"]:
         middle = depths[len(depths) // 2]
-        ends = (middle["metres"][end] for end in ("low", "high"))
+        ends = (middle["before"]["metres"][end] for end in ("low", "high"))
         error = between(*(math.inf if end is None else end for end in ends))
         depth = f"{error} at {distance(middle['distance_m'])}"
-    return percent(scene["fraction"]), number(rows and rows["value"], 2), depth, scene["verdict"]
+    rows = decision and decision["rows_px"]["before"]["value"]
+    return percent(scene["score_before"]["fraction"]), number(rows, 2), depth, scene["verdict"]
 
 
 def _folded(text: str, letters: int) -> str:

@@ -39,20 +39,21 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     found = health(scene.rig, scene.pairs)
     assert answer.out == f"{found}\n"
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
-    assert f"rows differ by {found.row_error:.2f} px in the median, " in answer.out
+    assert f"rows differ by {found.row_errors.before:.2f} px in the median" in answer.out
     content = json.loads(target.read_text())
-    assert content["schema"] == "stereorecal.health/2"
+    assert content["schema"] == "stereorecal.health/3"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
     assert content["settings"]["thresholds"] == {**HEALTH_LIMITS, "distances": [5.0, 10.0, 30.0]}
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")
-    score = found.score
-    assert (said["count"], said["pixels"], said["fraction"]) == (score.count, SIZE[0] * SIZE[1], score.fraction)
-    assert (said["row_error_px"], said["covered"]) == (found.row_error, found.covered)
-    assert said["correction"]["rotation_deg"]["yaw"].keys() == {"value", "low", "high"}
+    score = found.score_before
+    told = said["score_before"]
+    assert (told["count"], told["pixels"], told["fraction"]) == (score.count, SIZE[0] * SIZE[1], score.fraction)
+    assert (said["row_error_px"]["before"], said["covered"]) == (found.row_errors.before, found.covered)
+    assert said["change"]["rotation_deg"].keys() == said["interval_95"]["rotation_deg"].keys()
     assert said["depth_error_percent"].keys() == {"5", "10", "30", "100"}
-    assert said["probability_better"] == found.correction.decision.better
+    assert said["decision"]["probability_better"] == found.decision.better
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))
 
 
@@ -102,7 +103,8 @@ def test_depth_is_reported_where_it_is_asked_for(command, clean_scene: Path):
     baseline = load_scene(clean_scene).rig.baseline
     assert [one["distance_m"] for one in scene["depth"]] == pytest.approx([2.0, 0.4, 30 * baseline])
     for one in scene["depth"]:
-        assert one["metres"]["low"] == pytest.approx(0.01 * one["percent"]["low"] * one["distance_m"])
+        error = one["before"]
+        assert error["metres"]["low"] == pytest.approx(0.01 * error["percent"]["low"] * one["distance_m"])
     text = command("score", clean_scene, "--distances", "2m,40cm,200cm").out
     assert [line.split()[:5] for line in text.splitlines() if line.startswith("depth ")] == [
         ["depth", "error", "at", "2", "m"],

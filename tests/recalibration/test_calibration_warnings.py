@@ -34,7 +34,7 @@ def test_what_hardly_any_rig_has_is_named(rig: StereoRig, said: str | None):
     assert found.condition is not Condition.REPAIR
     assert (said is None) == (not found.doubts)
     assert all(said in doubt and doubt in str(found) for doubt in found.doubts)
-    assert found.as_dict()["doubts"] == list(found.doubts)
+    assert found.to_dict()["doubts"] == list(found.doubts)
 
 
 @pytest.mark.parametrize(

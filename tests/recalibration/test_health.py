@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from fixtures import SAD_48
 
-from stereorecal import recalibrate
+from stereorecal import Solution, recalibrate
 from stereorecal.matching import SGBM
-from stereorecal.recalibration import Condition, Health, Reason, health
+from stereorecal.recalibration import Condition, Interval, Reason, health
 from stereorecal.recordings import Pair
 from stereorecal.scoring import image_quality
 from stereorecal.synthetic import decalibrate, photographs, plan_drive
@@ -21,7 +21,7 @@ SIZE = (320, 240)
 def under(scene):
     """under(pitch, yaw, roll): the health of a rendered rig that is turned so many degrees from the truth."""
 
-    def look(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, matcher=SAD_48, prior=None) -> Health:
+    def look(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0, matcher=SAD_48, prior=None) -> Solution:
         shown = scene("harbour", 0, SIZE)
         turned = shown.rig.extrinsics + np.array([*np.radians([pitch, yaw, roll]), 0, 0, 0])
         return health(shown.rig.with_extrinsics(turned), shown.pairs, matcher=matcher, prior=prior)
@@ -29,15 +29,19 @@ def under(scene):
     return look
 
 
+def corrections(found: Solution) -> np.ndarray:
+    """The changes of the parameters of its uncertainty, in degrees and percent."""
+    return found.decision.theta[[found.estimate.names.index(name) for name in found.uncertainty.names]]
+
+
 @pytest.mark.parametrize("matcher", [SAD_48, SGBM(num_disparities=48)], ids=["sad", "sgbm"])
 def test_the_truth_is_healthy(under, matcher):
     found = under(matcher=matcher)
     assert found.condition is Condition.HEALTHY
     assert found.healthy
-    assert found.row_error < 0.15
+    assert found.row_errors.before < 0.15
     assert found.covered > 0.4
-    for axis in found.correction.axes.values():
-        assert axis.low - 0.1 < 0 < axis.high + 0.1
+    assert (np.abs(corrections(found)) < found.uncertainty.interval + 0.1).all()
 
 
 @pytest.mark.slow(after=3)
@@ -47,16 +51,17 @@ def test_the_axis_that_is_off_is_named(under, axis, sign):
     degrees = {"pitch": 0.1, "yaw": 0.5, "roll": 0.2}[axis]
     found = under(**{axis: sign * degrees}, prior="exact")
     assert found.condition is Condition.REPAIR
-    assert axis in found.correction.main_axes
-    assert axis in found.as_dict()["axes"]
-    assert found.correction.axes[axis].value == pytest.approx(-sign * degrees, rel=0.15)
+    assert axis in found.main_axes
+    assert axis in found.to_dict()["main_axes"]
+    assert corrections(found)[found.uncertainty.names.index(axis)] == pytest.approx(-sign * degrees, rel=0.15)
 
 
 def test_wrong_yaw_is_wrong_depth(under):
     """0.5 degrees are 0.0087 focal lengths of disparity straight ahead, a tenth more over the view; 30 baselines show
     0.033."""
     for sign in (1, -1):
-        error = under(yaw=0.5 * sign, prior="exact").correction.depth_percent[30]
+        estimate = under(yaw=0.5 * sign, prior="exact").estimate
+        error = Interval(*estimate.depth_error_percent(np.zeros(len(estimate.names)))[30])
         assert error.low < error.value < error.high
         assert abs(1 / (1 + error.value / 100) - 1) == pytest.approx(1.1 * 30 * np.radians(0.5), rel=0.15)
 
@@ -64,10 +69,12 @@ def test_wrong_yaw_is_wrong_depth(under):
 @pytest.mark.parametrize("pitch", [-2.0, 0.8, 2.0])
 def test_far_out_it_is_to_be_repaired(under, pitch):
     found = under(pitch)
-    assert found.score.fraction > 0.15
+    assert found.score_before.fraction > 0.15
     assert found.condition is Condition.REPAIR
-    assert found.correction is None
-    assert np.isnan(found.row_error)
+    assert not found.accepted
+    assert found.rig is found.initial
+    assert found.main_axes == ()
+    assert "depth" not in str(found)
 
 
 def test_images_of_few_grey_levels_are_not_called_good(scene):
@@ -90,7 +97,7 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     named, again = [], []
     for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
         options = {"matcher": SAD_48, "tolerances": tolerances}
-        named.append(len(health(off, shown.pairs, **options).correction.main_axes))
+        named.append(len(health(off, shown.pairs, **options).main_axes))
         again.append(recalibrate(off, shown.pairs, **options).cost.judging - 2.0)
     assert named[1:] == [5, 1]
     assert 1 <= named[0] < 5

@@ -135,7 +135,7 @@ def test_images_of_two_moments_on_the_move(data_dir: Path):
     found = health(given.rig, wrong)
     assert found.condition is Condition.WRONG_INPUT
     assert found.reason is not Reason.ALREADY_GOOD
-    assert found.as_dict()["mismatch"]["two_moments"] is True
+    assert found.to_dict()["mismatch"]["two_moments"] is True
 
 
 @pytest.mark.slow(after=1)

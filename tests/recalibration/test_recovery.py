@@ -33,17 +33,17 @@ def drifted(rig, degrees, fraction, drift):
     return rig.with_extrinsics(rig.extrinsics + limits * np.insert(drift, 3, 0.0))
 
 
-def by_both_doors(rig: sr.StereoRig, pairs, **options) -> tuple[sr.Health, sr.Solution]:
+def by_both_doors(rig: sr.StereoRig, pairs, **options) -> tuple[sr.Solution, sr.Solution]:
     """What is good stays; what is to be repaired is repaired, by the same change where one look sees it."""
     said, done = sr.health(rig, pairs, **options), sr.recalibrate(rig, pairs, **options)
     assert (said.condition is Condition.HEALTHY) == (done.reason is Reason.ALREADY_GOOD)
-    assert (said.condition is Condition.REPAIR and said.correction is not None) <= done.accepted
+    assert (said.condition is Condition.REPAIR and said.decision is not None) <= done.accepted
     assert done.accepted or done.rig is rig
     if said.condition is Condition.HEALTHY:
-        assert done.row_errors is None or done.row_errors.before == pytest.approx(said.row_error, abs=0.01)
+        assert done.row_errors is None or done.row_errors.before == pytest.approx(said.row_errors.before, abs=0.01)
     if said.reason is not Reason.NO_MATCHES and len(done.stages) == 1:
         assert said.reason is done.reason
-        assert said.correction.decision.as_dict() == done.decision.as_dict()
+        assert said.decision.as_dict() == done.decision.as_dict()
     return said, done
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 
 import stereorecal as sr
 from stereorecal.decision import Criterion
-from stereorecal.recalibration import Condition, Health, Interval, Reason
+from stereorecal.recalibration import Condition, Interval, Reason
 from stereorecal.scoring import ImageQuality
 
 DRIFT = np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0])
@@ -37,7 +37,7 @@ def counted(scene) -> sr.Solution:
 
 
 @pytest.fixture(scope="module")
-def looked(harbour) -> Health:
+def looked(harbour) -> sr.Solution:
     return sr.health(harbour.rig, harbour.pairs, matcher=SAD_48)
 
 
@@ -91,15 +91,15 @@ def test_every_look_is_a_verdict_and_an_advice(looked, reason):
     ],
 )
 def test_images_that_show_too_little_are_named(looked, shown):
-    found = replace(looked, reason=Reason.TOO_LITTLE_TEXTURE, shown=shown, correction=None)
+    found = replace(looked, reason=Reason.TOO_LITTLE_TEXTURE, shown=shown, decision=None)
     assert_plain(str(found), found.verdict, found.advice)
     assert str(shown.problem) in found.verdict
 
 
 @given(reason=st.sampled_from(REASONS), pairs=st.integers(1, 2000), rows=st.tuples(*[st.floats(0.0, 1e4)] * 3))
 def test_no_number_makes_a_verdict_longer(looked, reason, pairs, rows):
-    decision = replace(looked.correction.decision, rows_px=np.array([sorted(rows)] * 2))
-    found = replace(looked, reason=reason, pairs=pairs, correction=replace(looked.correction, decision=decision))
+    decision = replace(looked.decision, rows_px=np.array([sorted(rows)] * 2))
+    found = replace(looked, reason=reason, used=(0,) * pairs, decision=decision)
     assert len(found.verdict.split()) <= 12
 
 
@@ -107,11 +107,11 @@ def test_no_number_makes_a_verdict_longer(looked, reason, pairs, rows):
 def test_a_good_calibration_whose_depth_is_off_says_why_it_stays(looked, repaired, failed):
     """Rows make it good: what is said above an interval of depth that leaves out zero must not contradict it."""
     off = replace(looked.depth[0], distance=2.0, percent=Interval(1.0, 0.5, 1.5))
-    decision = replace(looked.correction.decision, failed=failed)
-    look = replace(looked, reason=Reason.ALREADY_GOOD, correction=replace(looked.correction, decision=decision))
+    decision = replace(looked.decision, failed=failed)
+    look = replace(looked, reason=Reason.ALREADY_GOOD, decision=decision)
     repair = replace(repaired, reason=Reason.ALREADY_GOOD, decision=decision)
-    vars(look)["depth"] = vars(repair)["depth_before"] = vars(repair)["depth"] = (off,)
     for found in (look, repair):
+        vars(found)["depth_before"] = vars(found)["depth"] = (off,)
         assert found.verdict.startswith("Good.")
         assert found.advice.startswith("But depth is 10 to 30 mm too far at 2 m, and ")
         assert_plain(str(found), found.verdict, found.advice)
@@ -170,10 +170,9 @@ def test_data_of_a_repair(repaired):
 
 
 def test_data_of_a_look(looked):
-    data = json.loads(json.dumps(looked.as_dict(), allow_nan=False))
+    data = json.loads(json.dumps(looked.to_dict(), allow_nan=False))
     assert (data["condition"], data["reason"], data["healthy"]) == ("healthy", "already_good", True)
     assert (data["verdict"], data["advice"]) == (looked.verdict, looked.advice)
-    assert data["axes"] == []
-    bad = replace(looked, reason=Reason.IMPROVED).as_dict()
+    bad = replace(looked, reason=Reason.IMPROVED).to_dict()
     assert (bad["condition"], bad["healthy"]) == ("repair", False)
-    assert len(bad["axes"]) >= 1
+    assert len(bad["main_axes"]) >= 1

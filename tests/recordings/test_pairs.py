@@ -129,7 +129,7 @@ def test_everything_that_takes_pairs_takes_arrays(small):
     assert sr.objective(rig, arrays, matcher=matcher).value(np.zeros(5)) == count
     assert sr.disparity(rig, arrays, matcher=matcher).valid.sum() == count
     assert sr.rectify(rig, arrays)[0].shape == (120, 160)
-    assert sr.health(rig, arrays, matcher=matcher).score.count == count
+    assert sr.health(rig, arrays, matcher=matcher).score_before.count == count
     assert sr.with_disparity_range("sgbm", rig, arrays).num_disparities >= 16
 
 

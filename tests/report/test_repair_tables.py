@@ -41,8 +41,9 @@ def repairs() -> list[dict[str, Any]]:
 
 
 def score(scene: str, **changes: Any) -> dict[str, Any]:
-    depth = [{"distance_m": 3.6, "metres": {"value": 0.2, "low": -0.14, "high": None}}]
-    numbers = {"rows_apart_px": {"value": 1.234}, "fraction": 0.34, "depth": depth}
+    depth = [{"distance_m": 3.6, "before": {"metres": {"value": 0.2, "low": -0.14, "high": None}}}]
+    decision = {"rows_px": {"before": {"value": 1.234}}}
+    numbers = {"decision": decision, "score_before": {"fraction": 0.34}, "depth": depth}
     return {"scene": scene, "error": None, "verdict": "cannot tell (too little texture)", **numbers, **changes}
 
 
@@ -66,7 +67,7 @@ def test_repairs_are_whole(width: int):
 
 @pytest.mark.parametrize("width", [60, 80, 120, 200])
 def test_scores_are_whole(width: int):
-    rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", rows_apart_px=None, depth=[]), score("b", error="bad")]
+    rows = [score(f"{NAME}-1"), score("KITTI/drive_0001", decision=None, depth=[]), score("b", error="bad")]
     words = " ".join(printed(scores_table(rows, width), width)).split()
     assert {"cannot", "tell", "(too", "little", "texture)", "matched", "1.23", "-14", "3.6"} <= set(words)
     assert f"{NAME}-1" in words or width < 200  # names are folded first
