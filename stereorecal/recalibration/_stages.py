@@ -28,7 +28,7 @@ from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
 from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
-_SETTLED = 0.05  # pixels, median change of the row differences by a fit: rigs as near match the same
+_SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
 
