@@ -173,7 +173,7 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
         array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
     flat = array.ravel().tolist()
     if not isinstance(stated, Mapping):
-        shape = np.shape(stated)
+        shape = _array(stated, str(keys[-1])).shape
         return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}
     values: dict[Keys, Any] = {(*keys, "data"): flat}
     if stated.get("dt", "d") != "d":  # single precision would lose digits
