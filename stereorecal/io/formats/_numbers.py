@@ -110,20 +110,23 @@ def image_size(content: Mapping[str, Any], *keys: str) -> tuple[int, int]:
 
 def _array(stated: Any, key: str) -> Array:
     found = list(leaves(stated))
-    no_array = InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
     if None in found:
         raise InputError(f"{key} contains null (no value); give numbers.")
     if not all(isinstance(leaf, int | float) and not isinstance(leaf, bool) for leaf in found):
-        raise no_array
+        raise _no_array(key)
     try:
         array = np.array(stated, float)
     except ValueError:  # rows of different lengths
-        raise no_array from None
+        raise _no_array(key) from None
     except OverflowError:  # an integer beyond float64
         array = np.array(np.inf)
     if not np.isfinite(array).all():
         raise InputError(f"{key} contains NaN or infinite numbers; correct it.")
     return array
+
+
+def _no_array(key: object) -> InputError:
+    return InputError(f"{key} is not an array of numbers; correct it, or copy the file again.")
 
 
 def camera_matrix(content: Mapping[str, Any], key: str) -> Mat3:
@@ -173,7 +176,10 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
         array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
     flat = array.ravel().tolist()
     if not isinstance(stated, Mapping):
-        shape = np.shape(stated)
+        try:
+            shape = np.shape(stated)
+        except ValueError:  # rows of different lengths
+            raise _no_array(keys[-1]) from None
         return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}
     values: dict[Keys, Any] = {(*keys, "data"): flat}
     if stated.get("dt", "d") != "d":  # single precision would lose digits

@@ -70,14 +70,14 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
     names = " and ".join(document.name for document in documents)
     if len(documents) < format.files:
         raise InputError(f"{names}: {format.name} has a file for each camera; give the left and the right one.")
-    with about(names) if len(documents) == 1 or format.files == 1 else nullcontext():
-        try:
+    try:
+        with about(names) if len(documents) == 1 or format.files == 1 else nullcontext():
             asked, exchanged = chosen_cameras(format, documents, hints)
             rig = format.read(documents, asked)
-        except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
-            raise InputError(
-                f"{documents[0].name}: not arranged as {format.name} is ({format.about}); check the file or the format."
-            ) from None
+    except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like
+        raise InputError(
+            f"{names}: not arranged as {format.name} is ({format.about}); check the file or the format."
+        ) from None
     rig = _exchanged(rig) if exchanged else rig
     with about(names):
         x, y, z = np.asarray(rig.side_by_side().translation)

@@ -245,7 +245,7 @@ def _both(documents: Documents, hints: Hints) -> tuple[_Part, _Part]:
             f"it has {len(parts)} calibrations that differ ({', '.join(names)}); keep those of the left and the right "
             "camera."
         )
-    left, right = hints.cameras or names[:2]
+    left, right = hints.cameras or (names[0], names[1])  # without two it is not arranged as this format is
     return parts[names.index(left)], parts[names.index(right)]
 
 

@@ -24,6 +24,7 @@ from stereorecal.io.formats._numbers import (
     numbers,
     pinhole_matrix,
     pinhole_numbers,
+    size_of,
     unsupported,
     value,
 )
@@ -239,7 +240,7 @@ def _with_radial(content: Any, place: str, name: str, tangential: Array) -> Arra
 def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[Keys, Any]:
     """What to write for the radial coefficients: as many as the file has, or more if they are needed."""
     holder, key = holder_of(content, place, name)
-    count, needed = len(holder.get(key) or []), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
+    count, needed = size_of(holder, (key,)), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
     if needed and not count:
         raise InputError(f"{name}: the file has no {key} terms; add `{key}: [0.0, 0.0]` to write new ones.")
     return {keys_of(content, place, name): radial[: max(count, needed)].tolist()} if count else {}

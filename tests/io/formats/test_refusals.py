@@ -76,6 +76,7 @@ def test_names_that_are_none(tmp_path: Path):
     refused(lambda: load_rig(path, format="kalibre"), "did you mean kalibr?")
     refused(lambda: load_rig(path, unit="furlong"), "choose one of: m, cm, mm, in")
     refused(lambda: load_rig(path, format="ros"), "give the left and the right one")
+    refused(lambda: load_rig(path, format="camera_info"), "not arranged as camera_info is (ROS camera_info of both")
 
 
 def test_folders(tmp_path: Path):
@@ -245,6 +246,21 @@ TWELVE = samples.rig_of(samples.RIG.extrinsics, np.arange(12) * 1e-3)
 def test_what_a_format_cannot_hold(tmp_path: Path, rig: StereoRig, name: str, format: str | None, words: str):
     refused(lambda: save_rig(rig, tmp_path / name, format=format), words)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "words"),
+    [
+        ("kalibr", "[0.0, -1.0, 0.0, -0.02]", "[-0.02]", "T_cam_imu is not an array of numbers"),
+        ("boofcv", "radial: [-0.3, 0.1]", "radial: -0.3", "a list where the file has none; write a new file"),
+    ],
+)
+def test_values_that_are_not_read_and_cannot_be_written(tmp_path: Path, name: str, old: str, new: str, words: str):
+    sample = SAMPLES[name].changed((old, new))
+    (path,) = sample.write(tmp_path)
+    rig = sample.load([path])
+    moved = replace(samples.RIG, source=rig.source)
+    refused(lambda: save_rig(moved, path, overwrite=True), words)
 
 
 def test_one_rectification_of_four_cameras(tmp_path: Path):
