@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _library_arguments
 from stereorecal.cli._live_view import Lines, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_rerun, deliver, written_or_printed
 from stereorecal.cli._places import (
     Place,
@@ -169,12 +169,12 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options = _library_arguments.view(options.view)
+    view_options = value_of(options, "view", {})
     said: dict[str, Any] = {"repair": not options.once}  # what is not said is as it is by default, or in the state
     if options.synchronous:
         said["synchronous"] = True
     if options.tolerances is not None:
-        said["tolerances"] = _library_arguments.tolerances(options.tolerances)
+        said["tolerances"] = value_of(options, "tolerances")
     if options.state is not None and Path(options.state).exists():
         state = load(options.state, scene.rig)
         if state.config.view != state.config.view | view_options:

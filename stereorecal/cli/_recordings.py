@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _option_values
+from stereorecal.cli._options import value_of
 from stereorecal.cli._places import calibration_path
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions, folders_of
@@ -141,7 +141,7 @@ def _with_calibration(scene: Scene, options: RecordingOptions) -> Scene:
 
 def _how_read(options: RecordingOptions) -> dict[str, Any]:
     """How a calibration is read, as `load_rig` takes it."""
-    return {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
+    return {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
 
 
 def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
@@ -192,7 +192,7 @@ def _selected(
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --pairs and --limit select, read; and (frames, reason) of the others."""
     wanted = _wanted(pairs, options, about)
-    limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
+    limit = value_of(options, "limit", MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *left_out_pairs(pairs, wanted, "outside of --pairs"),
@@ -248,9 +248,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
         raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
 
     calibration = calibration_path(options.calibration, "--calibration")
-    how = {"format": options.format, "unit": options.unit}
-    chosen = _option_values.camera_pair(options.cameras)
-    scene = calibrated_scene(f"camera {' and '.join(names)}", first, calibration, **how, cameras=chosen)
+    scene = calibrated_scene(f"camera {' and '.join(names)}", first, calibration, **_how_read(options))
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
     return scene, islice(chain(before, coming), wanted.start, wanted.stop, wanted.step)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._option_values import degrees_and_fraction
+from stereorecal.cli._option_values import parameter_names
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
 from stereorecal.cli._places import Place, calibration_path, check_places, paths
 from stereorecal.cli._shared_options import (
@@ -55,7 +55,7 @@ class _FreeOptions:
     free: str | None = option(
         f"{FREE} (default: all that the calibration file can hold)",
         metavar="NAME,…",
-        reads="stereorecal.cli._library_arguments:free",
+        reads=parameter_names,
     )
 
 
@@ -68,12 +68,12 @@ class _RangeOptions:
         "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
         "gaps above 1.1 s are not used",
         metavar="FILE",
-        reads="stereorecal.io:load_odometer",
+        loads="stereorecal.io:load_odometer",
     )
     ranges: str | None = option(
         "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
         metavar="FILE",
-        reads="stereorecal.io:load_ranges",
+        loads="stereorecal.io:load_ranges",
     )
 
 
@@ -171,7 +171,6 @@ class RecalibrateOptions(
         if self.fix in ("exchanged", "turned") and self.ranges:
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
-        degrees_and_fraction(self.reach, "--reach")
         self.check_schedule()
 
     def _check_output(self) -> None:

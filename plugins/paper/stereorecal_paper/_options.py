@@ -18,6 +18,7 @@ from stereorecal.cli import (
     argument,
     check_places,
     existing_folder,
+    number_or_all,
     option,
     option_group,
     places_of,
@@ -41,7 +42,9 @@ class _ExperimentOptions:
         "validity, repair, generalise, ex-nihilo, sequential, all (default: all)", ("all",), metavar="EXPERIMENT"
     )
     log: str | None = option("folder of missions (layouts: page Your data)", metavar="DIR")
-    frames: str | None = option("first pairs of each sequence of --log (default: 10)", metavar="N|all")
+    frames: str | None = option(
+        "first pairs of each sequence of --log (default: 10)", metavar="N|all", reads=number_or_all
+    )
     quick: bool = option("a small log, few pairs: does everything work?", False)
 
 
