@@ -30,7 +30,6 @@ from ._output_files import (
 from ._places import (
     Place as Place,
     check_places as check_places,
-    places_of as places_of,
     refuse_replacing_inputs as refuse_replacing_inputs,
 )
 from ._shared_options import (

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 from stereorecal._errors import InputError, existing_folder
 from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._places import check_places
+from stereorecal.cli._places import check_places, one_file
 from stereorecal.cli._shared_options import (
     FREE,
     READS,
@@ -25,8 +25,8 @@ class _ComparisonOutputOptions:
     """What a comparison writes."""
 
     title = WRITES
-    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=True)
-    html: str | None = option("one page with tables and figures", metavar="FILE", writes=True)
+    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=one_file)
+    html: str | None = option("one page with tables and figures", metavar="FILE", writes=one_file)
 
 
 @option_group

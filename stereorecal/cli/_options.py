@@ -11,10 +11,12 @@ from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from importlib import import_module
 from inspect import get_annotations
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
-from stereorecal.cli._places import Place, places_of
+from stereorecal._errors import InputError
+from stereorecal.cli._places import Place
 from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
@@ -40,7 +42,7 @@ def option(
     flag: str = "",
     reads: Callable[[Any, str], Any] | None = None,
     loads: str = "",
-    writes: bool = False,
+    writes: Callable[[str, str], list[Path]] | None = None,
 ) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
@@ -51,7 +53,8 @@ def option(
         reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
             imports nothing that takes time: mistakes are refused at once.
         loads: "module:function" that does so for the name of a file.
-        writes: whether it names a file that the command writes; `CommonOptions.places` has them.
+        writes: makes of the words, and the flag, the files that the command writes; `CommonOptions.places` has them.
+            Only where the metavar says so, "-" is stdout.
     """
     told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "loads": loads, "writes": writes}
     return field(default=default, metadata=told)
@@ -93,7 +96,12 @@ class CommonOptions:
     @property
     def places(self) -> list[Place]:
         """The files that are to be written."""
-        return places_of(self, *(name for name, one in self.__dataclass_fields__.items() if one.metadata.get("writes")))
+        found = []
+        for one in self.__dataclass_fields__.values():
+            files, words = one.metadata.get("writes"), getattr(self, one.name)
+            if files and words not in (None, "-"):
+                found += [Place(_flag(one), path) for path in files(words, _flag(one))]
+        return found
 
     def check_words(self) -> None:
         """Refuse words that make no sense.
@@ -102,7 +110,10 @@ class CommonOptions:
             InputError: of the first such option.
         """
         for name, one in self.__dataclass_fields__.items():
-            if one.metadata.get("reads"):
+            told = one.metadata
+            if told.get("writes") and getattr(self, name) == "-" and not told["metavar"].endswith("-"):
+                raise InputError(f"{_flag(one)} - has no meaning: it is written to a file; give the name of one.")
+            if told.get("reads"):
                 value_of(self, name)
 
     def check(self) -> None:

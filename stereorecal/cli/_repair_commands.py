@@ -8,7 +8,7 @@ from typing import Any, Literal
 from stereorecal._errors import InputError, checked_choice
 from stereorecal.cli._option_values import parameter_names
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
-from stereorecal.cli._places import Place, calibration_path, check_places, paths
+from stereorecal.cli._places import calibration_paths, check_places, one_file
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,
@@ -37,14 +37,15 @@ class _CalibrationOutputOptions:
         "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
         "each camera has a file)",
         metavar="FILE",
+        writes=calibration_paths,
     )
     in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
     maps: str | None = option(
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
-        writes=True,
+        writes=one_file,
     )
-    html: str | None = option("one page with pictures", metavar="FILE", writes=True)
+    html: str | None = option("one page with pictures", metavar="FILE", writes=one_file)
 
 
 @option_group
@@ -150,12 +151,6 @@ class RecalibrateOptions(
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
 
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
-        return [Place("--output", path) for path in files] + super().places
-
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """The prior of the recordings with these rigs; another distribution may know more of them."""
         return self.prior
@@ -185,8 +180,6 @@ class RecalibrateOptions(
             )
         if self.in_place and len(self.scenes) > 1:
             raise InputError("--in-place takes one recording; give one, or --output.")
-        if self.output == "-" or self.maps == "-":
-            raise InputError("a calibration is written to a file; give the name of one.")
         check_places(self.places, force=self.force)
         if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
             raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
@@ -220,11 +213,14 @@ class _WatchOutputOptions:
     output: str | None = option(
         "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
         metavar="FILE",
+        writes=one_file,
     )
     json: str | None = option(
-        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-"
+        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-", writes=one_file
     )
-    state: str | None = option("the state of the watch; a file that exists is continued", metavar="FILE")
+    state: str | None = option(
+        "the state of the watch; a file that exists is continued", metavar="FILE", writes=one_file
+    )
     force: bool = option("replace existing files of --output, --rrd and --json (not a log that is continued)", False)
     quiet: bool = option("show nothing; only the exit code", False)
 

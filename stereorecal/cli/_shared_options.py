@@ -17,7 +17,7 @@ from stereorecal.cli._option_values import (
     yes_or_no,
 )
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group, value_of
-from stereorecal.cli._places import check_calibration, named_inputs
+from stereorecal.cli._places import check_calibration, named_inputs, one_file
 
 WRITES = "what to write"
 READS = "what to read"
@@ -38,7 +38,7 @@ class ReportOptions:
     """What a command reports, and where."""
 
     title = WRITES
-    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=True)
+    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=one_file)
     force: bool = option("replace existing files, but none that is read", False)
     quiet: bool = option("no progress and no report", False)
 
@@ -53,7 +53,9 @@ class RerunOptions:
     """Pictures for Rerun's viewer."""
 
     title = WRITES
-    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=True)
+    rrd: str | None = option(
+        "a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=one_file
+    )
     show: bool = option("open the pictures in Rerun's viewer", False)
 
 

@@ -11,7 +11,6 @@ from stereorecal.cli import (
     WRITES,
     CommonOptions,
     MatcherOptions,
-    Place,
     ReachOptions,
     ReportOptions,
     WorkerOptions,
@@ -21,7 +20,6 @@ from stereorecal.cli import (
     number_or_all,
     option,
     option_group,
-    places_of,
 )
 
 
@@ -81,11 +79,6 @@ class ReproduceOptions(
     module = "stereorecal_paper._command"
 
     forms = ("[EXPERIMENT …]",)
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written, but those of the folder."""
-        return places_of(self, "json")
 
     def check(self) -> None:
         if self.log is not None:
