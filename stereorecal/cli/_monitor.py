@@ -46,7 +46,7 @@ def run(options: MonitorOptions) -> int:
     _check_places(options, appended)
     check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
-        scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
+        scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs, *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:

@@ -1,7 +1,7 @@
 """What the words of options come to, with sentences that say what is wrong; nothing here takes time to import."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -125,6 +125,18 @@ def camera_pair(text: str, flag: str) -> tuple[str, str]:
     return names[0], names[1]
 
 
+def camera_names(words: Sequence[str], flag: str) -> list[str]:
+    """One name, or two: two words, or one with a comma in it, which a pipeline may have as well.
+
+    Raises:
+        InputError: if there are more.
+    """
+    names = words[0].split(",") if len(words) == 1 and "!" not in words[0] else list(words)
+    if len(names) > 2 or not all(names):
+        raise InputError(f"{flag} is {' '.join(words)!r}; give one name, or two, such as 0,1.")
+    return names
+
+
 def image_size(text: str, flag: str) -> tuple[int, int]:
     """Width and height of "WxH".
 
@@ -151,6 +163,19 @@ def positive(text: str, refusal: str) -> int:
 def shortened(text: str) -> str:
     """In quotes, for a message."""
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
+
+
+def schedule_name(text: str, flag: str) -> str:
+    """The name of a schedule, or NAME:STRATEGY.
+
+    Raises:
+        InputError: if there is none of that name, or the strategy is not installed.
+    """
+    name, _, strategy = text.partition(":")
+    checked_choice(name, ("default", "count"), flag)
+    if strategy:
+        import_module("stereorecal.strategies").check_installed(strategy)
+    return text
 
 
 def strategy_names(text: str) -> list[str]:

@@ -1,14 +1,13 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
-from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._option_values import parameter_names
+from stereorecal._errors import InputError
+from stereorecal.cli._option_values import camera_names, parameter_names, schedule_name
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
-from stereorecal.cli._places import calibration_paths, check_places, one_file
+from stereorecal.cli._places import calibration_path, calibration_paths, check_places, one_file
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,
@@ -37,6 +36,7 @@ class _CalibrationOutputOptions:
         "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
         "each camera has a file)",
         metavar="FILE",
+        reads=calibration_path,
         writes=calibration_paths,
     )
     in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
@@ -88,18 +88,8 @@ class _ScheduleOptions:
         "count:nlopt-bobyqa",
         "default",
         metavar="NAME[:STRATEGY]",
+        reads=schedule_name,
     )
-
-    def check_schedule(self) -> None:
-        """Refuse a schedule that there is none of, and a strategy that is not installed.
-
-        Raises:
-            InputError: says what to do.
-        """
-        name, _, strategy = self.schedule.partition(":")
-        checked_choice(name, ("default", "count"), "--schedule")
-        if strategy:
-            import_module("stereorecal.strategies").check_installed(strategy)
 
 
 @option_group
@@ -166,7 +156,6 @@ class RecalibrateOptions(
         if self.fix in ("exchanged", "turned") and self.ranges:
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
-        self.check_schedule()
 
     def _check_output(self) -> None:
         if self.in_place and self.output is not None:
@@ -234,6 +223,7 @@ class _CameraOptions:
         "instead: running cameras. Numbers (0,1), devices, addresses or GStreamer pipelines (two words); or one that "
         "shows both images side by side",
         metavar="NAME",
+        reads=camera_names,
     )
     synchronous: bool = option("a trigger opens both shutters at once: no delay is estimated", False)
 

@@ -17,7 +17,7 @@ from stereorecal.cli._option_values import (
     yes_or_no,
 )
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group, value_of
-from stereorecal.cli._places import check_calibration, named_inputs, one_file
+from stereorecal.cli._places import calibration_path, named_inputs, one_file, paths
 
 WRITES = "what to write"
 READS = "what to read"
@@ -100,6 +100,7 @@ class ImageOptions(CalibrationFormatOptions):
         "calibration of these images, or of scene folders instead of theirs: one file, or one for each camera (default "
         "for a bag: its camera_info)",
         metavar="FILE",
+        reads=calibration_path,
     )
     tolerance: float | None = option(
         "between the two frames of a pair (default: a quarter of the time between frames; image files are paired by "
@@ -200,7 +201,8 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             if place is not None:
                 check_exists(place, "file or folder")
         if self.calibration is not None:
-            check_calibration(self.calibration, "--calibration")
+            for path in paths(value_of(self, "calibration")):
+                check_exists(path, "file")
 
 
 @option_group
