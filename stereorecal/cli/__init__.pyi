@@ -12,15 +12,14 @@ from ._of_the_library import (
     versions as versions,
 )
 from ._option_values import (
-    degrees_and_fraction as degrees_and_fraction,
-    frame_limit as frame_limit,
-    seed as seed,
+    number_or_all as number_or_all,
 )
 from ._options import (
     CommonOptions as CommonOptions,
     argument as argument,
     option as option,
     option_group as option_group,
+    value_of as value_of,
 )
 from ._output_files import (
     GrowingJson as GrowingJson,
@@ -31,7 +30,6 @@ from ._output_files import (
 from ._places import (
     Place as Place,
     check_places as check_places,
-    places_of as places_of,
     refuse_replacing_inputs as refuse_replacing_inputs,
 )
 from ._shared_options import (

@@ -1,7 +1,7 @@
 """The options of the commands about calibration files."""
 
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._places import check_calibration, check_places
+from stereorecal.cli._places import check_calibration, check_places, one_file
 from stereorecal.cli._shared_options import FORMATS, READS, WRITES, CalibrationOptions, ReportOptions
 
 
@@ -26,7 +26,9 @@ class DiffOptions(_ComparedCalibrations, CalibrationOptions, ReportOptions, Comm
     module = "stereorecal.cli._calibrations:diff"
 
     forms = ("A B",)
-    json: str | None = option("everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=True)
+    json: str | None = option(
+        "everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=one_file
+    )
 
     def check(self) -> None:
         check_places(self.places, force=self.force)

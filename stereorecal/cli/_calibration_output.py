@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal.cli._options import value_of
 from stereorecal.cli._places import (
     CalibrationPath,
     Place,
-    calibration_path,
     check_places,
     paths,
     refuse_replacing_inputs,
@@ -73,7 +73,7 @@ def output_of(
         more = [Place("--in-place", path) for path in files]
         more += [Place("--in-place, which keeps a copy,", next_copy(path)) for path in files]
     elif options.output:
-        place = calibration_path(options.output, "--output")
+        place = value_of(options, "output")
     else:
         return Output()
     check_savable(_probe_rig(rig, free), place)

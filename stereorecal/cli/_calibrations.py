@@ -2,14 +2,13 @@
 converted.
 """
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.cli._calibration_commands import ConvertOptions, DiffOptions
-from stereorecal.cli._option_values import camera_pair
+from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
 from stereorecal.cli._places import Place, calibration_path, check_places, paths, refuse_replacing_inputs
 from stereorecal.cli._shared_options import CalibrationOptions
@@ -30,20 +29,6 @@ from stereorecal.io import (
 from stereorecal.recalibration import Difference, difference
 
 SCHEMA = "stereorecal.difference/1"
-
-
-def image_size(text: str | None) -> tuple[int, int] | None:
-    """ "640x480" as (width, height).
-
-    Raises:
-        InputError: if it is none.
-    """
-    if text is None:
-        return None
-    found = re.fullmatch(r"([1-9]\d{0,6})x([1-9]\d{0,6})", text)
-    if found is None:
-        raise InputError(f"--size is {text!r}; give width and height in pixels, such as 640x480.")
-    return int(found[1]), int(found[2])
 
 
 def says_no_unit(words: str, options: CalibrationOptions) -> bool:
@@ -70,7 +55,7 @@ def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = F
         if rig is None:
             raise InputError(f"{where}: there is no calibration in it; give one that has.")
         return rig
-    size, cameras = image_size(options.size), camera_pair(options.cameras)
+    size, cameras = value_of(options, "size"), value_of(options, "cameras")
     of_other = options.unit is not None and other_says_none and has_own_unit(paths(where), options.format)
     unit = None if of_other else options.unit
     return load_rig(*paths(where), format=options.format, unit=unit, size=size, cameras=cameras)

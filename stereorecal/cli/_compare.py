@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _library_arguments, _option_values
 from stereorecal.cli._executors import executor
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._option_values import strategy_names
+from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import GrowingJson, check_page, deliver, write_json
 from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._signals import FAILURE, INTERRUPTED
@@ -30,10 +30,9 @@ def run(options: CompareOptions) -> int:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     matcher = as_matcher(options.matcher)
     chosen = None if options.strategies is None else load_strategies(strategy_names(options.strategies))
-    drift = Drift(*_option_values.degrees_and_fraction(options.decalibrate, "--decalibrate"))
-    reach = Reach(*_option_values.degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
-    budget, seed = as_budget(options.budget), _option_values.seed(options.seed)
-    free = as_parameters(_library_arguments.free(options.free))
+    drift = Drift(*value_of(options, "decalibrate"))
+    reach = None if options.reach is None else Reach(*value_of(options, "reach"))
+    budget, free = as_budget(options.budget), as_parameters(value_of(options, "free"))
     check_page(options.html, "stereorecal.report.comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
@@ -51,7 +50,7 @@ def run(options: CompareOptions) -> int:
                 scale=1.0 if options.scale is None else options.scale,
                 draws=_DRAWS if options.draws is None else options.draws,
                 budget=budget,
-                seed=seed,
+                seed=options.seed,
                 free=free,
                 executor=pool,
                 progress=progress,
@@ -70,7 +69,7 @@ def run(options: CompareOptions) -> int:
 
 
 def _scenes(options: CompareOptions) -> list[Scene]:
-    limit = _option_values.frame_limit(options.frames, "1")
+    limit = value_of(options, "frames", 1)
     scenes = [load_scene(Path(path), limit=limit) for path in options.scene]
     if options.synthetic or not scenes:
         if limit is None:

@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import Literal, get_args
 
 from stereorecal._errors import InputError, existing_folder
-from stereorecal.cli._option_values import strategy_names
+from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._places import check_places
+from stereorecal.cli._places import check_places, one_file
 from stereorecal.cli._shared_options import (
     FREE,
     READS,
@@ -25,8 +25,8 @@ class _ComparisonOutputOptions:
     """What a comparison writes."""
 
     title = WRITES
-    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=True)
-    html: str | None = option("one page with tables and figures", metavar="FILE", writes=True)
+    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=one_file)
+    html: str | None = option("one page with tables and figures", metavar="FILE", writes=one_file)
 
 
 @option_group
@@ -36,7 +36,7 @@ class _ComparedSceneOptions:
     title = READS
     scene: tuple[str, ...] = option("scene folder (repeatable)", (), metavar="PATH")
     synthetic: _Kind | None = option(f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
-    frames: str | None = option("pairs of each scene, used jointly (default: 1)", metavar="N|all")
+    frames: str | None = option("pairs of each scene, used jointly (default: 1)", metavar="N|all", reads=number_or_all)
 
 
 @option_group
@@ -44,12 +44,16 @@ class _DriftOptions:
     """The drifts of a comparison."""
 
     title = "the drifts, and what may move"
-    decalibrate: str = option("largest drift of each axis", "0.5,0.01", metavar="DEG,FRACTION")
+    decalibrate: str = option(
+        "largest drift of each axis", "0.5,0.01", metavar="DEG,FRACTION", reads=degrees_and_fraction
+    )
     draws: int | None = option("drifts of each scene (default: 2)", metavar="N")
     reach: str | None = option(
-        "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)", metavar="DEG,FRACTION"
+        "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
+        metavar="DEG,FRACTION",
+        reads=degrees_and_fraction,
     )
-    free: str = option(FREE, "extrinsics", metavar="NAME,…")
+    free: str = option(FREE, "extrinsics", metavar="NAME,…", reads=parameter_names)
 
 
 @option_group

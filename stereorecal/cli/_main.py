@@ -32,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: CommonOptions) -> int:
     working = False
     try:
+        options.check_words()
         options.check()
         # Not before: what is only asked for help, or mistyped, does not wait for JAX.
         jax_setup = import_module("stereorecal.cli._jax_setup")

@@ -10,16 +10,10 @@ from pathlib import Path
 from typing import IO, Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _library_arguments
 from stereorecal.cli._live_view import Lines, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_rerun, deliver, written_or_printed
-from stereorecal.cli._places import (
-    Place,
-    check_places,
-    named_inputs,
-    places_of,
-    refuse_replacing_inputs,
-)
+from stereorecal.cli._places import check_places, named_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, hold
@@ -49,11 +43,11 @@ def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
     goes_on = options.state is not None and Path(options.state).exists()
     appended = goes_on and _is_log(options.json)
-    places = _check_places(options, appended)
+    _check_places(options, appended)
     check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
-        scene, pairs = watched(options) if options.camera is None else watched_cameras(options.camera, options)
-    refuse_replacing_inputs(places, {*read, *options.image_inputs, *named_inputs(options.camera)})
+        scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
+    refuse_replacing_inputs(options.places, {*read, *options.image_inputs, *named_inputs(options.camera)})
     assert scene.rig is not None
     if options.output is not None:
         check_savable(scene.rig, options.output)
@@ -169,12 +163,12 @@ def _raise(error: Exception) -> None:
 
 
 def _start(options: MonitorOptions, scene: Scene) -> State:
-    view_options = _library_arguments.view(options.view)
+    view_options = value_of(options, "view", {})
     said: dict[str, Any] = {"repair": not options.once}  # what is not said is as it is by default, or in the state
     if options.synchronous:
         said["synchronous"] = True
     if options.tolerances is not None:
-        said["tolerances"] = _library_arguments.tolerances(options.tolerances)
+        said["tolerances"] = value_of(options, "tolerances")
     if options.state is not None and Path(options.state).exists():
         state = load(options.state, scene.rig)
         if state.config.view != state.config.view | view_options:
@@ -240,15 +234,9 @@ def _shown_steps(options: MonitorOptions, scene: Scene):
         yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else Lines()
 
 
-def _check_places(options: MonitorOptions, appended: bool) -> list[Place]:
-    """The files to be written; what could not be is refused before the work. That of the state is gone on with, and so
-    are the events that were told with it."""
-    for option, what in (("output", "a calibration"), ("state", "a state")):
-        if getattr(options, option) == "-":
-            raise InputError(f"--{option} -: {what} is written to a file; give the name of one.")
-    going_on = ("state", "json") if appended else ("state",)
-    replaced = places_of(options, *(name for name in ("json", "output", "rrd") if name not in going_on))
-    appended_to = places_of(options, *going_on)
-    check_places(replaced, force=options.force)
-    check_places([*replaced, *appended_to], force=True)
-    return [*replaced, *appended_to]
+def _check_places(options: MonitorOptions, appended: bool) -> None:
+    """What could not be written is refused before the work. The state is gone on with, and so are the events that were
+    told with it."""
+    going_on = ("--state", "--json") if appended else ("--state",)
+    check_places([place for place in options.places if place.option not in going_on], force=options.force)
+    check_places(options.places, force=True)

@@ -1,63 +1,152 @@
-"""What options state, parsed with sentences that say what is wrong; nothing here takes time to import."""
+"""What the words of options come to, with sentences that say what is wrong; nothing here takes time to import."""
 
+import re
+from collections.abc import Iterator, Sequence
 from importlib import import_module
+from typing import Any
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
 )
 
 
-def degrees_and_fraction(text: str, option: str) -> tuple[float, float]:
-    """ "DEG,FRACTION"."""
+def degrees_and_fraction(text: str, flag: str) -> tuple[float, float]:
+    """Those of "DEG,FRACTION".
+
+    Raises:
+        InputError: if it is not two numbers.
+    """
     try:
         degrees, fraction = (float(part) for part in text.split(","))
     except ValueError:
         raise InputError(
-            f"{option} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
+            f"{flag} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
         ) from None
     return degrees, fraction
 
 
-def seed(number: int) -> int:
+def seed(number: int, flag: str) -> int:
     """A seed that every generator takes.
 
     Raises:
         InputError: if it is negative or too large.
     """
     if not 0 <= number < 2**32:
-        raise InputError(f"--seed is {number}; give a whole number within 0 and 2^32 - 1.")
+        raise InputError(f"{flag} is {number}; give a whole number within 0 and 2^32 - 1.")
     return number
 
 
-def limit(text: str | None, default: int | None, option: str = "--limit") -> int | None:
-    """A positive number, "all" for None, or the default."""
-    if text is None or text == "all":
-        return default if text is None else None
-    return positive(text, f"{option} is {shortened(text)}; give a positive number or all.")
+def number_or_all(text: str, flag: str) -> int | None:
+    """A positive number, or None for "all".
+
+    Raises:
+        InputError: if it is neither.
+    """
+    return None if text == "all" else positive(text, f"{flag} is {shortened(text)}; give a positive number or all.")
 
 
-def frame_limit(text: str | None, default: str = "all") -> int | None:
-    """That of --frames: a positive number, or None for all."""
-    return limit(default if text is None else text, None, "--frames")
-
-
-def slice_of_pairs(text: str | None) -> slice:
-    """The pairs that --pairs names: "A:B:N" as Python has it, without negative numbers; a number alone is one pair.
+def slice_of_pairs(text: str, flag: str) -> slice:
+    """Of "A:B:N" as Python has it, without negative numbers; a number alone is one pair.
 
     Raises:
         InputError: if it makes no sense, or selects nothing.
     """
-    parts = (text or ":").split(":")
+    such = "give numbers of pairs, from 0 on, such as 10:50 or ::5."
+    parts = text.split(":")
     if len(parts) > 3 or not all(not part or (part.isdecimal() and len(part) < 10) for part in parts):
-        raise InputError(f"--pairs is {shortened(text or '')}; give numbers of pairs, from 0 on, such as 10:50 or ::5.")
+        raise InputError(f"{flag} is {shortened(text)}; {such}")
     first, stop, step = (int(part) if part else None for part in (*parts, "", "")[:3])
     if len(parts) == 1 and first is not None:
         stop = first + 1
     if step == 0 or (stop is not None and stop <= (first or 0)):
-        raise InputError(f"--pairs {text} selects nothing; give numbers of pairs, from 0 on, such as 10:50 or ::5.")
+        raise InputError(f"{flag} {text} selects nothing; {such}")
     return slice(first or 0, stop, step or 1)
+
+
+def yes_or_no(text: str, flag: str) -> bool | None:
+    """That of on and off; None for auto, which leaves it to the library."""
+    return {"auto": None, "on": True, "off": False}[text]
+
+
+def parameter_names(text: str, flag: str) -> list[str]:
+    """Names and groups, comma separated.
+
+    Raises:
+        InputError: if one is empty.
+    """
+    names = [name.strip() for name in text.split(",")]
+    if not all(names):
+        raise InputError(f"{flag} is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
+    return names
+
+
+def tolerances(text: str, flag: str) -> dict[str, object]:
+    """Numbers by name, "distances" several; the library knows which there are.
+
+    Raises:
+        InputError: if one is no number.
+    """
+    found: dict[str, object] = {}
+    for name, value, part in _assigned(text):
+        refusal = f"{flag} has {part}; give NAME=NUMBER, such as harm=0.01, or distances=5:10:30 in baselines."
+        several = name == "distances"
+        found[name] = tuple(_number(n, refusal) for n in value.split(":")) if several else _number(value, refusal)
+    return found
+
+
+def view_arguments(text: str, flag: str) -> dict[str, Any]:
+    """Arguments of `sr.view` by name.
+
+    Raises:
+        InputError: if a name is unknown, or the field is no number.
+    """
+    found: dict[str, Any] = {}
+    for name, value, part in _assigned(text):
+        checked_choice(name, ("projection", "field"), f"argument of {flag}")
+        refusal = f"{flag} has {part}; give degrees, such as field=140."
+        found[name] = _number(value, refusal) if name == "field" else value
+    return found
+
+
+def camera_pair(text: str, flag: str) -> tuple[str, str]:
+    """The left and the right camera.
+
+    Raises:
+        InputError: if it is not two names.
+    """
+    names = [name.strip() for name in text.split(",")]
+    if len(names) != 2 or not all(names):
+        raise InputError(
+            f"{flag} is {shortened(text)}; give the left and the right camera of the file, such as cam1,cam0, or "
+            "right,left to exchange them."
+        )
+    return names[0], names[1]
+
+
+def camera_names(words: Sequence[str], flag: str) -> list[str]:
+    """One name, or two: two words, or one with a comma in it, which a pipeline may have as well.
+
+    Raises:
+        InputError: if there are more.
+    """
+    names = words[0].split(",") if len(words) == 1 and "!" not in words[0] else list(words)
+    if len(names) > 2 or not all(names):
+        raise InputError(f"{flag} is {' '.join(words)!r}; give one name, or two, such as 0,1.")
+    return names
+
+
+def image_size(text: str, flag: str) -> tuple[int, int]:
+    """Width and height of "WxH".
+
+    Raises:
+        InputError: if it is something else.
+    """
+    found = re.fullmatch(r"([1-9]\d{0,6})x([1-9]\d{0,6})", text)
+    if found is None:
+        raise InputError(f"{flag} is {text!r}; give width and height in pixels, such as 640x480.")
+    return int(found[1]), int(found[2])
 
 
 def positive(text: str, refusal: str) -> int:
@@ -76,21 +165,17 @@ def shortened(text: str) -> str:
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
-def camera_pair(text: str | None) -> tuple[str, str] | None:
-    """The left and the right camera of --cameras.
+def schedule_name(text: str, flag: str) -> str:
+    """The name of a schedule, or NAME:STRATEGY.
 
     Raises:
-        InputError: if it is not two names.
+        InputError: if there is none of that name, or the strategy is not installed.
     """
-    if text is None:
-        return None
-    names = [name.strip() for name in text.split(",")]
-    if len(names) != 2 or not all(names):
-        raise InputError(
-            f"--cameras is {shortened(text)}; give the left and the right camera of the file, such as cam1,cam0, or "
-            "right,left to exchange them."
-        )
-    return names[0], names[1]
+    name, _, strategy = text.partition(":")
+    checked_choice(name, ("default", "count"), flag)
+    if strategy:
+        import_module("stereorecal.strategies").check_installed(strategy)
+    return text
 
 
 def strategy_names(text: str) -> list[str]:
@@ -106,3 +191,17 @@ def strategy_names(text: str) -> list[str]:
     for name in names:
         strategies.check_installed(name)
     return list(dict.fromkeys(names))
+
+
+def _assigned(text: str) -> Iterator[tuple[str, str, str]]:
+    """Of "NAME=VALUE,…": each name, its value, and both as they were given."""
+    for part in text.split(","):
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        yield name, value, shortened(part)
+
+
+def _number(text: str, refusal: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(refusal) from None

@@ -6,15 +6,17 @@ last. Its docstring describes the command, and what follows the first paragraph 
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from importlib import import_module
 from inspect import get_annotations
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
-from stereorecal.cli._places import Place, places_of
+from stereorecal._errors import InputError
+from stereorecal.cli._places import Place
 from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
@@ -38,8 +40,9 @@ def option(
     *,
     metavar: str | tuple[str, ...] | None = None,
     flag: str = "",
-    reads: str = "",
-    writes: bool = False,
+    reads: Callable[[Any, str], Any] | None = None,
+    loads: str = "",
+    writes: Callable[[str, str], list[Path]] | None = None,
 ) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
@@ -47,11 +50,13 @@ def option(
     Args:
         help: what `--help` says of it; the default is added where there is one, unless the text names it.
         flag: if it is no "--name-of-the-field".
-        reads: "module:function" that makes of the words what the library's option of this name takes, if it does not
-            take the words; `library_options` calls it.
-        writes: whether it names a file that the command writes; `CommonOptions.places` has them.
+        reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
+            imports nothing that takes time: mistakes are refused at once.
+        loads: "module:function" that does so for the name of a file.
+        writes: makes of the words, and the flag, the files that the command writes; `CommonOptions.places` has them.
+            Only where the metavar says so, "-" is stdout.
     """
-    told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "writes": writes}
+    told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "loads": loads, "writes": writes}
     return field(default=default, metadata=told)
 
 
@@ -91,7 +96,25 @@ class CommonOptions:
     @property
     def places(self) -> list[Place]:
         """The files that are to be written."""
-        return places_of(self, *(name for name, one in self.__dataclass_fields__.items() if one.metadata.get("writes")))
+        found = []
+        for one in self.__dataclass_fields__.values():
+            files, words = one.metadata.get("writes"), getattr(self, one.name)
+            if files and words not in (None, "-"):
+                found += [Place(_flag(one), path) for path in files(words, _flag(one))]
+        return found
+
+    def check_words(self) -> None:
+        """Refuse words that make no sense.
+
+        Raises:
+            InputError: of the first such option.
+        """
+        for name, one in self.__dataclass_fields__.items():
+            told = one.metadata
+            if told.get("writes") and getattr(self, name) == "-" and not told["metavar"].endswith("-"):
+                raise InputError(f"{_flag(one)} - has no meaning: it is written to a file; give the name of one.")
+            if told.get("reads"):
+                value_of(self, name)
 
     def check(self) -> None:
         """Refuse what can be told at once, before the modules are imported that do the work, which takes seconds.
@@ -104,6 +127,26 @@ class CommonOptions:
         """Do the work; returns the exit code."""
         module, _, function = self.module.partition(":")
         return getattr(import_module(module), function or "run")(self)
+
+
+def value_of(options: Any, name: str, default: Any = None) -> Any:
+    """What an option comes to, by its `reads` or `loads`.
+
+    Args:
+        options: a group that has it.
+        default: if it was not given.
+
+    Raises:
+        InputError: if its words make no sense, or its file cannot be read.
+    """
+    words, found = getattr(options, name), options.__dataclass_fields__[name]
+    if words is None:
+        return default
+    if found.metadata["loads"]:
+        module, _, function = found.metadata["loads"].partition(":")
+        return getattr(import_module(module), function)(words)
+    reads = found.metadata["reads"]
+    return words if reads is None else reads(words, _flag(found))
 
 
 class _Help(argparse.HelpFormatter):
@@ -148,9 +191,8 @@ class Parser(argparse.ArgumentParser):
             title = next((vars(kind)["title"] for kind in holders if "title" in vars(kind)), None)
             if title not in groups:
                 groups[title] = self.add_argument_group(title)
-            flag = found.metadata["flag"]
-            names = {} if flag is None else {"dest": name}
-            place = name if flag is None else flag or f"--{name.replace('_', '-')}"
+            by_place = found.metadata["flag"] is None
+            place, names = (name, {}) if by_place else (_flag(found), {"dest": name})
             groups[title].add_argument(place, **names, **_value(found))
 
     def format_help(self) -> str:
@@ -194,6 +236,11 @@ class Parser(argparse.ArgumentParser):
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest
         raise argparse.ArgumentError(None, f"unknown {what} {value!r} ({hint})")
+
+
+def _flag(found: Field[Any]) -> str:
+    """What an option is called on a command line."""
+    return found.metadata["flag"] or f"--{found.name.replace('_', '-')}"
 
 
 def _value(found: Field[Any]) -> dict[str, Any]:

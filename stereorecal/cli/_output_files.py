@@ -51,8 +51,6 @@ def check_page(html: str | None, module: str) -> None:
         return
     with extra("figures", "--html"):
         importlib.import_module(module)
-    if html == "-":
-        raise InputError("--html - has no meaning; give a file.")
 
 
 def check_rerun(options: RerunOptions, module: str) -> None:
@@ -69,8 +67,6 @@ def check_rerun(options: RerunOptions, module: str) -> None:
     with extra("rerun", "--rrd" if options.rrd is not None else "--show"):
         importlib.import_module(module)
         streams = importlib.import_module("stereorecal.report.rerun_streams")
-    if options.rrd == "-":
-        raise InputError("--rrd - has no meaning; give a file.")
     if options.show:
         with as_input_error(streams.NoViewer):
             streams.check_screen()

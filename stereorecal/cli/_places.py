@@ -33,13 +33,27 @@ def paths(where: CalibrationPath) -> list[Path]:
     return list(where) if isinstance(where, tuple) else [where]
 
 
+def one_file(words: str, option: str) -> list[Path]:
+    """The file that an option names."""
+    return [Path(words)]
+
+
+def calibration_paths(words: str | Sequence[str], option: str) -> list[Path]:
+    """The files of the calibration that an option names.
+
+    Raises:
+        InputError: as of `calibration_path`.
+    """
+    return paths(calibration_path(words, option))
+
+
 def check_calibration(words: str | Sequence[str], option: str) -> None:
     """Refuse files that are not there.
 
     Raises:
         InputError: names the first.
     """
-    for path in paths(calibration_path(words, option)):
+    for path in calibration_paths(words, option):
         check_exists(path, "file")
 
 
@@ -52,12 +66,6 @@ class Place:
 
     def __str__(self) -> str:
         return f"{self.option} {self.path}"
-
-
-def places_of(options: object, *names: str) -> list[Place]:
-    """The files that these options name; stdout ("-") is none."""
-    named = [(f"--{name}", getattr(options, name, None)) for name in names]
-    return [Place(option, Path(text)) for option, text in named if text is not None and text != "-"]
 
 
 def check_places(places: Sequence[Place], *, force: bool) -> None:

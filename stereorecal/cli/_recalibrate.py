@@ -12,7 +12,8 @@ from stereorecal._run_all import Progress
 from stereorecal._version import versions
 from stereorecal.cli import _calibration_output
 from stereorecal.cli._executors import executor
-from stereorecal.cli._library_arguments import library_options, settings_as_json, view
+from stereorecal.cli._library_arguments import library_options, settings_as_json
+from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_page, check_rerun, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
@@ -172,7 +173,7 @@ def _saving(
             print(f"{output.prior_path}: written, what is known of it")
 
     def save_seen(maps: str) -> None:
-        how = (maps, options.force, view(options.view))
+        how = (maps, options.force, value_of(options, "view"))
         initial = "" if accepted else " for the initial calibration"
         step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli import _option_values
-from stereorecal.cli._places import calibration_path
+from stereorecal.cli._options import value_of
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions, folders_of
 from stereorecal.cli._streams import say
@@ -135,13 +134,14 @@ def _with_calibration(scene: Scene, options: RecordingOptions) -> Scene:
     """The scene with the calibration of --calibration, if there is one."""
     if options.calibration is None:
         return scene
-    calibration = calibration_path(options.calibration, "--calibration")
-    return replace(scene, rig=load_rig(calibration, size=scene.pairs[0].size, **_how_read(options)))
+    return replace(
+        scene, rig=load_rig(value_of(options, "calibration"), size=scene.pairs[0].size, **_how_read(options))
+    )
 
 
 def _how_read(options: RecordingOptions) -> dict[str, Any]:
     """How a calibration is read, as `load_rig` takes it."""
-    return {"format": options.format, "unit": options.unit, "cameras": _option_values.camera_pair(options.cameras)}
+    return {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
 
 
 def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
@@ -182,8 +182,7 @@ def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
             raise InputError("--format and --cameras belong to --calibration; leave them out.")
         scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
         return Recordings([scene], tuple(absent), *pairing)
-    calibration = calibration_path(options.calibration, "--calibration")
-    scene = calibrated_scene(str(place), pairs, calibration, **_how_read(options))
+    scene = calibrated_scene(str(place), pairs, value_of(options, "calibration"), **_how_read(options))
     return Recordings([scene], tuple(absent), *pairing)
 
 
@@ -192,7 +191,7 @@ def _selected(
 ) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
     """The pairs that --pairs and --limit select, read; and (frames, reason) of the others."""
     wanted = _wanted(pairs, options, about)
-    limit = _option_values.limit(options.limit, MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
+    limit = value_of(options, "limit", MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
     chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
     return chosen, (
         *left_out_pairs(pairs, wanted, "outside of --pairs"),
@@ -223,7 +222,7 @@ def _unpaired_frames(unpaired: Sequence[str]) -> list[tuple[str, str]]:
     return [(name, why) for name in unpaired[:_FEW]] + more
 
 
-def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:
+def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:
     """A scene of the calibration and the first pair of the cameras; and all their pairs, as they come.
 
     Raises:
@@ -235,7 +234,7 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
         raise InputError("--camera needs --calibration, the file of the rig.")
     if options.tolerance is not None and not options.tolerance >= 0.0:
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
-    names = camera_names(cameras)
+    names = value_of(options, "camera")
     wanted = options.stretch()
     coming = camera_pairs(names, options.tolerance)
     before: list[Pair | Images] = []
@@ -247,22 +246,8 @@ def watched_cameras(cameras: Sequence[str], options: MonitorOptions) -> tuple[Sc
                 return (pair,)
         raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
 
-    calibration = calibration_path(options.calibration, "--calibration")
-    how = {"format": options.format, "unit": options.unit}
-    chosen = _option_values.camera_pair(options.cameras)
-    scene = calibrated_scene(f"camera {' and '.join(names)}", first, calibration, **how, cameras=chosen)
+    name, calibration = f"camera {' and '.join(names)}", value_of(options, "calibration")
+    scene = calibrated_scene(name, first, calibration, **_how_read(options))
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
     return scene, islice(chain(before, coming), wanted.start, wanted.stop, wanted.step)
-
-
-def camera_names(words: Sequence[str]) -> list[str]:
-    """One name, or two: two words, or one with a comma in it, which a pipeline may have as well.
-
-    Raises:
-        InputError: if there are more.
-    """
-    names = words[0].split(",") if len(words) == 1 and "!" not in words[0] else list(words)
-    if len(names) > 2 or not all(names):
-        raise InputError(f"--camera is {' '.join(words)!r}; give one name, or two, such as 0,1.")
-    return names

@@ -1,14 +1,13 @@
 """The options of the commands that repair a rig, check it and watch it."""
 
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
-from stereorecal._errors import InputError, checked_choice
-from stereorecal.cli._option_values import degrees_and_fraction
+from stereorecal._errors import InputError
+from stereorecal.cli._option_values import camera_names, parameter_names, schedule_name
 from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
-from stereorecal.cli._places import Place, calibration_path, check_places, paths
+from stereorecal.cli._places import calibration_path, calibration_paths, check_places, one_file
 from stereorecal.cli._shared_options import (
     DEPTH,
     FREE,
@@ -37,14 +36,16 @@ class _CalibrationOutputOptions:
         "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
         "each camera has a file)",
         metavar="FILE",
+        reads=calibration_path,
+        writes=calibration_paths,
     )
     in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
     maps: str | None = option(
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
-        writes=True,
+        writes=one_file,
     )
-    html: str | None = option("one page with pictures", metavar="FILE", writes=True)
+    html: str | None = option("one page with pictures", metavar="FILE", writes=one_file)
 
 
 @option_group
@@ -55,7 +56,7 @@ class _FreeOptions:
     free: str | None = option(
         f"{FREE} (default: all that the calibration file can hold)",
         metavar="NAME,…",
-        reads="stereorecal.cli._library_arguments:free",
+        reads=parameter_names,
     )
 
 
@@ -68,12 +69,12 @@ class _RangeOptions:
         "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
         "gaps above 1.1 s are not used",
         metavar="FILE",
-        reads="stereorecal.io:load_odometer",
+        loads="stereorecal.io:load_odometer",
     )
     ranges: str | None = option(
         "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
         metavar="FILE",
-        reads="stereorecal.io:load_ranges",
+        loads="stereorecal.io:load_ranges",
     )
 
 
@@ -87,18 +88,8 @@ class _ScheduleOptions:
         "count:nlopt-bobyqa",
         "default",
         metavar="NAME[:STRATEGY]",
+        reads=schedule_name,
     )
-
-    def check_schedule(self) -> None:
-        """Refuse a schedule that there is none of, and a strategy that is not installed.
-
-        Raises:
-            InputError: says what to do.
-        """
-        name, _, strategy = self.schedule.partition(":")
-        checked_choice(name, ("default", "count"), "--schedule")
-        if strategy:
-            import_module("stereorecal.strategies").check_installed(strategy)
 
 
 @option_group
@@ -150,12 +141,6 @@ class RecalibrateOptions(
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
 
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written."""
-        files = [] if self.output is None else paths(calibration_path(self.output, "--output"))
-        return [Place("--output", path) for path in files] + super().places
-
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """The prior of the recordings with these rigs; another distribution may know more of them."""
         return self.prior
@@ -171,8 +156,6 @@ class RecalibrateOptions(
         if self.fix in ("exchanged", "turned") and self.ranges:
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
         self._check_output()
-        degrees_and_fraction(self.reach, "--reach")
-        self.check_schedule()
 
     def _check_output(self) -> None:
         if self.in_place and self.output is not None:
@@ -186,8 +169,6 @@ class RecalibrateOptions(
             )
         if self.in_place and len(self.scenes) > 1:
             raise InputError("--in-place takes one recording; give one, or --output.")
-        if self.output == "-" or self.maps == "-":
-            raise InputError("a calibration is written to a file; give the name of one.")
         check_places(self.places, force=self.force)
         if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
             raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
@@ -221,11 +202,14 @@ class _WatchOutputOptions:
     output: str | None = option(
         "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
         metavar="FILE",
+        writes=one_file,
     )
     json: str | None = option(
-        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-"
+        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-", writes=one_file
     )
-    state: str | None = option("the state of the watch; a file that exists is continued", metavar="FILE")
+    state: str | None = option(
+        "the state of the watch; a file that exists is continued", metavar="FILE", writes=one_file
+    )
     force: bool = option("replace existing files of --output, --rrd and --json (not a log that is continued)", False)
     quiet: bool = option("show nothing; only the exit code", False)
 
@@ -239,6 +223,7 @@ class _CameraOptions:
         "instead: running cameras. Numbers (0,1), devices, addresses or GStreamer pipelines (two words); or one that "
         "shows both images side by side",
         metavar="NAME",
+        reads=camera_names,
     )
     synchronous: bool = option("a trigger opens both shutters at once: no delay is estimated", False)
 

@@ -5,9 +5,19 @@ from pathlib import Path
 from typing import Literal
 
 from stereorecal._errors import InputError, check_exists, existing_folder
-from stereorecal.cli._option_values import limit, slice_of_pairs
-from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group
-from stereorecal.cli._places import check_calibration, named_inputs
+from stereorecal.cli._option_values import (
+    camera_pair,
+    degrees_and_fraction,
+    image_size,
+    number_or_all,
+    seed,
+    slice_of_pairs,
+    tolerances,
+    view_arguments,
+    yes_or_no,
+)
+from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group, value_of
+from stereorecal.cli._places import calibration_path, named_inputs, one_file, paths
 
 WRITES = "what to write"
 READS = "what to read"
@@ -20,7 +30,6 @@ FORMATS = (
     "opencv, ros, kalibr, kitti-raw, kitti-odometry, middlebury, euroc, basalt, depthai, boofcv, stereorecal, matlab, "
     "mrcal, vins, orbslam, foundationstereo, zed, realsense, camera_info"
 )
-_READERS = "stereorecal.cli._library_arguments"
 _LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, EuRoC, or one of a plug-in"
 
 
@@ -29,7 +38,7 @@ class ReportOptions:
     """What a command reports, and where."""
 
     title = WRITES
-    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=True)
+    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=one_file)
     force: bool = option("replace existing files, but none that is read", False)
     quiet: bool = option("no progress and no report", False)
 
@@ -44,7 +53,9 @@ class RerunOptions:
     """Pictures for Rerun's viewer."""
 
     title = WRITES
-    rrd: str | None = option("a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=True)
+    rrd: str | None = option(
+        "a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=one_file
+    )
     show: bool = option("open the pictures in Rerun's viewer", False)
 
 
@@ -61,6 +72,7 @@ class CalibrationFormatOptions:
         "the left and the right one of a file that has more, or the right one first: cam2,cam3, cam1,cam0, or in any "
         "format right,left",
         metavar="L,R",
+        reads=camera_pair,
     )
 
 
@@ -69,7 +81,7 @@ class CalibrationOptions(CalibrationFormatOptions):
     """How a calibration file without images is read."""
 
     title = READS
-    size: str | None = option("of the images, if the calibration states none", metavar="WxH")
+    size: str | None = option("of the images, if the calibration states none", metavar="WxH", reads=image_size)
 
 
 @option_group
@@ -88,6 +100,7 @@ class ImageOptions(CalibrationFormatOptions):
         "calibration of these images, or of scene folders instead of theirs: one file, or one for each camera (default "
         "for a bag: its camera_info)",
         metavar="FILE",
+        reads=calibration_path,
     )
     tolerance: float | None = option(
         "between the two frames of a pair (default: a quarter of the time between frames; image files are paired by "
@@ -107,30 +120,20 @@ class PairOptions:
 
     title = "which pairs"
     pairs: str | None = option(
-        "a pair, or a slice of them: 7, 10:50, 100: or ::5, every fifth (default: all)", metavar="A:B:N"
+        "a pair, or a slice of them: 7, 10:50, 100: or ::5, every fifth (default: all)",
+        metavar="A:B:N",
+        reads=slice_of_pairs,
     )
     limit: str | None = option(
         "of those the N with the most texture, one from each Nth part (default: 24 of a video, a bag or more than 100 "
         "pairs, else all; of monitor all)",
         metavar="N|all",
+        reads=number_or_all,
     )
 
     def stretch(self) -> slice:
-        """The pairs that --pairs selects.
-
-        Raises:
-            InputError: if it makes no sense.
-        """
-        return slice_of_pairs(self.pairs)
-
-    def check_pairs(self) -> None:
-        """Refuse numbers of pairs that make no sense.
-
-        Raises:
-            InputError: says what to do.
-        """
-        self.stretch()
-        limit(self.limit, None)
+        """The pairs that --pairs selects."""
+        return value_of(self, "pairs", slice(0, None, 1))
 
 
 @option_group
@@ -165,7 +168,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
     forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
 
     def check_recordings(self) -> None:
-        """Refuse recordings that are named incompletely, or are not there, and numbers of pairs that make no sense.
+        """Refuse recordings that are named incompletely, or are not there.
 
         Raises:
             InputError: says what to do.
@@ -192,14 +195,14 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
         if begun and missing:
             needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
             raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
-        self.check_pairs()
         for folder in (folder for scene in self.scenes for folder in folders_of(scene)):
             existing_folder(folder)
         for place in (self.bag,) if self.bag else (self.left, self.right, self.side_by_side):
             if place is not None:
                 check_exists(place, "file or folder")
         if self.calibration is not None:
-            check_calibration(self.calibration, "--calibration")
+            for path in paths(value_of(self, "calibration")):
+                check_exists(path, "file")
 
 
 @option_group
@@ -219,7 +222,7 @@ class ViewOptions(MatcherOptions):
         "the rectified images, as of sr.view: projection=pinhole or equirectangular, field=DEGREES (default: pinhole; "
         "equirectangular for lenses that are too wide for it)",
         metavar="NAME=VALUE,…",
-        reads=f"{_READERS}:view",
+        reads=view_arguments,
     )
 
 
@@ -232,7 +235,7 @@ class ToleranceOptions:
         "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, leaves, better, harm, predicts, good_rows_px, "
         "good_surely; distances=5:10:30 in baselines",
         metavar="NAME=N,…",
-        reads=f"{_READERS}:tolerances",
+        reads=tolerances,
     )
 
 
@@ -257,7 +260,7 @@ class MotionOptions:
         "use the motion of the rig between pairs: auto (if times are known and at most 0.5 s apart), on (pairs are "
         "consecutive), off (default: auto)",
         "auto",
-        reads=f"{_READERS}:motion",
+        reads=yes_or_no,
     )
 
 
@@ -283,7 +286,9 @@ class ReachOptions:
     """How far a search goes."""
 
     title = RIG
-    reach: str = option("how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION", reads=f"{_READERS}:reach")
+    reach: str = option(
+        "how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION", reads=degrees_and_fraction
+    )
 
 
 @option_group
@@ -297,4 +302,4 @@ class ExecutorOptions:
 class WorkerOptions(ExecutorOptions):
     """Who does the work, and with which random numbers."""
 
-    seed: int = option("same seed, same result", 0, metavar="N")
+    seed: int = option("same seed, same result", 0, metavar="N", reads=seed)

@@ -14,7 +14,7 @@ from stereorecal.recalibration._matcher_loss import matcher_loss
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
 from stereorecal.recalibration._result import AbstractResult
-from stereorecal.report.number_text import short_list
+from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
 
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
@@ -27,65 +27,105 @@ _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspe
 
 @dataclass(frozen=True)
 class Fact:
-    """A remark on a solution.
+    """One thing to say of a solution.
 
     Attributes:
-        about: which remark it is.
-        text: for lines of text; "": none.
-        heading: of its line; "": none.
-        sentence: for a page, where its place is not beside a table or a figure that says the same; "": none.
+        heading: of its line of text; "": none.
+        text: of its line; "": it has none.
+        sentence: for a page, where no table or figure says the same; "": none.
     """
 
-    about: str
+    heading: str
     text: str
-    heading: str = ""
     sentence: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.heading:<8} {self.text}" if self.heading else self.text
+
+
+def repair_text(solution: AbstractResult) -> str:
+    """All that is printed of it; of a candidate that was not taken, only why."""
+    lines = [solution.verdict, solution.advice, *(str(fact) for fact in facts_of(solution) if fact.text)]
+    return "\n".join(lines)
 
 
 def facts_of(solution: AbstractResult) -> Iterator[Fact]:
-    """All remarks, in the order in which a text has them."""
+    """All that there is to say beside the verdict and what to do, in the order in which texts and pages have it."""
     estimate, use, known = solution.estimate, solution.prior_use, solution.uncertainty
+    yield Fact("matched", _matched(solution))
+    yield from _epipolar(solution)
     yield from _matchers(solution)
     yield from _depth(solution)
+    yield from map(_axis, changed_axes(solution)) if solution.accepted else ()
     if solution.view.projection != PINHOLE:
-        yield Fact("view", str(solution.view), "view")
+        yield Fact("view", str(solution.view))
     for doubt in doubts(solution.initial):
-        yield Fact("doubt", doubt, "check")
+        yield Fact("check", doubt)
     if use is not None and str(use) not in (DEFAULT, EXACT):
-        yield Fact("prior", str(use), "prior")
+        yield Fact("prior", str(use))
     if solution.misfit is not None:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
         if solution.intrinsics.changed:
             text = f"{text}; use all new values together, or keep the intrinsics with --free extrinsics"
-        yield Fact("intrinsics", text, sentence=_sentence(text))
+        yield Fact("", text, _sentence(text))
     if solution.ranges is not None:
-        yield Fact("ranges", str(solution.ranges), "ranges", f"Of the ranges {solution.ranges}.")
+        yield Fact("ranges", str(solution.ranges), f"Of the ranges {solution.ranges}.")
     if estimate is not None and estimate.windows:
         text = motion_text(estimate)
-        yield Fact("motion", text, "motion", f"Motion: {text}.")
+        yield Fact("motion", text, f"Motion: {text}.")
     if estimate is not None and solution.settings.odometer is not None:
         text = odometer_text(estimate)
-        yield Fact("odometer", text, "odometer", f"Odometer: {text}.")
+        yield Fact("odometer", text, f"Odometer: {text}.")
     if solution.left_out:
         out, names = len(solution.left_out), ", ".join(solution.left_out)
         sentence = f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below."
-        yield Fact("left out", f"left out, since they disagree with the others: {names}", sentence=sentence)
+        yield Fact("", f"left out, since they disagree with the others: {names}", sentence)
     if solution.disagreeing:
-        yield Fact("disagreeing", f"these disagree with others: {', '.join(solution.disagreeing)}")
+        yield Fact("", f"these disagree with others: {', '.join(solution.disagreeing)}")
     if known is not None and known.undetermined:
         text = f"not determined by these images: {short_list(known.undetermined, '; ')}"
         assumed = "Their values are mostly assumed: that they changed little."
-        yield Fact("undetermined", text, sentence=f"{_sentence(text)} {assumed}")
+        yield Fact("", text, f"{_sentence(text)} {assumed}")
     if solution.expected is not None:
         yield from _corners(solution)
     if solution.leaves_epipolar_error:
-        yield Fact("error left", _EPIPOLAR_ERROR_LEFT, "check", _sentence(_EPIPOLAR_ERROR_LEFT))
+        yield Fact("check", _EPIPOLAR_ERROR_LEFT, _sentence(_EPIPOLAR_ERROR_LEFT))
+    if solution.searched:
+        yield Fact("search", f"{solution.message} ({solution.evaluations} evaluations, {solution.seconds:.1f} s)")
 
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
+
+
+def _matched(solution: AbstractResult) -> str:
+    """The count, and how far the rows of matches differ; before and after a repair."""
+    before, after, rows = solution.score_before, solution.score_after, solution.row_errors
+    if not solution.accepted:
+        differ = "" if rows is None else f"; their rows differ by {rows.before:.2f} px in the median"
+        return f"{before}{differ}"
+    counts = f"{count(before.count)} -> {count(after.count)} of {count(before.pixels)} pixels"
+    shares = f"{100 * before.fraction:.1f} -> {100 * after.fraction:.1f} %"
+    differ = "" if rows is None else f"; their rows differ by {rows.before:.2f} -> {rows.after:.2f} px in the median"
+    return f"{counts} ({shares}){differ}"
+
+
+def _epipolar(solution: AbstractResult) -> Iterator[Fact]:
+    """The epipolar error, of the calibration to use with its interval."""
+    if solution.decision is None or not solution.reason.healthy:
+        return
+    rows = solution.decision.rows_px
+    value, low, high = rows[int(solution.accepted)]
+    before = f"{rows[0, 0]:.2f} -> " if solution.accepted else ""
+    yield Fact("epipolar", f"{before}{value:.2f} px ({low:.2f} to {high:.2f}) where the images show something")
+
+
+def _axis(axis: Change) -> Fact:
+    unit = "deg" if axis.unit == "°" else axis.unit
+    text = f"{axis.before:+z9.3f} -> {axis.after:+z9.3f} {unit:<3} changed by {axis.change:+z8.3f}"
+    return Fact(axis.name, text if axis.half_width is None else f"{text} ± {axis.half_width:.3f}")
 
 
 def _misfit(solution: AbstractResult, misfit: Misfit) -> Fact:
@@ -97,7 +137,7 @@ def _misfit(solution: AbstractResult, misfit: Misfit) -> Fact:
         sentence = f"{whose}: {text}."
     if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
         text = f"the lens model does not fit; {misfit.alike:.2f} px of the epipolar error are systematic"
-    return Fact("misfit", text, "misfit", sentence)
+    return Fact("misfit", text, sentence)
 
 
 def _corners(solution: AbstractResult) -> Iterator[Fact]:
@@ -107,21 +147,21 @@ def _corners(solution: AbstractResult) -> Iterator[Fact]:
     shown, view = (px[int(solution.accepted), 0] for px in (solution.decision.rows_px, solution.decision.view_px))
     if view > max(2.0 * shown, solution.settings.tolerances.good_rows_px):
         text = f"epipolar error {view:.2f} px over the whole view, most of it where nothing matched"
-        yield Fact("corners", text, "corners")
+        yield Fact("corners", text)
 
 
 def _depth(solution: AbstractResult) -> Iterator[Fact]:
     """The errors of depth, before a repair and after."""
     for before, after in zip(solution.depth_before, solution.depth, strict=True):
         change = f"{before}, now {after}" if solution.accepted else str(after)
-        yield Fact("depth", f"error at {after.where} {change}", "depth")
+        yield Fact("depth", f"error at {after.where} {change}")
     if not solution.accepted:
         return
     if solution.decision is not None and solution.decision.depth_corrected < 1.0:
         how = "corrected as far as is safe" if solution.decision.depth_corrected else "kept as it was calibrated"
-        yield Fact("depth kept", f"{how}; frames in motion, or ranges, determine it", "depth")
+        yield Fact("depth", f"{how}; frames in motion, or ranges, determine it")
     if solution.estimate is None:
-        yield Fact("depth", f"was off: {solution.difference.depth_text}", "depth")
+        yield Fact("depth", f"was off: {solution.difference.depth_text}")
 
 
 def _matchers(solution: AbstractResult) -> Iterator[Fact]:
@@ -131,7 +171,7 @@ def _matchers(solution: AbstractResult) -> Iterator[Fact]:
         return
     both = (estimate.chart.coordinates_of(rig) for rig in (solution.initial, solution.rig))
     told = dict.fromkeys(matcher_loss(*estimate.rows_seen(theta)) for theta in both)
-    yield Fact("matchers", "; now ".join(told), "matchers")
+    yield Fact("matchers", "; now ".join(told))
 
 
 def changed_axes(solution: AbstractResult) -> list[Change]:

@@ -24,7 +24,6 @@ from stereorecal.strategies import origin_of
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 _NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
-_REMARKS = ("left out", "misfit", "undetermined", "intrinsics", "ranges", "motion", "odometer", "error left")
 _SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
@@ -52,7 +51,6 @@ def report_of(
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
     found, rows, frame, way = solution.found, None, 0, None
-    remarks = {fact.about: fact.sentence for fact in facts_of(solution)}
     telling = solution.reason not in _SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
@@ -84,7 +82,7 @@ def report_of(
             *_frames(solution, matched),
             *((what, "not used", why) for what, why in (*absent, *_not_matched(solution, len(pairs)))),
         ],
-        remarks=[remarks[about] for about in _REMARKS if remarks.get(about)] if telling else (),
+        remarks=[fact.sentence for fact in facts_of(solution) if fact.sentence] if telling else (),
         command=command,
         settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),

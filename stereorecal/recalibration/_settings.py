@@ -8,7 +8,7 @@ from typing import Any, TypedDict
 from stereorecal._errors import InputError
 from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_prior
-from stereorecal.geometry import AnyView
+from stereorecal.geometry import AnyView, checked_view_arguments
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._depth_errors import Distance, as_distances, distance_text
@@ -95,6 +95,10 @@ def _prior(given: Prior) -> Prior:
     return given
 
 
+def _view(given: AnyView) -> AnyView:
+    return checked_view_arguments(given) if isinstance(given, Mapping) else given
+
+
 def _as_given(value: Any) -> Any:
     return value
 
@@ -115,7 +119,7 @@ class Settings:
     schedule: Schedule = field(metadata=_by(as_schedule))
     reach: Reach = field(metadata=_by(as_reach))
     budget: Budget = field(metadata=_by(as_budget))
-    view: AnyView = field(metadata=_by(_as_given))
+    view: AnyView = field(metadata=_by(_view))
     seed: int = field(metadata=_by(lambda seed: seed or 0))
     free: Parameters = field(metadata=_by(as_parameters))
     ranges: tuple[Range, ...] = field(metadata=_by(as_ranges))

@@ -7,7 +7,7 @@ from typing import Any
 
 from stereorecal._errors import as_input_error, extra
 from stereorecal.recalibration._as_dict import solution_as_dict
-from stereorecal.recalibration._repair_text import repair_text
+from stereorecal.recalibration._facts import repair_text
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recordings import Pairs, as_pairs
 

@@ -15,15 +15,13 @@ from stereorecal.cli import (
     GrowingJson,
     check_page,
     check_places,
-    degrees_and_fraction,
     deliver,
     executor,
-    frame_limit,
     progress_bar,
     refuse_replacing_inputs,
     say,
-    seed,
     table_console,
+    value_of,
     write_json,
 )
 from stereorecal.io import files_read, json_text, parse_json, read_json
@@ -51,7 +49,7 @@ def run(options: JudgeOptions) -> int:
     _check_options(options)
     judges = [*(RENDERED if options.preset else ()), *options.judge]
     draws = _draws(options)
-    reach = Reach(*degrees_and_fraction(options.reach, "--reach")) if options.reach is not None else None
+    reach = None if options.reach is None else Reach(*value_of(options, "reach"))
     matcher = as_matcher(options.matcher)
     methods = methods_of(None if options.strategies in (None, "all") else options.strategies.split(","))
     check_page(options.html, "stereorecal_field.table._field_page")
@@ -127,15 +125,15 @@ def _draws(options: JudgeOptions) -> Draws:
         if options.draws < 1:
             raise InputError(f"--draws is {options.draws}; give 1 or more.")
         chosen = replace(chosen, number=options.draws, rides=options.draws)
-    degrees, fraction = degrees_and_fraction(options.decalibrate, "--decalibrate")
-    frames = frame_limit(options.frames, "1")
+    degrees, fraction = value_of(options, "decalibrate")
+    frames = value_of(options, "frames", 1)
     if frames is None:
         raise InputError("--frames all has no meaning for judges that are rendered; give a number.")
     if options.square is not None and not (math.isfinite(options.square) and options.square > 0.0):
         raise InputError(f"--square is {options.square}; give metres, such as 0.03.")
     return replace(
         chosen,
-        seed=seed(options.seed),
+        seed=options.seed,
         degrees=degrees,
         baseline_fraction=fraction,
         frames=frames,

@@ -8,15 +8,13 @@ from stereorecal.cli import (
     FAILURE,
     INTERRUPTED,
     checked_choice,
-    degrees_and_fraction,
     deliver,
     executor,
-    frame_limit,
     progress_bar,
     refuse_replacing_inputs,
     say,
-    seed as as_seed,
     table_console,
+    value_of,
     write_json,
 )
 from stereorecal.io import files_read, load_log
@@ -40,8 +38,7 @@ def run(options: ReproduceOptions) -> int:
     """Run, save, print; returns the exit code."""
     chosen = [checked_choice(name, [*EXPERIMENTS, _ALL], "experiment") for name in options.experiments]
     experiments = list(EXPERIMENTS) if _ALL in chosen else list(dict.fromkeys(chosen))
-    reach = Reach(*degrees_and_fraction(options.reach, "--reach"))
-    seed, limit = as_seed(options.seed), frame_limit(options.frames, "10")
+    reach = Reach(*value_of(options, "reach"))
     if options.frames is not None and options.log is None:
         raise InputError("--frames belongs to --log; leave it out, or give a log.")
     schedules = SCHEDULES if options.schedule == "both" else (options.schedule,)
@@ -49,7 +46,7 @@ def run(options: ReproduceOptions) -> int:
     methods(schedules, options.strategy)  # what is not installed is said before a log is rendered
     with executor(options.executor) as workers:
         with files_read() as read:
-            log = _log(options, seed, limit)
+            log = _log(options)
         folder = Path(options.output or f"reproduced/{log.name.rpartition('/')[2]}")
         refuse_replacing_inputs(options.places, [*read, *store_files(folder)])
         for place in options.places:
@@ -64,7 +61,7 @@ def run(options: ReproduceOptions) -> int:
                 matcher=matcher,
                 extent=QUICK if options.quick else Extent(),
                 reach=reach,
-                seed=seed,
+                seed=options.seed,
                 output=folder,
                 executor=workers,
                 progress=progress,
@@ -94,8 +91,8 @@ def _show(data: dict[str, Any], options: ReproduceOptions) -> None:
         table_console(_WIDE).print(experiment_tables(data))
 
 
-def _log(options: ReproduceOptions, seed: int, limit: int | None) -> Log:
+def _log(options: ReproduceOptions) -> Log:
     if options.log is not None:
-        return load_log(Path(options.log), limit)
+        return load_log(Path(options.log), value_of(options, "frames", 10))
     with progress_bar(options.quiet, "rendering") as progress:
-        return synthetic_log(seed, quick=options.quick, progress=progress)
+        return synthetic_log(options.seed, quick=options.quick, progress=progress)

@@ -11,16 +11,15 @@ from stereorecal.cli import (
     WRITES,
     CommonOptions,
     MatcherOptions,
-    Place,
     ReachOptions,
     ReportOptions,
     WorkerOptions,
     argument,
     check_places,
     existing_folder,
+    number_or_all,
     option,
     option_group,
-    places_of,
 )
 
 
@@ -41,7 +40,9 @@ class _ExperimentOptions:
         "validity, repair, generalise, ex-nihilo, sequential, all (default: all)", ("all",), metavar="EXPERIMENT"
     )
     log: str | None = option("folder of missions (layouts: page Your data)", metavar="DIR")
-    frames: str | None = option("first pairs of each sequence of --log (default: 10)", metavar="N|all")
+    frames: str | None = option(
+        "first pairs of each sequence of --log (default: 10)", metavar="N|all", reads=number_or_all
+    )
     quick: bool = option("a small log, few pairs: does everything work?", False)
 
 
@@ -78,11 +79,6 @@ class ReproduceOptions(
     module = "stereorecal_paper._command"
 
     forms = ("[EXPERIMENT …]",)
-
-    @property
-    def places(self) -> list[Place]:
-        """All files that are to be written, but those of the folder."""
-        return places_of(self, "json")
 
     def check(self) -> None:
         if self.log is not None:
