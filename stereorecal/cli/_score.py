@@ -43,7 +43,8 @@ def run(options: ScoreOptions) -> int:
         hold()
     except KeyboardInterrupt:
         interrupted = True
-    rows = [_row(scene, found) for scene, found in zip(scenes, looked, strict=False)]
+    told = zip(scenes, looked, strict=False) if options.json or len(looked) > 1 else ()  # a text needs no data
+    rows = [_row(scene, found) for scene, found in told]
     if any(isinstance(found, Solution) for found in looked):
         content = {**_about_all(options, settings), "interrupted": interrupted, "scenes": rows}
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))

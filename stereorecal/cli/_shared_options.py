@@ -17,7 +17,7 @@ from stereorecal.cli._option_values import (
     yes_or_no,
 )
 from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group, value_of
-from stereorecal.cli._places import calibration_path, named_inputs, one_file, paths
+from stereorecal.cli._places import calibration_path, check_calibration, named_inputs, one_file
 
 WRITES = "what to write"
 READS = "what to read"
@@ -201,8 +201,7 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             if place is not None:
                 check_exists(place, "file or folder")
         if self.calibration is not None:
-            for path in paths(value_of(self, "calibration")):
-                check_exists(path, "file")
+            check_calibration(self.calibration, "--calibration")
 
 
 @option_group

@@ -11,7 +11,7 @@ from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._motion_report import motion_as_dict
-from stereorecal.recalibration._result import AbstractResult
+from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._stages import StageRun
 from stereorecal.scoring.host import Score
 
@@ -47,7 +47,7 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
                 "used": _extrinsics(solution.rig),
             },
             "change": _by_axis(AXES, [*np.degrees(solution.change[:3]), *(100 * solution.change[3:] / baseline)]),
-            "main_axes": list(solution.main_axes),
+            "main_axes": solution.main_axes if solution.condition is Condition.REPAIR else (),
             "interval_95": known and _by_axis(known.names, known.interval),
             "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
             "observed": known and dict(zip(known.names, known.observed, strict=True)),

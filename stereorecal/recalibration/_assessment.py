@@ -45,7 +45,6 @@ class Assessment:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         excluded: numbers of the frames that show another rig than the others.
         matching_cost: units that matching again took.
-        covered_first: share of the image that the first matches cover, under the rig that a stage began from.
         mismatch: why the images cannot be of this rig; None: they can, or nobody asked.
     """
 
@@ -58,7 +57,6 @@ class Assessment:
     tiles: Int[np.ndarray, "2 k tiles"]
     excluded: tuple[int, ...]
     matching_cost: float
-    covered_first: float
     mismatch: Mismatch | None = None
 
     @property
@@ -120,20 +118,21 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = (again + fewer) * case.images.at(run.scale).cost
-    return Assessment(
-        used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost, run.covered_first
-    )
+    return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
 
 
-def without_mismatch(case: Case, assessment: Assessment) -> Assessment:
+def without_mismatch(case: Case, assessment: Assessment, covered_first: float) -> Assessment:
     """The same, unless the images cannot be of this rig.
+
+    Args:
+        covered_first: of the stage that it is of.
 
     Raises:
         InputError: if they are certainly no left and right image of it.
     """
     # A candidate that is refused may match by what it should not change, and a K of another size be bent to match.
     best, likely = assessment.seen.covered, assessment.reason.healthy and not ratios_of_sizes(case.rig)
-    covered = best if likely else min(best, assessment.covered_first)
+    covered = best if likely else min(best, covered_first)
     mismatch = mismatch_of(case.images, case.matcher, covered, best)
     if mismatch is None:
         return assessment

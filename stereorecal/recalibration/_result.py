@@ -140,7 +140,7 @@ class AbstractResult:
     @cached_property
     def main_axes(self) -> tuple[str, ...]:
         """The extrinsics whose change alone moves rows or depth by what is noticed, what moves most first; if none
-        does, the first of them. None where nothing was decided."""
+        does, the first of them. Empty where nothing was decided."""
         estimate, decision = self.estimate, self.decision
         if estimate is None or decision is None:
             return ()

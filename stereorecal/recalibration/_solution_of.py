@@ -77,10 +77,10 @@ def solution_of_assessment(
 ) -> Solution:
     """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
     `solution_of_search`."""
-    assessment = without_mismatch(case, assessment)
+    last = max(number for number, stage in enumerate(stages) if stage.found is not None)
+    assessment = without_mismatch(case, assessment, stages[last].covered_first)
     estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
     rows = row_residuals(case.chart, found, candidate)
-    last = max(number for number, stage in enumerate(stages) if stage.found is not None)
     return _solution(
         case,
         settings,

@@ -173,6 +173,7 @@ def test_data_of_a_look(looked):
     data = json.loads(json.dumps(looked.to_dict(), allow_nan=False))
     assert (data["condition"], data["reason"], data["healthy"]) == ("healthy", "already_good", True)
     assert (data["verdict"], data["advice"]) == (looked.verdict, looked.advice)
+    assert data["main_axes"] == []
     bad = replace(looked, reason=Reason.IMPROVED).to_dict()
     assert (bad["condition"], bad["healthy"]) == ("repair", False)
     assert len(bad["main_axes"]) >= 1
