@@ -35,12 +35,12 @@ class Uncertainty:
     @property
     def interval(self) -> Float[np.ndarray, "n"]:
         """Half widths of the 95 % intervals."""
-        return half_widths(self.covariance)
+        return NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
     def interval_by_chance(self) -> Float[np.ndarray, "n"]:
         """The same of the posterior: where the candidate is its mean, they are equal."""
-        return half_widths(self.by_chance)
+        return NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
@@ -67,19 +67,6 @@ def uncertainty(
     observed = np.diag(posterior) < (OBSERVED * before) ** 2
     weak = directions(posterior / before[:, None] / before, names)
     return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
-
-
-def half_widths(
-    posterior: Float[np.ndarray, "n n"], offset: Float[np.ndarray, "n"] | float = 0.0
-) -> Float[np.ndarray, "n"]:
-    """Half widths of the 95 % intervals around a candidate, of which the posterior's own say too little: they are those
-    around its mean, which a candidate that keeps depth leaves far behind.
-
-    Args:
-        posterior: its covariance.
-        offset: from the candidate to its mean.
-    """
-    return NORMAL_95 * np.sqrt(np.diag(posterior) + np.square(offset))
 
 
 def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
