@@ -9,7 +9,6 @@ from stereorecal.decision import Reason
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
-from stereorecal.recalibration._calibration_warnings import doubts
 from stereorecal.recalibration._matcher_loss import matcher_loss
 from stereorecal.recalibration._motion_report import motion_text, odometer_text
 from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
@@ -17,6 +16,9 @@ from stereorecal.recalibration._result import AbstractResult
 from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
 
+# Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
+NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
+SAYS_NOTHING = (*NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 _EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
@@ -52,6 +54,7 @@ def repair_text(solution: AbstractResult) -> str:
 def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     """All that there is to say beside the verdict and what to do, in the order in which texts and pages have it."""
     estimate, use, known = solution.estimate, solution.prior_use, solution.uncertainty
+    telling = solution.reason not in SAYS_NOTHING
     yield Fact("matched", _matched(solution))
     yield from _epipolar(solution)
     yield from _matchers(solution)
@@ -59,11 +62,11 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     yield from map(_axis, changed_axes(solution)) if solution.accepted else ()
     if solution.view.projection != PINHOLE:
         yield Fact("view", str(solution.view))
-    for doubt in doubts(solution.initial):
+    for doubt in solution.doubts:
         yield Fact("check", doubt)
     if use is not None and str(use) not in (DEFAULT, EXACT):
         yield Fact("prior", str(use))
-    if solution.misfit is not None:
+    if solution.misfit is not None and telling:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
@@ -84,7 +87,7 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
         yield Fact("", f"left out, since they disagree with the others: {names}", sentence)
     if solution.disagreeing:
         yield Fact("", f"these disagree with others: {', '.join(solution.disagreeing)}")
-    if known is not None and known.undetermined:
+    if known is not None and known.undetermined and telling:
         text = f"not determined by these images: {short_list(known.undetermined, '; ')}"
         assumed = "Their values are mostly assumed: that they changed little."
         yield Fact("", text, f"{_sentence(text)} {assumed}")
@@ -103,8 +106,8 @@ def _sentence(text: str) -> str:
 def _matched(solution: AbstractResult) -> str:
     """The count, and how far the rows of matches differ; before and after a repair."""
     before, after, rows = solution.score_before, solution.score_after, solution.row_errors
-    if not solution.accepted:
-        differ = "" if rows is None else f"; their rows differ by {rows.before:.2f} px in the median"
+    if not solution.accepted:  # chance matches lie on the rows that they were searched on
+        differ = "" if rows is None or solution.reason in SAYS_NOTHING else f"; their rows differ by {rows.before:.2f} px in the median"
         return f"{before}{differ}"
     counts = f"{count(before.count)} -> {count(after.count)} of {count(before.pixels)} pixels"
     shares = f"{100 * before.fraction:.1f} -> {100 * after.fraction:.1f} %"

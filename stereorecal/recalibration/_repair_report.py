@@ -11,7 +11,13 @@ from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig
-from stereorecal.recalibration._facts import changed_axes, changed_intrinsics, facts_of
+from stereorecal.recalibration._facts import (
+    NOTHING_SEEN,
+    SAYS_NOTHING,
+    changed_axes,
+    changed_intrinsics,
+    facts_of,
+)
 from stereorecal.recalibration._result import AbstractResult
 from stereorecal.recalibration._row_maps import climbs_of, row_map, way_of
 from stereorecal.recalibration._settings_text import matcher_as_text, settings_as_text
@@ -21,10 +27,6 @@ from stereorecal.report.number_text import count, percent
 from stereorecal.report.repair_report import Conclusion, Depth, RepairReport, Sight
 from stereorecal.scoring.host import disparity, rectify
 from stereorecal.strategies import origin_of
-
-# Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
-_NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
-_SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
 
 
 def report_of(
@@ -51,7 +53,7 @@ def report_of(
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
     found, rows, frame, way = solution.found, None, 0, None
-    telling = solution.reason not in _SAYS_NOTHING
+    telling = solution.reason not in SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
@@ -92,7 +94,7 @@ def report_of(
 
 def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
-    if reason in _NOTHING_SEEN:
+    if reason in NOTHING_SEEN:
         return Conclusion.UNKNOWN
     if not reason.healthy:
         return Conclusion.REFUSED

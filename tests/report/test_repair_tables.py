@@ -43,7 +43,7 @@ def repairs() -> list[dict[str, Any]]:
 def score(scene: str, **changes: Any) -> dict[str, Any]:
     depth = [{"distance_m": 3.6, "before": {"metres": {"value": 0.2, "low": -0.14, "high": None}}}]
     decision = {"rows_px": {"before": {"value": 1.234}}}
-    numbers = {"decision": decision, "score_before": {"fraction": 0.34}, "depth": depth}
+    numbers = {"decision": decision, "mismatch": None, "score_before": {"fraction": 0.34}, "depth": depth}
     return {"scene": scene, "error": None, "verdict": "cannot tell (too little texture)", **numbers, **changes}
 
 
@@ -71,6 +71,8 @@ def test_scores_are_whole(width: int):
     words = " ".join(printed(scores_table(rows, width), width)).split()
     assert {"cannot", "tell", "(too", "little", "texture)", "matched", "1.23", "-14", "3.6"} <= set(words)
     assert f"{NAME}-1" in words or width < 200  # names are folded first
+    wrong = scores_table([score("wrong input", mismatch={"cause": "scaled"})], width)
+    assert "1.23" not in " ".join(printed(wrong, width)), "of chance matches"
 
 
 def test_wide_terminals_hold_one_table_of_repairs():
