@@ -332,10 +332,9 @@ def figures_of(threads: int, rounds: int) -> list[Figure]:
 
 
 def regressions(figures: Sequence[Figure], kept: dict[str, float]) -> dict[str, tuple[float, float]]:
-    """The ratios that are worse by a fifth than those that were kept, and those, by key."""
-    now = {figure.key: figure.ratio for figure in figures}
-    both = {key: (before, now[key]) for key, before in kept.items() if now.get(key) is not None}
-    return {key: ratios for key, ratios in both.items() if ratios[1] > WORSE * ratios[0]}
+    """The ratios that were kept and are worse by a fifth, or measured no more, and what they are now, by key."""
+    now = {figure.key: figure.ratio for figure in figures if figure.ratio is not None}
+    return {key: (old, new) for key, old in kept.items() if (new := now.get(key, np.inf)) > WORSE * old}
 
 
 def checked(figures: Sequence[Figure], file: Path, rounds: int) -> None:
