@@ -176,8 +176,9 @@ class RecalibrateOptions(
 
 @option_group
 class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions, CommonOptions):
-    """Check the calibration of each recording against its images, and change nothing. The report: the share of matched
-    pixels, the epipolar (row) error, the correction, and the depth error without it, with 95 % intervals.
+    """Check the calibration of each recording against its images, and change nothing. The report says what a repair by
+    one look at them would: the share of matched pixels, and, where they tell, the epipolar error and the error of depth
+    with 95 % intervals.
 
     Exit code, by the verdict: 0 good (no significant improvement, and a row error within 0.3 px with 95 % probability);
     1 repair it (another calibration is a significant improvement, or hardly anything matches, and the rig turned); 4

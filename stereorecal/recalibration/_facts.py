@@ -70,7 +70,7 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
-        if solution.intrinsics.changed:
+        if solution.intrinsics.changed and solution.searched:  # a look has neither the option nor new values to use
             text = f"{text}; use all new values together, or keep the intrinsics with --free extrinsics"
         yield Fact("", text, _sentence(text))
     if solution.ranges is not None:
