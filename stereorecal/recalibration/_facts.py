@@ -106,8 +106,10 @@ def _sentence(text: str) -> str:
 def _matched(solution: AbstractResult) -> str:
     """The count, and how far the rows of matches differ; before and after a repair."""
     before, after, rows = solution.score_before, solution.score_after, solution.row_errors
-    if not solution.accepted:  # chance matches lie on the rows that they were searched on
-        differ = "" if rows is None or solution.reason in SAYS_NOTHING else f"; their rows differ by {rows.before:.2f} px in the median"
+    if solution.reason in SAYS_NOTHING:
+        rows = None  # chance matches lie on the rows that they were searched on
+    if not solution.accepted:
+        differ = "" if rows is None else f"; their rows differ by {rows.before:.2f} px in the median"
         return f"{before}{differ}"
     counts = f"{count(before.count)} -> {count(after.count)} of {count(before.pixels)} pixels"
     shares = f"{100 * before.fraction:.1f} -> {100 * after.fraction:.1f} %"
