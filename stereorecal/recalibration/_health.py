@@ -9,13 +9,12 @@ from stereorecal.decision import ENOUGH, LIMITS
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.recalibration._assessment import run_look
-from stereorecal.recalibration._cost import Cost
 from stereorecal.recalibration._prepared_case import prepared, what_may_change
+from stereorecal.recalibration._search import started
 from stereorecal.recalibration._settings import HealthOptions, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._solution_of import solution_of_search
 from stereorecal.recordings import Pairs
-from stereorecal.scoring.host import with_measured_range
 
 HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
 
@@ -39,10 +38,10 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    last = settings.schedule.stages[-1:]
-    settings = replace(settings, free=what_may_change(rig, settings), schedule=replace(settings.schedule, stages=last))
-    case = prepared(rig, pairs, settings, learns=False).with_free(settings.free)
-    case = case.with_matcher(with_measured_range(case.matcher, case.images))
-    run = run_look(case, last[0])
-    found = solution_of_search(case, settings, (run,), Cost(), began)
+    look = replace(settings.schedule, stages=settings.schedule.stages[-1:], survey=False)
+    settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
+    case, _, cost = started(prepared(rig, pairs, settings, learns=False), look)
+    case = case.with_free(settings.free)
+    run = run_look(case, look.stages[0])
+    found = solution_of_search(case, settings, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")
