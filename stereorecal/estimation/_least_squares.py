@@ -1,17 +1,25 @@
 """The one least squares: Gauss-Newton on rows of groups, with the evidence choosing priors and misfit on the way; and
-the estimate that it comes to, mixed of all hypotheses."""
+the estimate that it comes to, mixed of all hypotheses.
 
-from collections.abc import Sequence
-from dataclasses import replace
+Recordings of the same cameras are solved together: what the calibration left is common to them, and each has drifted by
+itself. From what a recording shows of θ follows what it shows of the calibration's error, its drift integrated; what
+all others show of that is the prior with which a recording is solved. Their drifts are normal meanwhile, and their rows
+linear where they were solved last: a few rounds, and all agree.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import hypotheses_with_confounders
-from stereorecal.estimation._delay import delay_of, hypothesis_with_delay
+from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
+from stereorecal.estimation._confounders import delay_of, hypotheses_with_confounders, hypothesis_with_delay
 from stereorecal.estimation._estimate import Estimate
-from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import (
     NOTHING,
     Explanation,
@@ -22,17 +30,21 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
-from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
-from stereorecal.estimation._lens_field import within_field
-from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
+from stereorecal.estimation._linear_groups import (
+    COMMON,
+    DEVIATIONS,
+    LinearGroups,
+    Measured,
+    OtherRig,
+    linear_groups,
+    other_rigs,
+)
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._measured import Measured
-from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._prior_choice import Prior, as_prior
-from stereorecal.estimation._rig_parameters import rig_parameters
+from stereorecal.estimation._prior_choice import Prior, as_prior, updated
+from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters, within_field
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
@@ -41,6 +53,10 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
+_ROUNDS_TOGETHER = 3  # the first knows nothing of the others
+_LEAST_WEIGHT = 1e-6  # probability: priors below are left out
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
 
 @one_blas_thread()
@@ -218,3 +234,80 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
         for d in neighbours(misfit[0], DEVIATIONS)
         for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What is known of one recording.
+
+    Attributes:
+        found: correspondences of its frames, with the rays that the cameras of `rig` give.
+        rig: the calibration that it started from; those of several recordings have the same cameras.
+        prior: of what that leaves; those of several recordings tell of the same error, and none of the others' images.
+        start: (n,) θ to begin at; default 0.
+        ranges: ranges of what it shows.
+        windows: of its frames that follow each other.
+        view: in which its rows and depth are judged; None: the rig's own.
+    """
+
+    found: Correspondences
+    rig: StereoRig
+    prior: CalibrationPrior
+    start: Float[np.ndarray, "n"] | None = None
+    ranges: MatchedRanges = NO_RANGES
+    windows: Windows = NO_WINDOWS
+    view: View | None = None
+
+
+def estimate_together(
+    recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
+) -> list[Estimate]:
+    """The estimate of each recording's rig, from what all of them show.
+
+    Args:
+        recordings: one or several.
+        each: runs a task for each recording.
+    """
+    estimates, messages = _round(recordings, [recording.prior for recording in recordings], each)
+    variances = [one.prior_variance for one in estimates]
+    for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):
+        recordings = [replace(r, start=one.theta) for r, one in zip(recordings, estimates, strict=True)]
+        priors = [
+            after(recording.prior, reduce(add, messages[:index] + messages[index + 1 :]))
+            for index, recording in enumerate(recordings)
+        ]
+        estimates, messages = _round(recordings, priors, each)
+    return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)]
+
+
+def _round(
+    recordings: Sequence[Recording], priors: Sequence[CalibrationPrior], each: Each
+) -> tuple[list[Estimate], list[Normal]]:
+    done = each(_estimate_of_recording, list(zip(recordings, priors, strict=True)))
+    return [one for one, _ in done], [message for _, message in done]
+
+
+def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
+    """A recording with what is known before it, and what it shows of the calibration's error."""
+    one, prior = task
+    estimated, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.ranges, one.windows, one.view)
+    return estimated, of_calibration(best)
+
+
+def of_calibration(best: Explanation) -> Normal:
+    """The likelihood of the calibration's error under an explanation, the drift integrated: normal, as large as all
+    kinds of drift are on average, by their evidence."""
+    of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
+    weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
+    axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
+    to = np.column_stack([axes, axes[:, : len(DRIFTING)]])
+    return marginal(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
+
+
+def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:
+    """What is known of the calibration's error after something else has told of it."""
+    every = updated(prior, known)
+    likely = every.weights > _LEAST_WEIGHT
+    return CalibrationPrior(
+        every.roots[likely], every.weights[likely] / every.weights[likely].sum(), means=every.means[likely]
+    )
