@@ -56,7 +56,9 @@ from stereorecal.estimation._prior_choice import (
     EXACT as EXACT,
     SAVED as SAVED,
     CalibrationCovariance as CalibrationCovariance,
+    Earlier as Earlier,
     Prior as Prior,
+    SavedPrior as SavedPrior,
     as_mixture as as_mixture,
     as_prior as as_prior,
     check_prior as check_prior,
@@ -70,8 +72,4 @@ from stereorecal.estimation._rig_parameters import (
     rig_parameters as rig_parameters,
     slopes_by_point as slopes_by_point,
     slopes_of as slopes_of,
-)
-from stereorecal.estimation._saved_prior import (
-    Earlier as Earlier,
-    SavedPrior as SavedPrior,
 )

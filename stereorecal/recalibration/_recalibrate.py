@@ -1,21 +1,78 @@
-"""The repair of a rig: prepare, search, estimate, decide, report."""
+"""The repair of a rig: prepare, search, estimate, decide, report; and one look at the images, without any search: will
+depth be right?"""
 
 import time
 from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.estimation import one_blas_thread
+from stereorecal.decision import ENOUGH, LIMITS
+from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._assessment import assessed, run_look
-from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._prepared_case import prepared, what_may_change
-from stereorecal.recalibration._schedule import ScoreKind
-from stereorecal.recalibration._search import run_schedule, started
-from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
+from stereorecal.recalibration._case import Case, selected_frames
+from stereorecal.recalibration._match_ranges import resolved_ranges
+from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
+from stereorecal.recalibration._prior_use import prior_for_health, prior_of, prior_use
+from stereorecal.recalibration._schedule import ScoreKind, check_schedule
+from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
+from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solution_of import solution_of_assessment, solution_of_search
+from stereorecal.recalibration._stages import Cost
 from stereorecal.recordings import Pairs
+from stereorecal.scoring import pyramid
+from stereorecal.scoring.host import with_measured_range
+
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
+
+
+def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
+    """The parameters that may change in the end: those that are named; by default every one of the rig, or, where the
+    intrinsics are exact or only the count is asked, the extrinsics."""
+    rows = settings.schedule.stages[-1].score is ScoreKind.EPIPOLAR
+    return settings.free.of_all(rig, intrinsics=rows and not is_exact(settings.prior))
+
+
+def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool = True) -> Case:
+    """The case of a repair, of whose strategies the extrinsics are asked.
+
+    Args:
+        learns: whether a prior is to follow: pairs that a saved one rests on do not count again then.
+
+    Raises:
+        InputError: as `recalibrate`.
+    """
+    images, free = pyramid(rig, pairs, settings.view), settings.free
+    free.check(rig)
+    ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
+    check_schedule(settings.schedule, free)
+    check_motion(settings.motion, len(images.pairs), settings.prior)
+    use = prior_use(settings.prior, rig, images.pairs) if learns else None
+    numbers = tuple(range(len(images.pairs))) if use is None else use.numbers
+    if free.shared:
+        chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
+        numbers = tuple(numbers[number] for number in chosen)
+    if len(numbers) < len(images.pairs):
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
+    measured = bool(ranges) or settings.odometer is not None
+    prior = prior_for_health(settings.prior, rig) if use is None else use.prior
+    known = prior_of(prior, free, rig, settings.reach, ranges=measured)
+    windows = following(images.pairs, numbers, settings.motion, known)
+    check_odometer(settings.odometer, images.pairs, windows)
+    return Case(
+        images=images,
+        matcher=settings.matcher,
+        reach=settings.reach,
+        free=free.extrinsics,
+        prior=known,
+        ranges=ranges,
+        windows=windows,
+        tolerances=settings.tolerances,
+        odometer=settings.odometer,
+        prior_use=use,
+        selected=numbers if free.shared or (use is not None and use.dropped) else None,
+    )
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
@@ -69,3 +126,31 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
             return solution_of_assessment(to_decide, settings, (run,), assessment, cost, began)
     case, stages = run_schedule(case, settings, start, began)
     return solution_of_search(case.with_free(settings.free), settings, stages, cost, began)
+
+
+@one_blas_thread()
+def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Solution:
+    """Match the pairs under the rig's calibration, and estimate once the correction that they ask for:
+    `solution.condition` says whether the calibration is good, `solution.change` what would mend it.
+
+    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
+
+    Args:
+        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
+            saved prior rests on count, for nothing is learnt here.
+
+    Raises:
+        InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
+            prior makes no sense, or nothing can have moved.
+        TypeError: if there is no option of a name.
+    """
+    refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
+    rig = checked_rig(rig)
+    began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
+    last = settings.schedule.stages[-1:]
+    settings = replace(settings, free=what_may_change(rig, settings), schedule=replace(settings.schedule, stages=last))
+    case = prepared(rig, pairs, settings, learns=False).with_free(settings.free)
+    case = case.with_matcher(with_measured_range(case.matcher, case.images))
+    run = run_look(case, last[0])
+    found = solution_of_search(case, settings, (run,), Cost(), began)
+    return replace(found, searched=False, message="one look at the images, without a search")

@@ -1,36 +1,96 @@
-"""What a recalibration found, as data, and what follows from it."""
+"""What a recalibration found, as data, and what follows from it; its verdict, and what to do."""
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.decision import Decision, Reason, Seen
+from stereorecal.decision import Criterion, Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.recalibration._calibration_warnings import doubts
-from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._depth_errors import DepthError, reported_depths
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._expected import Expected, expected_of
-from stereorecal.recalibration._freed_intrinsics import Intrinsics
+from stereorecal.recalibration._expected import DepthError, Expected, expected_of, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
-from stereorecal.recalibration._mismatch import Mismatch
+from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, Misfit, RowErrors
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import StageRun, Waypoint, path_of
-from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.recalibration._verdict_text import advice_of, verdict_of
+from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, path_of
+from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty
 from stereorecal.scoring import Correspondences, ImageQuality
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
+
+_NOT_CORRECTED = {
+    Criterion.GAINS: "what a correction would gain is too little",
+    Criterion.HARMLESS: "a correction may make it worse",
+    Criterion.PREDICTS: "parts of the images that were left out do not confirm a correction",
+    None: "its correction does not pass all checks",
+}
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+
+
+def verdict_of(
+    reason: Reason,
+    decision: Decision | None,
+    pairs: int,
+    mismatch: Mismatch | None,
+    problem: str | None,
+    depth_off: bool,
+    *,
+    repaired: bool,
+) -> str:
+    """The verdict, in at most twelve words.
+
+    Args:
+        decision: None if nothing was decided.
+        pairs: that were looked at.
+        mismatch: why these cannot be images of this rig, or None.
+        problem: why images of too little texture match elsewhere than their scene does, or None.
+        depth_off: whether depth was significantly wrong, at a distance that is reported.
+        repaired: by a repair, not a look.
+    """
+    begins = "Repaired" if repaired else "Repair it"
+    if mismatch is not None:
+        return mismatch.verdict
+    if reason is Reason.TOO_LITTLE_TEXTURE and problem is not None:
+        return f"Cannot tell: {problem}."
+    if decision is None or reason is Reason.MORE_MATCHES:
+        begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
+        return f"{begins}: {reason.value}."
+    before, after = decision.rows_px
+    if reason is Reason.IMPROVED:
+        share = decision.depth_corrected
+        corrected = "corrected" if share == 1.0 else "corrected in part"
+        depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
+        return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
+    if reason is Reason.ALREADY_GOOD:
+        return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
+    if reason is Reason.CANNOT_TELL:
+        number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
+        which = f"from {number} pair{'' if pairs == 1 else 's'}"
+        return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
+    return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
+
+
+def advice_of(reason: Reason, decision: Decision | None, mismatch: Mismatch | None, depth: Sequence[DepthError]) -> str:
+    """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it stays.
+
+    Args:
+        decision, mismatch: as above.
+        depth: the errors of depth that are reported, of the initial calibration.
+    """
+    if mismatch is not None:
+        return mismatch.advice
+    off = [f"{error} at {error.where}" for error in depth if error.significant]
+    if reason is not Reason.ALREADY_GOOD or decision is None or not off:
+        return reason.advice
+    return f"But depth is {' and '.join(off)}, and {_NOT_CORRECTED[decision.failed]}; pairs of other places may decide."
 
 
 class Condition(enum.Enum):

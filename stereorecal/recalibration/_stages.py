@@ -1,8 +1,11 @@
-"""Running one stage of a schedule, and the way that stages took."""
+"""Running one stage of a schedule, the way that stages took, and what they cost.
+
+One unit of cost: one matcher run on one full-size frame (a candidate at scale s over k frames: k s²).
+"""
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
@@ -25,12 +28,47 @@ from stereorecal.objectives import (
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
 from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
-from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
+from stereorecal.strategies import (
+    Budget,
+    Objective,
+    Run,
+    Status,
+    run_strategy,
+)
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Units, by what they were spent on.
+
+    Attributes:
+        survey: coarse matches that find a start and the disparity range.
+        starts: a look at the images through the initial calibration, and counts that choose between starts.
+        search: what strategies asked; with `correspondences`, what a budget pays for.
+        correspondences: matches that found correspondences.
+        judging: counts that nominations and the end of the schedule were judged by, and matches at vertical offsets.
+    """
+
+    survey: float = 0.0
+    starts: float = 0.0
+    search: float = 0.0
+    correspondences: float = 0.0
+    judging: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """All of it."""
+        return sum(getattr(self, part.name) for part in fields(self))
+
+    @property
+    def budgeted(self) -> float:
+        """What a budget pays for: search and correspondences."""
+        return self.search + self.correspondences
 
 
 @dataclass(frozen=True, eq=False)
