@@ -24,17 +24,7 @@ from stereorecal.estimation._rig_parameters import pixels_of, slopes_by_point, s
 from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
 from stereorecal.objectives import BASELINE, ROTATION, SIDES, RigChart
 
-SIZES = (
-    0.002,
-    0.02,
-    0.05,
-    0.1,
-    0.2,
-    0.5,
-    1.0,
-    2.0,
-    4.0,
-)  # degrees, of the angles; the first is none
+SIZES = (0.002, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)  # degrees, of the angles; the first is none
 _SHIFT = 0.6  # y and z as a share of the baseline, per radian
 _ALONE = 0.02  # probability of a drift that turns one axis more than the others, of each axis
 _LEAST_ALONE = 0.1  # degrees

@@ -151,11 +151,7 @@ def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> 
 
 
 def _settled(
-    found: Correspondences,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    theta: Float[np.ndarray, "n"],
-    measured: Measured,
+    found: Correspondences, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"], measured: Measured
 ) -> tuple[LinearGroups | None, tuple[float, float]]:
     """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few.
 

@@ -151,11 +151,7 @@ class Errors:
 
 
 def errors_near(
-    chart: RigChart,
-    at: Float[np.ndarray, "n"],
-    matters: Matters,
-    view: View | None,
-    groups: Groups | None,
+    chart: RigChart, at: Float[np.ndarray, "n"], matters: Matters, view: View | None, groups: Groups | None
 ) -> Errors:
     """Linear near the rig at θ = at.
 

@@ -25,10 +25,7 @@ from stereorecal.recalibration._many import (
 )
 from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen
 from stereorecal.recalibration._mismatch import Cause as Cause, Mismatch as Mismatch, fixed as fixed
-from stereorecal.recalibration._prior_use import (
-    PriorUse as PriorUse,
-    saved_with as saved_with,
-)
+from stereorecal.recalibration._prior_use import PriorUse as PriorUse, saved_with as saved_with
 from stereorecal.recalibration._recalibrate import (
     HEALTH_LIMITS as HEALTH_LIMITS,
     health as health,

@@ -101,10 +101,7 @@ def row_residuals(chart: RigChart, found: Correspondences, candidate: StereoRig)
     valid, scale, z = np.asarray(found.weight) > 0, float(found.scale), chart.coordinates_of(candidate)
     after, before = (differences_at(found, chart, at)[valid] / scale for at in (z, np.zeros_like(z)))
     return RowResiduals(
-        residual=after,
-        start_residual=before,
-        tile=np.asarray(found.tile)[valid],
-        independent=float(found.independent),
+        residual=after, start_residual=before, tile=np.asarray(found.tile)[valid], independent=float(found.independent)
     )
 
 

@@ -28,13 +28,7 @@ from stereorecal.objectives import (
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
 from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
-from stereorecal.strategies import (
-    Budget,
-    Objective,
-    Run,
-    Status,
-    run_strategy,
-)
+from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
