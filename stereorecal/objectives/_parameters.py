@@ -157,6 +157,11 @@ class Parameters:
         """The intrinsics among them."""
         return tuple(name for name in self.names if "." in name)
 
+    @property
+    def without_intrinsics(self) -> "Parameters":
+        """The others, with their priors."""
+        return Parameters(tuple(name for name in self.names if "." not in name), self.priors)
+
     def also(self, *names: str) -> "Parameters":
         """With these free as well."""
         return replace(self, free=(*self.names, *names))

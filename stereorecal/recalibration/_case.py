@@ -95,11 +95,6 @@ class Case:
         """The same case with nothing but the extrinsics free."""
         return self.with_free(self.free.extrinsics)
 
-    @property
-    def without_intrinsics(self) -> "Case":
-        """The same case with the intrinsics held."""
-        return self.with_free(Parameters(tuple(name for name in self.free.names if "." not in name), self.free.priors))
-
     def with_free(self, free: Parameters) -> "Case":
         """The same case with other parameters free."""
         return replace(self, free=free)

@@ -1,7 +1,7 @@
 """What a recalibration found, as data, and what follows from it; its verdict, and what to do."""
 
 import enum
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -33,64 +33,6 @@ _NOT_CORRECTED = {
     None: "its correction does not pass all checks",
 }
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
-
-
-def verdict_of(
-    reason: Reason,
-    decision: Decision | None,
-    pairs: int,
-    mismatch: Mismatch | None,
-    problem: str | None,
-    depth_off: bool,
-    *,
-    repaired: bool,
-) -> str:
-    """The verdict, in at most twelve words.
-
-    Args:
-        decision: None if nothing was decided.
-        pairs: that were looked at.
-        mismatch: why these cannot be images of this rig, or None.
-        problem: why images of too little texture match elsewhere than their scene does, or None.
-        depth_off: whether depth was significantly wrong, at a distance that is reported.
-        repaired: by a repair, not a look.
-    """
-    begins = "Repaired" if repaired else "Repair it"
-    if mismatch is not None:
-        return mismatch.verdict
-    if reason is Reason.TOO_LITTLE_TEXTURE and problem is not None:
-        return f"Cannot tell: {problem}."
-    if decision is None or reason is Reason.MORE_MATCHES:
-        begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
-        return f"{begins}: {reason.value}."
-    before, after = decision.rows_px
-    if reason is Reason.IMPROVED:
-        share = decision.depth_corrected
-        corrected = "corrected" if share == 1.0 else "corrected in part"
-        depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
-        return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
-    if reason is Reason.ALREADY_GOOD:
-        return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
-    if reason is Reason.CANNOT_TELL:
-        number = _NUMBERS[pairs] if pairs < len(_NUMBERS) else str(pairs)
-        which = f"from {number} pair{'' if pairs == 1 else 's'}"
-        return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
-    return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
-
-
-def advice_of(reason: Reason, decision: Decision | None, mismatch: Mismatch | None, depth: Sequence[DepthError]) -> str:
-    """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it stays.
-
-    Args:
-        decision, mismatch: as above.
-        depth: the errors of depth that are reported, of the initial calibration.
-    """
-    if mismatch is not None:
-        return mismatch.advice
-    off = [f"{error} at {error.where}" for error in depth if error.significant]
-    if reason is not Reason.ALREADY_GOOD or decision is None or not off:
-        return reason.advice
-    return f"But depth is {' and '.join(off)}, and {_NOT_CORRECTED[decision.failed]}; pairs of other places may decide."
 
 
 class Condition(enum.Enum):
@@ -172,24 +114,49 @@ class AbstractResult:
 
     @property
     def verdict(self) -> str:
-        """In one short sentence."""
+        """In one short sentence, of at most twelve words."""
         if self._doubtful:
             return "Cannot tell: the calibration has values that hardly any rig has."
         if not self.searched and self.mismatch is None and self.reason is Reason.NO_MATCHES:
             return f"Repair it: {self.reason.value}."
-        pairs, depth_off = len(self.used) + len(self.left_out), any(one.significant for one in self.depth_before)
-        return verdict_of(
-            self.reason, self.decision, pairs, self.mismatch, self.shown.problem, depth_off, repaired=self.searched
-        )
+        reason, decision, repaired = self.reason, self.decision, self.searched
+        begins = "Repaired" if repaired else "Repair it"
+        if self.mismatch is not None:
+            return self.mismatch.verdict
+        if reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
+            return f"Cannot tell: {self.shown.problem}."
+        if decision is None or reason is Reason.MORE_MATCHES:
+            begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
+            return f"{begins}: {reason.value}."
+        before, after = decision.rows_px
+        if reason is Reason.IMPROVED:
+            share, depth_off = decision.depth_corrected, any(one.significant for one in self.depth_before)
+            corrected = "corrected" if share == 1.0 else "corrected in part"
+            depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
+            return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
+        if reason is Reason.ALREADY_GOOD:
+            return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
+        if reason is Reason.CANNOT_TELL:
+            pairs = len(self.used) + len(self.left_out)
+            which = f"from {_NUMBERS[pairs] if pairs < len(_NUMBERS) else pairs} pair{'' if pairs == 1 else 's'}"
+            return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
+        return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
 
     @property
     def advice(self) -> str:
-        """What to do."""
+        """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it
+        stays."""
         if self._doubtful:
             return "Check the calibration file."
         if not self.searched and self.condition is Condition.REPAIR:
             return "Run recalibrate with these images."
-        return advice_of(self.reason, self.decision, self.mismatch, self.depth_before)
+        if self.mismatch is not None:
+            return self.mismatch.advice
+        off = [f"{error} at {error.where}" for error in self.depth_before if error.significant]
+        if self.reason is not Reason.ALREADY_GOOD or self.decision is None or not off:
+            return self.reason.advice
+        why = _NOT_CORRECTED[self.decision.failed]
+        return f"But depth is {' and '.join(off)}, and {why}; pairs of other places may decide."
 
     @property
     def covered(self) -> float:

@@ -103,7 +103,7 @@ def solution_of_assessment(
         began,
         excluded=assessment.excluded,
         row_errors=rows.errors,
-        uncertainty=uncertainty_of(estimated, candidate, case.without_intrinsics.chart),
+        uncertainty=uncertainty_of(estimated, candidate, case.with_free(case.free.without_intrinsics).chart),
         misfit=misfit(rows, late=estimated.is_late),
         intrinsics=_intrinsics(case, assessment, rows.errors) if assessment.reason.accepted else None,
         estimate=estimated,

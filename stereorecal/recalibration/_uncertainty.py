@@ -39,13 +39,14 @@ class Uncertainty:
 
     @property
     def interval(self) -> Float[np.ndarray, "n"]:
-        """Half widths of the 95 % intervals."""
-        return half_widths(self.covariance)
+        """Half widths of the 95 % intervals around the candidate: one that keeps depth lies far from the posterior's
+        mean."""
+        return NORMAL_95 * np.sqrt(np.diag(self.covariance))
 
     @property
     def interval_by_chance(self) -> Float[np.ndarray, "n"]:
         """The same of the posterior: where the candidate is its mean, they are equal."""
-        return half_widths(self.by_chance)
+        return NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
@@ -72,19 +73,6 @@ def uncertainty(
     observed = np.diag(posterior) < (OBSERVED * before) ** 2
     weak = directions(posterior / before[:, None] / before, names)
     return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
-
-
-def half_widths(
-    posterior: Float[np.ndarray, "n n"], offset: Float[np.ndarray, "n"] | float = 0.0
-) -> Float[np.ndarray, "n"]:
-    """Half widths of the 95 % intervals around a candidate, of which the posterior's own say too little: they are those
-    around its mean, which a candidate that keeps depth leaves far behind.
-
-    Args:
-        posterior: its covariance.
-        offset: from the candidate to its mean.
-    """
-    return NORMAL_95 * np.sqrt(np.diag(posterior) + np.square(offset))
 
 
 def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
@@ -200,37 +188,23 @@ def intrinsics_of(
     theta: Float[np.ndarray, "n"],
     names: Sequence[str],
     outcome: IntrinsicsOutcome,
-    *,
-    fixed_px: float,
-    freed_px: float,
-    shown: float,
-    expected_px: float,
-    refused: Reason | None = None,
+    **rows: Any,
 ) -> Intrinsics:
     """What became of some parameters in an estimate.
 
     Args:
         theta: the candidate.
-        others: of `Intrinsics`, by its names.
+        rows: the others of `Intrinsics`, by its names.
     """
     where = [estimated.names.index(name) for name in names]
     (low, high), after = estimated.intervals[where].T, np.diag(estimated.posterior.covariance)[where]
+    weak = after > OBSERVED**2 * estimated.prior_variance[where]
     return Intrinsics(
         outcome=outcome,
         names=tuple(names),
         units=tuple(estimated.units[index] for index in where),
         change=theta[where],
         interval=0.5 * (high - low),
-        undetermined=tuple(
-            name
-            for name, posterior_variance, prior_variance in zip(
-                names, after, estimated.prior_variance[where], strict=True
-            )
-            if posterior_variance > OBSERVED**2 * prior_variance
-        ),
-        fixed_px=fixed_px,
-        freed_px=freed_px,
-        shown=shown,
-        expected_px=expected_px,
-        refused=refused,
+        undetermined=tuple(name for name, one in zip(names, weak, strict=True) if one),
+        **rows,
     )
