@@ -180,8 +180,7 @@ class Estimate:
     @cached_property
     def known(self) -> Known:
         """What candidates are chosen by."""
-        initial = self._errors.of(np.zeros(len(self.names)))
-        return Known(self._errors, self.posterior, initial)
+        return Known(self._errors, self.posterior)
 
     @cached_property
     def _errors(self) -> Errors:

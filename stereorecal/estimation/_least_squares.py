@@ -59,6 +59,24 @@ _LEAST_WEIGHT = 1e-6  # probability: priors below are left out
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
 
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What is known of one recording; the attributes are the arguments of `estimate`.
+
+    Attributes:
+        rig: those of several recordings have the same cameras.
+        prior: those of several recordings tell of the same error, and none of the others' images.
+    """
+
+    found: Correspondences
+    rig: StereoRig
+    prior: CalibrationPrior
+    start: Float[np.ndarray, "n"] | None = None
+    ranges: MatchedRanges = NO_RANGES
+    windows: Windows = NO_WINDOWS
+    view: View | None = None
+
+
 @one_blas_thread()
 def estimate(
     found: Correspondences,
@@ -82,24 +100,17 @@ def estimate(
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """
-    chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, ranges, windows, view)[0]
+    known = as_prior(prior, rig_parameters(rig))
+    return solved(Recording(found, rig, known, start, ranges, windows, view))[0]
 
 
 @one_blas_thread()
-def solved(
-    found: Correspondences,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    start: Float[np.ndarray, "n"] | None = None,
-    ranges: MatchedRanges = NO_RANGES,
-    windows: Windows = NO_WINDOWS,
-    view: View | None = None,
-) -> tuple[Estimate, Explanation]:
+def solved(recording: Recording) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations. A prior and a misfit for a round are the evidence's
     best, and all of them are mixed after the last."""
-    start = np.zeros(chart.dim) if start is None else start
-    measured, delay, hypotheses = Measured(ranges, windows), None, []
+    found, chart, prior = recording.found, rig_parameters(recording.rig), recording.prior
+    start = np.zeros(chart.dim) if recording.start is None else recording.start
+    measured, delay, hypotheses = Measured(recording.ranges, recording.windows), None, []
     rows, misfit = _settled(found, chart, prior, start, measured)
     if rows is None:
         flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
@@ -123,9 +134,9 @@ def solved(
         0,
         float("nan"),
         _prior_variance(several, prior),
-        matched_ranges=ranges,
-        windows=windows,
-        view=view,
+        matched_ranges=recording.ranges,
+        windows=recording.windows,
+        view=recording.view,
         delay=delay,
         prior=prior,
     )
@@ -232,29 +243,6 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
     ]
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """What is known of one recording.
-
-    Attributes:
-        found: correspondences of its frames, with the rays that the cameras of `rig` give.
-        rig: the calibration that it started from; those of several recordings have the same cameras.
-        prior: of what that leaves; those of several recordings tell of the same error, and none of the others' images.
-        start: (n,) θ to begin at; default 0.
-        ranges: ranges of what it shows.
-        windows: of its frames that follow each other.
-        view: in which its rows and depth are judged; None: the rig's own.
-    """
-
-    found: Correspondences
-    rig: StereoRig
-    prior: CalibrationPrior
-    start: Float[np.ndarray, "n"] | None = None
-    ranges: MatchedRanges = NO_RANGES
-    windows: Windows = NO_WINDOWS
-    view: View | None = None
-
-
 def estimate_together(
     recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
 ) -> list[Estimate]:
@@ -264,29 +252,29 @@ def estimate_together(
         recordings: one or several.
         each: runs a task for each recording.
     """
-    estimates, messages = _round(recordings, [recording.prior for recording in recordings], each)
+    estimates, messages = _round(recordings, each)
     variances = [one.prior_variance for one in estimates]
     for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):
-        recordings = [replace(r, start=one.theta) for r, one in zip(recordings, estimates, strict=True)]
-        priors = [
+        known = (
             after(recording.prior, reduce(add, messages[:index] + messages[index + 1 :]))
             for index, recording in enumerate(recordings)
+        )
+        several = [
+            replace(recording, start=one.theta, prior=prior)
+            for recording, one, prior in zip(recordings, estimates, known, strict=True)
         ]
-        estimates, messages = _round(recordings, priors, each)
+        estimates, messages = _round(several, each)
     return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)]
 
 
-def _round(
-    recordings: Sequence[Recording], priors: Sequence[CalibrationPrior], each: Each
-) -> tuple[list[Estimate], list[Normal]]:
-    done = each(_estimate_of_recording, list(zip(recordings, priors, strict=True)))
+def _round(recordings: Sequence[Recording], each: Each) -> tuple[list[Estimate], list[Normal]]:
+    """The estimate of each with what is known before it, and what it shows of the calibration's error."""
+    done = each(_estimate_and_message, recordings)
     return [one for one, _ in done], [message for _, message in done]
 
 
-def _estimate_of_recording(task: tuple[Recording, CalibrationPrior]) -> tuple[Estimate, Normal]:
-    """A recording with what is known before it, and what it shows of the calibration's error."""
-    one, prior = task
-    estimated, best = solved(one.found, rig_parameters(one.rig), prior, one.start, one.ranges, one.windows, one.view)
+def _estimate_and_message(one: Recording) -> tuple[Estimate, Normal]:
+    estimated, best = solved(one)
     return estimated, of_calibration(best)
 
 

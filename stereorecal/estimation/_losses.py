@@ -270,12 +270,15 @@ class Known:
     Attributes:
         errors: of rigs near the posterior's mean.
         posterior: of θ.
-        initial: errors of the initial rig, if that at the mean is true.
     """
 
     errors: Errors
     posterior: Posterior
-    initial: Float[np.ndarray, "q"]
+
+    @property
+    def initial(self) -> Float[np.ndarray, "q"]:
+        """Errors of the initial rig, if that at the mean is true."""
+        return self.errors.of(np.zeros_like(self.errors.at))
 
     @property
     def deviations(self) -> Float[np.ndarray, "n"]:

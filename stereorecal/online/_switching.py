@@ -14,7 +14,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError
 from stereorecal.decision import chance_of_harm
 from stereorecal.estimation import Estimate
-from stereorecal.objectives import EXTRINSICS, Parameters, Reach, RigChart
+from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
 from stereorecal.online._config import Event, Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
@@ -26,8 +26,8 @@ from stereorecal.recalibration import (
     Condition,
     Progress,
     Reason,
-    Schedule,
     Solution,
+    as_settings,
     next_slice,
     recalibrate as recalibrated,
 )
@@ -268,8 +268,9 @@ def continued(state: State) -> tuple[State, list[Event]]:
     assert matcher is not None
     rig = state.rig
     try:
-        case = Case(pyramid(rig, job.pairs, state.config.view), matcher, Reach(), Parameters(), prior_now(state))
-        ended = next_slice(case, Schedule.default(), Progress(rig.with_extrinsics(job.at), job.done))
+        settings, images = as_settings({"matcher": matcher}), pyramid(rig, job.pairs, state.config.view)
+        case = Case(images, settings, matcher, Parameters(), prior_now(state))
+        ended = next_slice(case, Progress(rig.with_extrinsics(job.at), job.done))
     except InputError as error:  # such as: images that are exchanged
         return state.replace(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
     if isinstance(ended, Progress):

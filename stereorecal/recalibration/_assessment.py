@@ -146,7 +146,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
             break
         found, at = anew, likely
         excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
-    decision = decide(estimated, case.free.names, case.tolerances)
+    decision = decide(estimated, case.free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
     candidate = chart.rig_at(decision.theta)
     tiles, seen = counts(case, candidate), _seen(case, used)
@@ -157,7 +157,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         late=estimated.is_late,
         misfit_px=max(estimated.misfit),
         lost=share_lost(tiles[:, used_frames]),
-        away=turned_by(case.rig, candidate, case.reach),
+        away=turned_by(case.rig, candidate, case.settings.reach),
     )
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
@@ -227,7 +227,7 @@ def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estim
             windows=without_frames(case, tracks, without),
             view=case.images.view,
         )
-        return estimated.judged_by(case.tolerances.matters)
+        return estimated.judged_by(case.settings.tolerances.matters)
 
     return estimate_of
 

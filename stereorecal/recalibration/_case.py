@@ -5,14 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, starmap
 
-from stereorecal.decision import DEFAULT, Tolerances
 from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Parameters, Reach, RigChart, row_chart
+from stereorecal.objectives import Parameters, RigChart, row_chart
 from stereorecal.recalibration._prior_use import PriorUse
 from stereorecal.recalibration._schedule import Stage
-from stereorecal.recordings import Odometer, Pair, Range, times_of
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recordings import Pair, Range, times_of
 from stereorecal.scoring import Pyramid, select_frames
 
 MOST_FRAMES = 24  # of a recording: more of one place tell hardly more, and each costs a match
@@ -56,27 +56,24 @@ class Case:
 
     Attributes:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
-        matcher: with its disparity range at full size.
+        settings: that were asked for; their `free` is what may change in the end.
+        matcher: with its disparity range at full size; before a search it may lack that.
         free: what the step at hand may change; the rest is held. In the search extrinsics, and for comparisons all else
             that strategies may search; in the decision all that may change in the end (`with_free`).
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
-        tolerances: by which it is decided.
-        odometer: what else knows how far the rig travelled.
         prior_use: where the prior came from, and which of the pairs that were given count; None: no user gave one.
         selected: numbers of the pairs of `images` among those that were given; None: all of them.
     """
 
     images: Pyramid
+    settings: Settings
     matcher: AbstractMatcher
-    reach: Reach
     free: Parameters
     prior: Prior = EXACT
     ranges: tuple[Range, ...] = ()
     windows: tuple[tuple[int, int], ...] = ()
-    tolerances: Tolerances = DEFAULT
-    odometer: Odometer | None = None
     prior_use: PriorUse | None = None
     selected: tuple[int, ...] | None = None
 
@@ -88,7 +85,7 @@ class Case:
     @property
     def chart(self) -> RigChart:
         """The box of epipolar residuals, with the prior."""
-        return row_chart(self.rig, self.reach, self.free)
+        return row_chart(self.rig, self.settings.reach, self.free)
 
     @property
     def of_extrinsics(self) -> "Case":

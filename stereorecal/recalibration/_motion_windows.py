@@ -112,12 +112,12 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Seq
 def _ways(case: Case, used_windows: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
     """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
     no more than it knows."""
-    ways = _travelled(case.odometer, case.images.pairs, used_windows) if case.odometer else []
+    ways = _travelled(case.settings.odometer, case.images.pairs, used_windows) if case.settings.odometer else []
     metres = [None if way is None or not far_enough(way, case.rig) else way for way in ways]
     known = sum(some is not None for some in metres)
-    if case.odometer is None or not known:
+    if case.settings.odometer is None or not known:
         return ()
-    deviation = case.odometer.deviation
+    deviation = case.settings.odometer.deviation
     return tuple(None if some is None else (some, deviation(some, known) + _LEAST_WAY) for some in metres)
 
 

@@ -60,19 +60,8 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     known = prior_of(prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
-    return Case(
-        images=images,
-        matcher=settings.matcher,
-        reach=settings.reach,
-        free=free.extrinsics,
-        prior=known,
-        ranges=ranges,
-        windows=windows,
-        tolerances=settings.tolerances,
-        odometer=settings.odometer,
-        prior_use=use,
-        selected=numbers if free.shared or (use is not None and use.dropped) else None,
-    )
+    selected = numbers if free.shared or (use is not None and use.dropped) else None
+    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
@@ -95,11 +84,11 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options)
     settings = replace(settings, free=what_may_change(rig, settings))
-    return recalibrate_case(prepared(rig, pairs, settings), settings, began)
+    return recalibrate_case(prepared(rig, pairs, settings), began)
 
 
 @one_blas_thread()
-def recalibrate_case(case: Case, settings: Settings, began: float | None = None) -> Solution:
+def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does; where that look sees what a search would see, it is the answer.
@@ -107,7 +96,6 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
             its matcher may lack `num_disparities`, which is then measured.
-        settings: `free` is what may change in the end.
         began: when the clock was started; default now.
 
     Raises:
@@ -115,17 +103,17 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
         StrategyError: if a strategy crashes.
     """
     began = time.perf_counter() if began is None else began
-    case, start, cost = started(case, settings.schedule)
-    to_decide = case.with_free(settings.free)
-    if (last := settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
+    case, start, cost = started(case)
+    to_decide = case.with_free(case.settings.free)
+    if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
         run = run_look(to_decide, last)
         assessment = assessed(to_decide, run, run.ended)
         cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
             run = replace(run, matching_cost=0.0)
-            return solution_of_assessment(to_decide, settings, (run,), assessment, cost, began)
-    case, stages = run_schedule(case, settings, start, began)
-    return solution_of_search(case.with_free(settings.free), settings, stages, cost, began)
+            return solution_of_assessment(to_decide, (run,), assessment, cost, began)
+    case, stages = run_schedule(case, start, began)
+    return solution_of_search(case.with_free(case.settings.free), stages, cost, began)
 
 
 @one_blas_thread()
@@ -152,5 +140,5 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     case = prepared(rig, pairs, settings, learns=False).with_free(settings.free)
     case = case.with_matcher(with_measured_range(case.matcher, case.images))
     run = run_look(case, last[0])
-    found = solution_of_search(case, settings, (run,), Cost(), began)
+    found = solution_of_search(case, (run,), Cost(), began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -18,7 +18,6 @@ from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import mismatch_of
 from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors, misfit, row_residuals
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
-from stereorecal.recalibration._settings import Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import (
     Cost,
@@ -38,26 +37,24 @@ _YAW_ERROR_AFTER_EPIPOLAR = np.radians(0.25)  # at most, where yaw is observed
 _SEED = 0  # of strategies that draw random numbers, in slices
 
 
-def solution_of_search(
-    case: Case, settings: Settings, stages: tuple[StageRun, ...], cost: Cost, began: float
-) -> Solution:
+def solution_of_search(case: Case, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
     """The solution that the stages of a schedule come to, judged by matches, or, where there are none, by the count.
 
     Args:
         case: with all that may change free, which then may move in the calibration to use.
-        stages: that were run: fewer than the schedule of the settings has where a budget ended.
+        stages: that were run: fewer than the schedule has where a budget ended.
         cost: of what came before the stages.
         began: when the clock was started.
     """
     status, message = _ending(stages)
-    cut = len(stages) < len(settings.schedule.stages) or any(stage.cut for stage in stages)
+    cut = len(stages) < len(case.settings.schedule.stages) or any(stage.cut for stage in stages)
     if cut:
         status, message = Status.BUDGET, Status.BUDGET.value
     end_rig = stages[-1].ended if stages else case.rig
     run = last_matched(stages)
     assessment = None if cut or run is None else assessed(case, run, end_rig)
     if assessment is not None:
-        found = solution_of_assessment(case, settings, stages, assessment, cost, began)
+        found = solution_of_assessment(case, stages, assessment, cost, began)
         return replace(found, status=status, message=message)
     tiles, mismatch = counts(case, end_rig), None
     before, after = tiles.sum(axis=(1, 2)).tolist()
@@ -69,7 +66,7 @@ def solution_of_search(
         reason = Reason.TOO_LITTLE_TEXTURE
     else:
         reason = Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
-    found = _solution(case, settings, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
+    found = _solution(case, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
     return replace(found, status=status, message=message)
 
 
@@ -84,7 +81,7 @@ def _ending(stages: tuple[StageRun, ...]) -> tuple[Status, str]:
 
 
 def solution_of_assessment(
-    case: Case, settings: Settings, stages: tuple[StageRun, ...], assessment: Assessment, cost: Cost, began: float
+    case: Case, stages: tuple[StageRun, ...], assessment: Assessment, cost: Cost, began: float
 ) -> Solution:
     """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
     `solution_of_search`."""
@@ -94,7 +91,6 @@ def solution_of_assessment(
     rows = row_residuals(case.chart, found, candidate)
     return _solution(
         case,
-        settings,
         tuple(replace(one, found=found) if number == last else one for number, one in enumerate(stages)),
         candidate,
         assessment.reason,
@@ -134,7 +130,6 @@ def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrin
 
 def _solution(
     case: Case,
-    settings: Settings,
     stages: tuple[StageRun, ...],
     candidate: StereoRig,
     reason: Reason,
@@ -182,7 +177,7 @@ def _solution(
             judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
         ),
         seconds=time.perf_counter() - began,
-        settings=settings,
+        settings=case.settings,
         selected=case.selected,
         left_out=() if disagree else names,
         disagreeing=names if disagree else (),
@@ -193,11 +188,12 @@ def _solution(
     )
 
 
-def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
+def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
+    schedule = case.settings.schedule
     matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
     if schedule.survey or matcher.num_disparities is None:
-        radians = float(np.radians(case.reach.degrees))
+        radians = float(np.radians(case.settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
         offset = surveyed.offset if schedule.survey else offset
@@ -224,12 +220,13 @@ def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoR
     ), 2 * objective.cost
 
 
-def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
+def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
     """All stages that the budget allows; the case comes back with the widest disparity range that was measured.
 
     Args:
         began: when the clock of the budget was started.
     """
+    settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
     for stage in schedule.stages:
@@ -240,7 +237,7 @@ def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float)
         rig = done.ended
         if len(schedule.stages) > 1 and measured:
             epipolar = stage.score is ScoreKind.EPIPOLAR
-            yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.reach.degrees))
+            yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.settings.reach.degrees))
             surveyed = survey(case.images, done.end_extrinsics, yaw_error, aligned=True)
             done = replace(done, survey_cost=surveyed.cost)
             case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_error))
@@ -263,26 +260,23 @@ class Progress:
     done: int = 0
 
 
-def next_slice(case: Case, schedule: Schedule, at: Progress) -> Progress | Solution:
+def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it.
 
     Args:
-        case: with a disparity range.
-        schedule: whose last stage has rows.
+        case: with a disparity range, and a schedule whose last stage has rows.
     """
-    began = time.perf_counter()
+    began, schedule = time.perf_counter(), case.settings.schedule
     if at.done == 0:
-        return Progress(started(case, schedule)[1], 1)
+        return Progress(started(case)[1], 1)
     stages = _rounds(schedule)
     stage = stages[at.done - 1]
     done = run_stage(case, stage, at.rig, Budget(), _SEED)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    last = replace(schedule, stages=(stage,))
-    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach})
-    settings = replace(settings, free=case.free, tolerances=case.tolerances)
-    return solution_of_search(case, settings, (done,), Cost(), began)
+    settings = replace(case.settings, schedule=replace(schedule, stages=(stage,)), free=case.free)
+    return solution_of_search(replace(case, settings=settings), (done,), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

@@ -139,7 +139,7 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
 def extrinsics_count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
     """The count of a stage, over the free extrinsics."""
     options = _options(case, stage, budget)
-    return count_objective(case.images, case.matcher, case.reach, free=case.free.axes, **options)
+    return count_objective(case.images, case.matcher, case.settings.reach, free=case.free.axes, **options)
 
 
 def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
@@ -158,7 +158,7 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
 
 def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Over all that is free."""
-    chart = reach_chart(case.rig, case.reach, case.free)
+    chart = reach_chart(case.rig, case.settings.reach, case.free)
     objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
     run = run_strategy(as_strategy(stage.strategy), objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
 
