@@ -68,7 +68,7 @@ from .recalibration import (
     recalibrate as recalibrate,
     recalibrate_many as recalibrate_many,
 )
-from .recalibration._load_prior import load_prior as load_prior
+from .recalibration._prior_use import load_prior as load_prior
 from .recordings import (
     Log as Log,
     Mission as Mission,

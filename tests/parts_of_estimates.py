@@ -4,8 +4,15 @@ What is private, tests import by this and `parts_of_repairs` alone.
 """
 
 from stereorecal.estimation import _calibration_prior as _calibration_prior
-from stereorecal.estimation._calibration_prior import widest as widest
-from stereorecal.estimation._drift import SIZES as SIZES, drift_sizes as drift_sizes
+from stereorecal.estimation._calibration_prior import SIZES as SIZES, drift_sizes as drift_sizes, widest as widest
+from stereorecal.estimation._confounders import (
+    Offsets as Offsets,
+    _rectangle as _rectangle,
+    _squares as _squares,
+    _sums as _sums,
+    outlines as outlines,
+)
+from stereorecal.estimation._estimate import parts_of as parts_of
 from stereorecal.estimation._evidence import (
     Explained as Explained,
     all_explained as all_explained,
@@ -18,17 +25,15 @@ from stereorecal.estimation._groups import (
     first_of_same as first_of_same,
     grouped as grouped,
 )
-from stereorecal.estimation._held_out import parts_of as parts_of
-from stereorecal.estimation._lens_field import within_field as within_field
+from stereorecal.estimation._linear_groups import (
+    correlation as correlation,
+    covariance_of_rows as covariance_of_rows,
+    unexpected as unexpected,
+)
 from stereorecal.estimation._losses import (
     PointwiseLoss as PointwiseLoss,
     errors_near as errors_near,
     points_shown as points_shown,
-)
-from stereorecal.estimation._misfit import (
-    correlation as correlation,
-    covariance_of_rows as covariance_of_rows,
-    unexpected as unexpected,
 )
 from stereorecal.estimation._motion_residuals import (
     Motion as Motion,
@@ -36,15 +41,9 @@ from stereorecal.estimation._motion_residuals import (
     residuals as residuals,
     track_readings as track_readings,
 )
-from stereorecal.estimation._outlines import (
-    Offsets as Offsets,
-    _rectangle as _rectangle,
-    _squares as _squares,
-    _sums as _sums,
-    outlines as outlines,
-)
 from stereorecal.estimation._posterior import merged as merged
-from stereorecal.estimation._prior_conversions import updated as updated
+from stereorecal.estimation._prior_choice import updated as updated
+from stereorecal.estimation._rig_parameters import within_field as within_field
 from stereorecal.online._filter import (
     OF_LENSES as OF_LENSES,
     FilterEstimate as FilterEstimate,

@@ -6,7 +6,8 @@ See `parts_of_estimates`.
 from stereorecal import _compile_cache as _compile_cache
 from stereorecal.cli import _cluster as _cluster, _signals as _signals
 from stereorecal.cli._commands import COMMANDS as COMMANDS
-from stereorecal.online import _moving as _moving, _repairing as _repairing
+from stereorecal.online import _moving as _moving
+from stereorecal.recalibration._assessment import share_lost as share_lost
 from stereorecal.recalibration._match_ranges import match_ranges as match_ranges
 from stereorecal.recalibration._mismatch import mismatch_of as mismatch_of
 from stereorecal.recalibration._motion_windows import (
@@ -14,10 +15,9 @@ from stereorecal.recalibration._motion_windows import (
     check_odometer as check_odometer,
     following as following,
 )
-from stereorecal.recalibration._prepared_case import prepared as prepared
 from stereorecal.recalibration._prior_use import fingerprint as fingerprint, prior_use as prior_use
-from stereorecal.recalibration._regional_misfit import Cause as Cause, misfit as misfit
+from stereorecal.recalibration._recalibrate import prepared as prepared
 from stereorecal.recalibration._repair_report import conclusion_of as conclusion_of, report_of as report_of
+from stereorecal.recalibration._row_residuals import Cause as Cause, misfit as misfit
 from stereorecal.recalibration._search import run_schedule as run_schedule, started as started
-from stereorecal.recalibration._tile_counts import share_lost as share_lost
 from stereorecal.recalibration._uncertainty import uncertainty as uncertainty

@@ -153,8 +153,8 @@ def failed(task: Task, error: BaseException) -> Trial:
 def _repair(task: Task) -> Solution:
     matcher, named = task.judged.matcher, ("reach", "budget", "seed", "free")
     options = {"matcher": matcher, "schedule": task.entrant.schedule} | {name: getattr(task, name) for name in named}
-    case = Case(pyramid(task.start, task.judged.scene.pairs), matcher, task.reach, task.free)
-    return recalibrate_case(case, as_settings(options))
+    settings = as_settings(options)
+    return recalibrate_case(Case(pyramid(task.start, task.judged.scene.pairs), settings, matcher, settings.free))
 
 
 def _trial_of_solution(task: Task, solution: Solution) -> Trial:

@@ -1,14 +1,12 @@
 """The estimate of a rig: all its parameters, the prior of what its calibration left, a drift, and rows, in one least
 squares; `docs/estimate.md` explains it.
 
-`_rig_parameters` names θ; `_calibration_prior` and `_drift` are its prior, `_prior_choice` what users may choose
-instead. `_groups` has the rows as data, `_matched_ranges` measured ranges, `_motion` the rig's own motion
-(`_motion_window` two pairs, `_motion_residuals` what tracks should do), `_measured` both. `_misfit` is what no
-parameter explains, `_confounders` what else may, `_delay` a late shutter. `_evidence` integrates in closed form,
-`_explanations` compares, `_least_squares` solves, `_several_recordings` solves recordings of one rig; `_posterior` is
-the answer, `_consequences` what errors of a rig do to rows and depth, `_sample_readings` that of rigs drawn from it,
-`_candidates` the rigs that may be written, `_saved_prior` what the next call begins with (`_mixture_as_data`: its
-numbers).
+`_rig_parameters` names θ; `_calibration_prior` is its prior, a drift included, `_prior_choice` what users may choose
+instead, `_saved_prior` what the next call begins with. `_groups` has the rows as data, `_linear_groups` their misfit,
+`_matched_ranges` measured ranges, `_motion` the rig's own motion (`_motion_residuals`: what tracks should do),
+`_confounders` what else may be behind rows. `_evidence` integrates in closed form, `_explanations` compares,
+`_least_squares` solves one recording or several of one rig; `_posterior` is the answer, `_consequences` what errors of
+a rig do to rows and depth, `_losses` what they cost, and the rigs that may be written.
 """
 
 from stereorecal.estimation._calibration_prior import (
@@ -27,25 +25,26 @@ from stereorecal.estimation._consequences import (
 from stereorecal.estimation._estimate import (
     DISTANCES as DISTANCES,
     Estimate as Estimate,
+    HeldOut as HeldOut,
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._groups import PLACES as PLACES
-from stereorecal.estimation._held_out import HeldOut as HeldOut
-from stereorecal.estimation._jacobian import (
-    pixels_of as pixels_of,
-    slopes_by_point as slopes_by_point,
-    slopes_of as slopes_of,
+from stereorecal.estimation._least_squares import (
+    Each as Each,
+    Recording as Recording,
+    estimate as estimate,
+    estimate_together as estimate_together,
 )
-from stereorecal.estimation._least_squares import estimate as estimate
 from stereorecal.estimation._linear_groups import rows_of_groups as rows_of_groups
 from stereorecal.estimation._losses import Losses as Losses, Matters as Matters, points_shown as points_shown
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
+    far_enough as far_enough,
+    window as window,
 )
-from stereorecal.estimation._motion_window import far_enough as far_enough, window as window
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
 from stereorecal.estimation._posterior import (
     Posterior as Posterior,
@@ -57,24 +56,20 @@ from stereorecal.estimation._prior_choice import (
     EXACT as EXACT,
     SAVED as SAVED,
     CalibrationCovariance as CalibrationCovariance,
+    Earlier as Earlier,
     Prior as Prior,
+    SavedPrior as SavedPrior,
+    as_mixture as as_mixture,
     as_prior as as_prior,
     check_prior as check_prior,
     is_exact as is_exact,
-    with_deviations as with_deviations,
-)
-from stereorecal.estimation._prior_conversions import (
-    as_mixture as as_mixture,
     recentred_posterior as recentred_posterior,
     updated as updated,
+    with_deviations as with_deviations,
 )
-from stereorecal.estimation._rig_parameters import rig_parameters as rig_parameters
-from stereorecal.estimation._saved_prior import (
-    Earlier as Earlier,
-    SavedPrior as SavedPrior,
-)
-from stereorecal.estimation._several_recordings import (
-    Each as Each,
-    Recording as Recording,
-    estimate_together as estimate_together,
+from stereorecal.estimation._rig_parameters import (
+    pixels_of as pixels_of,
+    rig_parameters as rig_parameters,
+    slopes_by_point as slopes_by_point,
+    slopes_of as slopes_of,
 )

@@ -1,13 +1,17 @@
-"""What a calibration leaves: the covariance of the errors of a chessboard calibration of a rig.
+"""What is known of θ before any image: what a calibration leaves, the covariance of the errors of a chessboard
+calibration; and the drift since.
 
-The inverse Fisher information of simulated views of a board, whose poses are marginalised. Its correlations are the
-point: whatever keeps boards in place (a principal point with a rotation, a focal length with z) is loose, whatever
-moves the depth of a board is tight.
+The former is the inverse Fisher information of simulated views of a board, whose poses are marginalised. Its
+correlations are the point: whatever keeps boards in place (a principal point with a rotation, a focal length with z) is
+loose, whatever moves the depth of a board is tight.
+
+The drift is one event of unknown size, or more rarely one that turns one axis alone. Pitch and roll, which rows tell
+for sure, say how far yaw, which they do not, has probably moved.
 """
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import jax
@@ -15,11 +19,15 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._consequences import AHEAD
-from stereorecal.estimation._jacobian import pixels_of, slopes_by_point, slopes_of
 from stereorecal.estimation._posterior import root
+from stereorecal.estimation._rig_parameters import pixels_of, slopes_by_point, slopes_of
 from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
-from stereorecal.objectives import BASELINE, SIDES, RigChart
+from stereorecal.objectives import BASELINE, ROTATION, SIDES, RigChart
 
+SIZES = (0.002, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 4.0)  # degrees, of the angles; the first is none
+_SHIFT = 0.6  # y and z as a share of the baseline, per radian
+_ALONE = 0.02  # probability of a drift that turns one axis more than the others, of each axis
+_LEAST_ALONE = 0.1  # degrees
 _CORNER_NOISE = 0.2  # pixels, standard deviation of a corner in an image 640 wide
 # How much worse than their noise calibrations are, told apart by the evidence of the images.
 KAPPAS = (0.5, 1.0, 2.0, 4.0, 8.0)
@@ -27,6 +35,23 @@ KAPPAS = (0.5, 1.0, 2.0, 4.0, 8.0)
 # boards where they are, has heavier tails than the others: public rigs have it at several deviations.
 _PAIR_WORSE = 5.0
 _PAIR_PROBABILITY = 0.3
+
+
+@cache
+def drift_sizes() -> tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, "k"]]:
+    """Standard deviations of pitch, yaw, roll [degrees], y and z [% of the baseline] for each kind of drift, and the
+    probability of each before any image is seen."""
+    shift = 100.0 * _SHIFT * np.pi / 180.0
+    together = [[size, size, size, shift * size, shift * size] for size in SIZES]
+    alone = []
+    for axis in range(len(ROTATION)):
+        for size, row in zip(SIZES, together, strict=True):
+            for larger in SIZES:
+                if larger >= _LEAST_ALONE and larger > 2.0 * size:
+                    alone.append([larger if index == axis else value for index, value in enumerate(row)])
+    share = len(ROTATION) * _ALONE
+    weights = np.r_[np.full(len(together), (1.0 - share) / len(together)), np.full(len(alone), share / len(alone))]
+    return np.array([*together, *alone]), weights
 
 
 class _Views(NamedTuple):

@@ -1,6 +1,7 @@
 """What a rig's errors do: row errors and wrong disparities of points over the view, at some distances.
 
-Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels.
+Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels. If the
+truth is one of many rigs, drawn from a posterior, readings are exact at its mean, and linear around it.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from stereorecal.estimation._jacobian import lens_parameters, moved_by_extrinsics
+from stereorecal.estimation._posterior import Posterior
+from stereorecal.estimation._rig_parameters import lens_parameters, moved_by_extrinsics
 from stereorecal.geometry import (
     PINHOLE,
     Camera,
@@ -34,6 +36,8 @@ _REACHED = 0.97  # of the angle up to which a lens model is good: a little other
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
+_SAMPLES = 2000
+_SEED = 0
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -254,3 +258,59 @@ def consequences(
     rows_of_sets, nearness_of_sets = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
     weights = tuple(_weights(used, sets, view))
     return Consequences(distances, tuple(sets), rows_of_sets, nearness_of_sets, weights)
+
+
+@dataclass(frozen=True, eq=False)
+class SampleReadings:
+    """Rows and disparities over a view, of some rigs that may be true; always the same ones.
+
+    Attributes:
+        chart: from θ to rigs.
+        posterior: of θ.
+        distances: in baselines.
+        view: in which rows and disparities are read; None: the rig's own.
+    """
+
+    chart: RigChart
+    posterior: Posterior
+    distances: tuple[float, ...]
+    view: View | None
+
+    def rows_and_nearness(
+        self, used: Float[np.ndarray, "n"]
+    ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
+        """What the rig at θ = used reads: root mean squares of row errors [pixels] over the view, and relative errors
+        of disparity, on average over it."""
+        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self.slopes.points, self.view)
+        square = [
+            np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
+            for rows, (moved, of_moved) in zip(at_mean, self._rows, strict=True)
+        ]
+        return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness
+
+    @cached_property
+    def samples(self) -> Float[np.ndarray, "s n"]:
+        """θ of the rigs."""
+        return self.posterior.samples(_SAMPLES, _SEED)
+
+    @cached_property
+    def mean_rig(self) -> StereoRig:
+        """The rig at the posterior's mean."""
+        return self.chart.rig_at(self.posterior.mean)
+
+    @cached_property
+    def slopes(self) -> Consequences:
+        """Slopes of the readings with respect to θ, at the posterior's mean."""
+        return consequences(self.chart, self.posterior.mean, self.distances, self.view)
+
+    @cached_property
+    def _rows(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
+        """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
+        squares."""
+        moved = [(self.samples - self.posterior.mean) @ slopes.T for slopes in self.slopes.rows]
+        return [(some, np.mean(some**2, axis=1)) for some in moved]
+
+    @cached_property
+    def _nearness(self) -> Float[np.ndarray, "s d"]:
+        """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
+        return (self.samples - self.posterior.mean) @ self.slopes.mean_nearness.T

@@ -1,6 +1,12 @@
-"""The estimate: from correspondences and a prior to what is known of a rig, and the rigs that may be written."""
+"""The estimate: what is known of a rig, and the rigs that may be written.
 
-from collections.abc import Sequence
+What a part of the images says of a candidate of the rest is told in closed form: the rest's normal equations are those
+of its own rows, whose covariance is a block of the whole one; its posterior is that of every hypothesis beside every
+prior, as the estimate's is; and rows are linear near the estimate. Nuisance parameters are estimated anew from the
+rest, and not applied to the part, which may be the one that moved.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
@@ -10,25 +16,78 @@ from jaxtyping import Bool, Float
 
 from stereorecal._errors import checked_choice
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._candidates import Known, least_loss
-from stereorecal.estimation._consequences import DISTANCES
-from stereorecal.estimation._delay import Delay
-from stereorecal.estimation._explanations import Hypothesis
-from stereorecal.estimation._frames import OtherRig
-from stereorecal.estimation._groups import Groups
-from stereorecal.estimation._held_out import HeldOut, rests
-from stereorecal.estimation._losses import USUAL, Errors, Losses, Matters, PointwiseLoss, errors_near, losses
+from stereorecal.estimation._confounders import Delay
+from stereorecal.estimation._consequences import DISTANCES, SampleReadings
+from stereorecal.estimation._explanations import Hypothesis, mixture
+from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._linear_groups import OtherRig
+from stereorecal.estimation._losses import (
+    USUAL,
+    Errors,
+    Known,
+    Losses,
+    Matters,
+    PointwiseLoss,
+    errors_near,
+    least_loss,
+    losses,
+)
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._motion import NO_WINDOWS, Windows
-from stereorecal.estimation._motion_window import Window
+from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._posterior import Posterior, median_and_interval
 from stereorecal.estimation._rig_parameters import DRIFTING
-from stereorecal.estimation._sample_readings import SampleReadings
 from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
+_THIRDS = 3
+_PLACES = 4  # at most: so many times as many frames, and each of these is left out with the others of its fourth
+_FEWEST = 6  # groups in a part, and in the rest
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """|Row differences| of a part, on average over its correspondences; pixels.
+
+    Attributes:
+        name: of the part.
+        count: of its correspondences.
+        before: under the initial rig.
+        after: under the candidate of the rest.
+        fitted: under the candidate of all.
+    """
+
+    name: str
+    count: int
+    before: float
+    after: float
+    fitted: float
+
+
+def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
+    """Thirds of the view over all frames, by columns and by rows; and frames, where these do not all show the same."""
+    row, column = np.divmod(groups.place, PLACES[0])
+    for kind, of_kind, number in (("columns", column, PLACES[0]), ("rows", row, PLACES[1])):
+        third = of_kind * _THIRDS // number
+        yield from ((f"{kind} {index + 1} of {_THIRDS}", third == index) for index in range(_THIRDS))
+    scenes = np.unique(groups.frame)
+    for part in range(min(len(scenes), _PLACES) if len(scenes) > 1 else 0):
+        some = scenes[part::_PLACES]
+        frames = np.flatnonzero(np.isin(groups.first, some)).tolist()
+        yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, some)
+
+
+def rests(
+    groups: Groups, hypotheses: Sequence[Hypothesis], prior: CalibrationPrior
+) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
+    """Each part that shows enough, and what the rest knows of θ."""
+    likely = [index for index, weight in enumerate(prior.weights) if weight > 0.0]
+    for name, inside in parts_of(groups):
+        if min(np.count_nonzero(inside), np.count_nonzero(~inside)) < _FEWEST:
+            continue
+        several = [one for some in hypotheses for one in some.explained(prior, likely, some.rows.of(~inside))]
+        yield name, inside, mixture(several)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +180,7 @@ class Estimate:
     @cached_property
     def known(self) -> Known:
         """What candidates are chosen by."""
-        initial = self._errors.of(np.zeros(len(self.names)))
-        return Known(self._errors, self.posterior, initial)
+        return Known(self._errors, self.posterior)
 
     @cached_property
     def _errors(self) -> Errors:

@@ -8,12 +8,10 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._drift import drift_sizes
+from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
 from stereorecal.estimation._evidence import Explained, Normal, all_explained, marginal
 from stereorecal.estimation._groups import PLACES
-from stereorecal.estimation._linear_groups import LinearGroups
-from stereorecal.estimation._misfit import correlation
+from stereorecal.estimation._linear_groups import LinearGroups, correlation
 from stereorecal.estimation._posterior import Posterior, merged, root
 
 NOTHING = np.zeros((0, 0))

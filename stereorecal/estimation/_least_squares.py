@@ -1,17 +1,25 @@
 """The one least squares: Gauss-Newton on rows of groups, with the evidence choosing priors and misfit on the way; and
-the estimate that it comes to, mixed of all hypotheses."""
+the estimate that it comes to, mixed of all hypotheses.
 
-from collections.abc import Sequence
-from dataclasses import replace
+Recordings of the same cameras are solved together: what the calibration left is common to them, and each has drifted by
+itself. From what a recording shows of θ follows what it shows of the calibration's error, its drift integrated; what
+all others show of that is the prior with which a recording is solved. Their drifts are normal meanwhile, and their rows
+linear where they were solved last: a few rounds, and all agree.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import hypotheses_with_confounders
-from stereorecal.estimation._delay import delay_of, hypothesis_with_delay
+from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
+from stereorecal.estimation._confounders import delay_of, hypotheses_with_confounders, hypothesis_with_delay
 from stereorecal.estimation._estimate import Estimate
-from stereorecal.estimation._evidence import Normal
+from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import (
     NOTHING,
     Explanation,
@@ -22,17 +30,21 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
-from stereorecal.estimation._frames import OtherRig, other_rigs
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
-from stereorecal.estimation._lens_field import within_field
-from stereorecal.estimation._linear_groups import LinearGroups, linear_groups
+from stereorecal.estimation._linear_groups import (
+    COMMON,
+    DEVIATIONS,
+    LinearGroups,
+    Measured,
+    OtherRig,
+    linear_groups,
+    other_rigs,
+)
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._measured import Measured
-from stereorecal.estimation._misfit import COMMON, DEVIATIONS
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._prior_choice import Prior, as_prior
-from stereorecal.estimation._rig_parameters import rig_parameters
+from stereorecal.estimation._prior_choice import Prior, as_prior, updated
+from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters, within_field
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
@@ -41,6 +53,28 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
+_ROUNDS_TOGETHER = 3  # the first knows nothing of the others
+_LEAST_WEIGHT = 1e-6  # probability: priors below are left out
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What is known of one recording; the attributes are the arguments of `estimate`.
+
+    Attributes:
+        rig: those of several recordings have the same cameras.
+        prior: those of several recordings tell of the same error, and none of the others' images.
+    """
+
+    found: Correspondences
+    rig: StereoRig
+    prior: CalibrationPrior
+    start: Float[np.ndarray, "n"] | None = None
+    ranges: MatchedRanges = NO_RANGES
+    windows: Windows = NO_WINDOWS
+    view: View | None = None
 
 
 @one_blas_thread()
@@ -66,24 +100,17 @@ def estimate(
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """
-    chart = rig_parameters(rig)
-    return solved(found, chart, as_prior(prior, chart), start, ranges, windows, view)[0]
+    known = as_prior(prior, rig_parameters(rig))
+    return solved(Recording(found, rig, known, start, ranges, windows, view))[0]
 
 
 @one_blas_thread()
-def solved(
-    found: Correspondences,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    start: Float[np.ndarray, "n"] | None = None,
-    ranges: MatchedRanges = NO_RANGES,
-    windows: Windows = NO_WINDOWS,
-    view: View | None = None,
-) -> tuple[Estimate, Explanation]:
+def solved(recording: Recording) -> tuple[Estimate, Explanation]:
     """The estimate, and the most probable one of its explanations. A prior and a misfit for a round are the evidence's
     best, and all of them are mixed after the last."""
-    start = np.zeros(chart.dim) if start is None else start
-    measured, delay, hypotheses = Measured(ranges, windows), None, []
+    found, chart, prior = recording.found, rig_parameters(recording.rig), recording.prior
+    start = np.zeros(chart.dim) if recording.start is None else recording.start
+    measured, delay, hypotheses = Measured(recording.ranges, recording.windows), None, []
     rows, misfit = _settled(found, chart, prior, start, measured)
     if rows is None:
         flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
@@ -107,9 +134,9 @@ def solved(
         0,
         float("nan"),
         _prior_variance(several, prior),
-        matched_ranges=ranges,
-        windows=windows,
-        view=view,
+        matched_ranges=recording.ranges,
+        windows=recording.windows,
+        view=recording.view,
         delay=delay,
         prior=prior,
     )
@@ -135,11 +162,7 @@ def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> 
 
 
 def _settled(
-    found: Correspondences,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    theta: Float[np.ndarray, "n"],
-    measured: Measured,
+    found: Correspondences, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"], measured: Measured
 ) -> tuple[LinearGroups | None, tuple[float, float]]:
     """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few.
 
@@ -218,3 +241,57 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
         for d in neighbours(misfit[0], DEVIATIONS)
         for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
     ]
+
+
+def estimate_together(
+    recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
+) -> list[Estimate]:
+    """The estimate of each recording's rig, from what all of them show.
+
+    Args:
+        recordings: one or several.
+        each: runs a task for each recording.
+    """
+    estimates, messages = _round(recordings, each)
+    variances = [one.prior_variance for one in estimates]
+    for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):
+        known = (
+            after(recording.prior, reduce(add, messages[:index] + messages[index + 1 :]))
+            for index, recording in enumerate(recordings)
+        )
+        several = [
+            replace(recording, start=one.theta, prior=prior)
+            for recording, one, prior in zip(recordings, estimates, known, strict=True)
+        ]
+        estimates, messages = _round(several, each)
+    return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)]
+
+
+def _round(recordings: Sequence[Recording], each: Each) -> tuple[list[Estimate], list[Normal]]:
+    """The estimate of each with what is known before it, and what it shows of the calibration's error."""
+    done = each(_estimate_and_message, recordings)
+    return [one for one, _ in done], [message for _, message in done]
+
+
+def _estimate_and_message(one: Recording) -> tuple[Estimate, Normal]:
+    estimated, best = solved(one)
+    return estimated, of_calibration(best)
+
+
+def of_calibration(best: Explanation) -> Normal:
+    """The likelihood of the calibration's error under an explanation, the drift integrated: normal, as large as all
+    kinds of drift are on average, by their evidence."""
+    of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
+    weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
+    axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
+    to = np.column_stack([axes, axes[:, : len(DRIFTING)]])
+    return marginal(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
+
+
+def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:
+    """What is known of the calibration's error after something else has told of it."""
+    every = updated(prior, known)
+    likely = every.weights > _LEAST_WEIGHT
+    return CalibrationPrior(
+        every.roots[likely], every.weights[likely] / every.weights[likely].sum(), means=every.means[likely]
+    )

@@ -1,7 +1,15 @@
-"""Row errors of groups, linear near a rig."""
+"""Row errors of groups, linear near a rig; what else is measured there; and the structured misfit of rows.
+
+Misfit is what stays together in a region and is in no parameter of the rig. A moved thing, a shutter, a lens that the
+model lacks: a field over the places of each frame, and one that all frames have in common. The evidence finds their
+deviations; their length is short, since a smooth field would be the keystone of a yaw.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -9,12 +17,62 @@ from jaxtyping import Bool, Float, Int
 from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import Normal, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
-from stereorecal.estimation._measured import Measured
-from stereorecal.estimation._misfit import USUAL, covariance_of_rows, unexpected
+from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
+from stereorecal.estimation._motion import NO_WINDOWS, Windows
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import LinearRows, RigChart
 from stereorecal.scoring import Correspondences
 
+DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the field of a frame
+COMMON = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2)  # pixels, of the field that all frames have in common
+USUAL = 0.07  # pixels, of the field of a frame: that of most good pairs, or more
+_LENGTH = 1.5  # places
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
+_CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
+_OWN = np.array([0.5, 0.5, 0.5, 0.5, 0.5])  # degrees and percent: how far the rig may have moved between frames
+ROWS_MATTER = 0.1  # pixels: frames that differ by less agree well enough
+
+
+def correlation(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
+    """The correlation of the field at places."""
+    return _correlation_of_places()[np.ix_(place, place)]
+
+
+@cache
+def _correlation_of_places() -> Float[np.ndarray, "p p"]:
+    """Of all places."""
+    row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
+    apart2 = (row[:, None] - row) ** 2 + (column[:, None] - column) ** 2
+    return np.exp(-0.5 * apart2 / _LENGTH**2)
+
+
+def covariance_of_rows(
+    place: Int[np.ndarray, "g"], deviation: Float[np.ndarray, "g"], misfit: float
+) -> Float[np.ndarray, "g g"]:
+    """Of the mean row differences of the groups of one frame, with a misfit of this deviation."""
+    return misfit**2 * correlation(place) + np.diag(deviation**2)
+
+
+def unexpected(covariance: Float[np.ndarray, "g g"], residual: Float[np.ndarray, "g"]) -> Float[np.ndarray, "g"]:
+    """Residuals of groups against what all others of their frame let expect of them, in standard deviations: large
+    where one group errs alone, small in a region that moved as a whole."""
+    precision = np.linalg.inv(covariance)
+    return precision @ residual / np.sqrt(np.diag(precision))
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Ranges and windows of what was seen."""
+
+    ranges: MatchedRanges = NO_RANGES
+    windows: Windows = NO_WINDOWS
+
+    def likelihoods(
+        self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
+    ) -> list[tuple[float, Normal]]:
+        """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
+        of_ranges, of_windows = self.ranges.likelihoods(chart, theta), self.windows.likelihoods(chart, theta, prior)
+        return [(one + other, a + b) for (one, a), (other, b) in product(of_ranges, of_windows)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,3 +180,44 @@ def rows_of_groups(
     deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
     share = groups.count / groups.count.mean()
     return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
+
+
+@dataclass(frozen=True)
+class OtherRig:
+    """A frame that shows another rig than the others.
+
+    Attributes:
+        frame: its number.
+        rows_px: root mean square of the rows by which its own rig differs.
+    """
+
+    frame: int
+    rows_px: float
+
+
+def other_rigs(rows: LinearGroups, misfit: float, theta: Float[np.ndarray, "n"]) -> tuple[OtherRig, ...]:
+    """The frames that would be far more probable with extrinsics of their own, by rows that matter; the farthest first.
+
+    Args:
+        misfit: deviation of the field of each frame, pixels.
+        theta: the solution of all frames.
+    """
+    if len(rows.frames) < 2:
+        return ()
+    own, limit = len(DRIFTING), _chi_square(len(DRIFTING), 1.0 - _CHANCE / len(rows.frames))
+    residual, found = rows.residual(theta), []
+    for f in rows.frames:
+        precision = np.linalg.inv(covariance_of_rows(rows.groups.place[f], rows.deviation[f], misfit))
+        slopes = rows.jacobian[f, :own]
+        pull = slopes.T @ precision @ residual[f]
+        move = np.linalg.solve(slopes.T @ precision @ slopes + np.diag(_OWN**-2.0), pull)
+        rows_px = float(np.sqrt(np.mean((slopes @ move) ** 2)))
+        if float(pull @ move) > limit and rows_px > ROWS_MATTER:
+            found.append(OtherRig(int(rows.groups.frame[f[0]]), rows_px))
+    return tuple(sorted(found, key=lambda one: -one.rows_px))
+
+
+def _chi_square(degrees: int, probability: float) -> float:
+    """A quantile, by the cube root of Wilson & Hilferty (1931)."""
+    tenth = 2.0 / (9.0 * degrees)
+    return degrees * (1.0 - tenth + NormalDist().inv_cdf(probability) * np.sqrt(tenth)) ** 3

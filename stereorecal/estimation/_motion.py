@@ -1,8 +1,12 @@
 """The rig's own motion as data: windows of two consecutive pairs tell depth, which rows cannot.
 
-As the rig advances, points whose disparity is off move wrongly. Each window is a likelihood of θ; errors that its
-tracks have in common make it worse than it believes, how much so all windows say together: where they contradict each
-other, or ask for a rig that no calibration leaves.
+As the rig advances, points whose disparity is off move wrongly. In each window the rig's motion and each point's depth
+are eliminated, and what is left is a likelihood of θ. Points that move by themselves fit no motion of the rig and have
+hardly a say. While the motion is sought, the yaw is free besides: a rig whose depth is wrong fits no motion either, and
+all of its tracks would be outliers.
+
+Errors that the tracks of a window have in common make it worse than it believes, how much so all windows say together:
+where they contradict each other, or ask for a rig that no calibration leaves.
 """
 
 from collections.abc import Sequence
@@ -11,22 +15,304 @@ from functools import reduce
 from operator import add
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._drift import drift_sizes
+from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
 from stereorecal.estimation._evidence import Normal, marginal
-from stereorecal.estimation._motion_window import Window, far_enough, window
+from stereorecal.estimation._groups import PLACES, places_of
+from stereorecal.estimation._motion_residuals import (
+    MOVES,
+    PER_TRACK,
+    Motion,
+    TrackReadings,
+    by_extrinsics,
+    by_theta,
+    consensus,
+    parallax,
+    residuals,
+    track_readings,
+    with_rays,
+)
 from stereorecal.estimation._rig_parameters import DRIFTING
+from stereorecal.geometry import StereoRig, rotation_from_vector
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Tracks
 
+_FEWEST = 30  # tracks: from fewer nothing is to be learnt of motion and depth
+# Pixels: errors of the disparities of a track at both times alike (its surface slants), of each of them, and of where
+# it is seen later. The tracks themselves say how much larger or smaller all of them are.
+_ALIKE, _PARTNER, _LATER = 0.07, 0.07, 0.07
+_LEAST_SCALE = 0.5
+# What tracks of one place have in common, in standard deviations of their own errors: windows of pixels overlap, and
+# a surface, a lens or a shadow is wrong for all of them. Which, the evidence says.
+_SHARED = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.5)
+_GROWS = 0.03  # of its depth that a point comes nearer: its window is then another one, and all errors are larger
+_MEDIAN = 0.888  # of the root mean square of three standard normal numbers
+_REDESCENDS = 1.5  # standard deviations
+_ROUNDS, _SETTLED = 40, 0.03  # standard deviations of the motion
+_CONVEX, _SOME = 4, 300  # rounds in which what is far still has some say, of so many tracks
+_EXPECTED = 2.0  # times the errors expected: most tracks fit so well no motion but their own
+_YAW = 1.0  # degrees: how far depth may be off, while the motion is sought
+# Pixels: where the translation moves most points by less, what depth is known by is how they turn, and that is the
+# lenses, whose errors are no smaller.
+_LEAST_PARALLAX = 1.0
+_LEAST_WAY = 0.1  # baselines: a way that is shorter has hardly a direction, and no share by which it could be off
+_TURN, _MOVE = 1.0, 100.0  # rad and baselines: motions of which nothing is known
 # Standard deviations of what windows say, in those that their tracks alone would leave: neighbours err together.
 _WORSE = (1.0, 1.5, 2.0, 3.0, 4.5, 7.0, 10.0, 15.0)
 _OF_OTHER_THINGS = 0.05  # probability that most of what moves is not the rig
 _OTHER_WAYS = 0.05  # probability that the ways are of another vehicle, in other units, by another clock
 _ANY_LENGTH = 4.6  # logarithm of the range in which those lie
 _OWN_YAW = 1.0  # degrees: how far depth seems to be off, then
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What the tracks between two consecutive pairs say of θ.
+
+    Attributes:
+        normal: the likelihood of θ; flat where the motion tells nothing: too few tracks, at rest, or turning only.
+        with_distance: the likelihood of θ, also given the distance travelled from an odometer, if that is a tenth of
+            the baseline or more.
+        tracks: number of points that were tracked, and whose rays both cameras have.
+        inliers: number of tracks that fit one motion of the rig, and one depth each.
+        motion: of the left camera, estimated with the rig at θ; None if there are too few tracks.
+        metres: the distance travelled, and its standard deviation if θ were known.
+        scale: ratio of the errors of tracks to the expected ones.
+    """
+
+    normal: Normal
+    with_distance: Normal
+    tracks: int
+    inliers: int
+    motion: Motion | None
+    metres: tuple[float, float]
+    scale: float
+
+    @property
+    def informative(self) -> bool:
+        """Whether it tells anything of θ."""
+        return bool(self.normal.a.any())
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A motion, a yaw besides, and inverse depths."""
+
+    motion: Motion
+    yaw: float
+    nearness: Float[np.ndarray, "m"]
+    scale: float
+    weight: Float[np.ndarray, "m"]
+
+
+def window(
+    tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], way: tuple[float, float] | None = None
+) -> Window:
+    """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
+    itself.
+
+    Args:
+        way: the distance travelled from an odometer, and its standard deviation, metres.
+    """
+    nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+    tracks = with_rays(tracks, chart.rig_at(theta))
+    if len(tracks) < _FEWEST:
+        return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
+    readings = track_readings(tracks, chart.rig_at(theta))
+    found = _motion(readings, chart, theta, _roughly(tracks, chart, theta))
+    inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(found.motion.translation))
+    if np.median(parallax(readings, found.motion, found.nearness)) < _LEAST_PARALLAX:
+        return Window(nothing, nothing, len(tracks), inliers, found.motion, (metres, np.inf), found.scale)
+    theta_refined = theta + found.yaw * _yaw_axis(chart)
+    total = _products(readings, chart, theta_refined, found)
+    normal, covariance = _normal(total, chart)
+    with_distance = normal
+    if way is not None and far_enough(way[0], chart.rig):
+        with_distance = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
+    ahead = found.motion.translation / max(metres, 1e-30)
+    sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
+    return Window(normal, with_distance, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+
+
+def far_enough(metres: float, rig: StereoRig) -> bool:
+    """Whether a way tells something: a tenth of the baseline or more, which a vehicle that stands does not travel."""
+    return metres >= _LEAST_WAY * float(rig.baseline)
+
+
+def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
+    """One degree of it, in θ."""
+    return np.eye(chart.dim)[DRIFTING.index("yaw")]
+
+
+def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
+    """By some of the tracks, since most of the rounds are far from the end: from what most of them agree on, and, if
+    that does not end where they are expected, from rest, too; whichever ends nearer to them."""
+    rig, some = chart.rig_at(theta), tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
+    readings, number = track_readings(some, rig), len(some)
+
+    def ended(start: Motion, convex: int) -> _Solved:
+        return _motion(readings, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
+
+    agreed = ended(consensus(readings, rig), 0)
+    if agreed.scale < _EXPECTED:
+        return agreed
+    return min(agreed, ended(Motion(np.eye(3), np.zeros(3)), _CONVEX), key=lambda one: one.scale)
+
+
+def _motion(
+    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0
+) -> _Solved:
+    """Gauss-Newton with redescending weights, from a motion and a yaw.
+
+    Args:
+        convex: rounds in which what is far still has some say.
+    """
+    number, axis = len(readings.tracks), _yaw_axis(chart)
+    motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
+    prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
+    start_rig, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
+    for round_ in range(_ROUNDS):
+        rig = start_rig.with_extrinsics(chart.extrinsics(theta + yaw * axis))
+        linear = residuals(readings, rig, motion, nearness)
+        if not round_:  # the first pair alone
+            nearness = nearness - linear.value[:, 0] / linear.by_nearness[:, 0]
+            continue
+        of_yaw = by_extrinsics(linear.expected, rig, slopes, nearness)
+        columns = np.concatenate([linear.value[..., None], linear.by_motion, of_yaw], axis=2)
+        depth_eliminated, pulls, _ = _without_depth(
+            _roots(linear.expected.along[1], _approach(motion, nearness)), linear.by_nearness, columns
+        )
+        track_rms = np.sqrt(np.mean(depth_eliminated[..., 0] ** 2, axis=1))
+        scale = max(float(np.median(track_rms)) / _MEDIAN, _LEAST_SCALE)
+        scaled_rms = track_rms / (_REDESCENDS * scale)
+        weight = 1.0 / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
+        j, r = depth_eliminated[..., 1:], depth_eliminated[..., 0]
+        weighted = weight[:, None, None] * j
+        a = np.tensordot(weighted, j, ([0, 1], [0, 1])) / scale**2 + prior
+        b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
+        step = np.linalg.solve(a, b)
+        nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
+        motion, yaw = _with_step(motion, step[:MOVES]), yaw + float(step[MOVES])
+        if round_ > convex + 1 and step @ a @ step < _SETTLED**2:
+            break
+    return _Solved(motion, yaw, nearness, scale, weight)
+
+
+def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
+    """Precisions of a motion of which nothing is known."""
+    return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
+
+
+def _with_step(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
+    turn = np.asarray(rotation_from_vector(step[:3]), float)
+    return Motion(turn @ motion.rotation, motion.translation + step[3:])
+
+
+def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
+    """How far points come nearer, or move across, as a share of their depth."""
+    return np.abs(nearness) * float(np.linalg.norm(motion.translation))
+
+
+def _roots(along: Float[np.ndarray, "m 2"], approach: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m 4 4"]:
+    """What whitens the four numbers of each track: a partner later was looked for where the track was seen later."""
+    error = np.zeros((len(along), PER_TRACK, PER_TRACK + 1))
+    error[:, 0, 0] = error[:, 3, 0] = _ALIKE
+    error[:, 0, 1] = error[:, 3, 4] = _PARTNER
+    error[:, 1, 2] = error[:, 2, 3] = _LATER
+    error[:, 3, 2:4] = _LATER * along
+    larger = np.hypot(1.0, approach / _GROWS)[:, None, None]
+    return np.linalg.inv(np.linalg.cholesky(error @ error.swapaxes(1, 2))) / larger
+
+
+def _without_depth(
+    white: Float[np.ndarray, "m 4 4"], by_nearness: Float[np.ndarray, "m 4"], columns: Float[np.ndarray, "m 4 c"]
+) -> tuple[Float[np.ndarray, "m 4 c"], Float[np.ndarray, "m c"], Float[np.ndarray, "m 4"]]:
+    """Columns, whitened, less what a point's depth takes of them; how much of the depth that is; and the directions
+    that depth takes, of length 1."""
+    by, columns = (white @ by_nearness[..., None])[..., 0], white @ columns
+    size = np.maximum(np.linalg.norm(by, axis=1, keepdims=True), 1e-150)
+    by = by / size
+    along = np.einsum("mk,mkc->mc", by, columns)
+    return columns - by[..., None] * along[:, None], along / size, by
+
+
+def _products(
+    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], found: _Solved
+) -> Float[np.ndarray, "c c"]:
+    """Of the residuals at θ = 0 and their derivatives by θ and by the motion, linear there."""
+    n, rig = chart.dim, chart.rig_at(theta)
+    linear = residuals(readings, rig, found.motion, found.nearness)
+    by = by_theta(readings, chart, theta, found.motion, found.nearness)
+    columns = np.concatenate([linear.value[..., None], by, linear.by_motion], axis=2)
+    white = _roots(linear.expected.along[1], _approach(found.motion, found.nearness))
+    depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
+    depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
+    place = places_of(readings.tracks.left[0], readings.size)
+    return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, found.weight, place)
+
+
+def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
+    """The likelihood of θ, the motion integrated; and the covariance of the translation were θ known."""
+    n = chart.dim
+    pull, a = total[0, 1:], total[1:, 1:]
+    # Of the m numbers of all tracks, those count that θ or the motion change.
+    covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
+    alone = marginal(Normal(a, -pull, _explained_fraction(total)), np.diag(_wide(chart) ** -0.5))
+    return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
+
+
+def _of_way(motion: Motion, way: tuple[float, float], n: int) -> Float[np.ndarray, "c c"]:
+    """Products of the columns of one more row: the length of the translation less the way, in its deviations."""
+    metres, sigma = way
+    length = float(np.linalg.norm(motion.translation))
+    row = np.concatenate([[length - metres], np.zeros(n + 3), motion.translation / max(length, 1e-30)]) / sigma
+    return np.outer(row, row)
+
+
+def _products_with_shared_errors(
+    rows: Float[np.ndarray, "m 4 c"],
+    depth_directions: Float[np.ndarray, "m 4"],
+    weight: Float[np.ndarray, "m"],
+    place: Int[np.ndarray, "m"],
+) -> Float[np.ndarray, "c c"]:
+    """Products of the columns of whitened rows, of which the first are residuals, where tracks of one place have an
+    error in common besides their own: as large as the evidence says, and integrated.
+
+    Args:
+        depth_directions: of each track, the direction of its residuals that its depth takes, of length 1.
+    """
+    own = np.sqrt(weight)[:, None, None] * rows
+    plain = np.tensordot(own, own, ([0, 1], [0, 1]))
+    pulls, known = (
+        np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])),
+        np.zeros((PLACES[0] * PLACES[1], PER_TRACK, PER_TRACK)),
+    )
+    np.add.at(pulls, place, weight[:, None, None] * rows)
+    np.add.at(
+        known,
+        place,
+        weight[:, None, None] * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]),
+    )
+    found = []
+    for shared in _SHARED:
+        inner = np.eye(PER_TRACK) + shared**2 * known
+        total = plain - shared**2 * np.tensordot(pulls, np.linalg.solve(inner, pulls), ([0, 1], [0, 1]))
+        found.append((float(total[0, 0] - _explained_fraction(total) + np.linalg.slogdet(inner)[1].sum()), total))
+    return min(found, key=lambda one: one[0])[1]
+
+
+def _explained_fraction(total: Float[np.ndarray, "c c"]) -> float:
+    """The part of the squared residuals, the first of these columns, that the others explain."""
+    scale = np.sqrt(np.maximum(np.diag(total)[1:], 1e-300))
+    pull = total[0, 1:] / scale
+    return float(pull @ np.linalg.lstsq(total[1:, 1:] / scale / scale[:, None], pull, rcond=1e-12)[0])
+
+
+def _log_volume(of_motion: Float[np.ndarray, "6 6"], chart: RigChart) -> float:
+    """What `without` adds for a motion that could be any."""
+    wide = _wide(chart) ** -0.5
+    return float(np.linalg.slogdet(np.eye(MOVES) + wide[:, None] * of_motion * wide)[1])
 
 
 @dataclass(frozen=True, eq=False)

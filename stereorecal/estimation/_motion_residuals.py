@@ -1,10 +1,14 @@
-"""What a rig that moves should see, and what it saw: residuals of tracks, and their derivatives.
+"""What a rig that moves should see, and what it saw: residuals of tracks, their derivatives, and where a search begins.
 
 A point on the ray a of the left camera, of inverse depth ρ, is at a + ρ 0 for the left camera, R a + ρ T for the right
 one, and, after a motion (Q, t) of the rig, at p = Q a + ρ t and R p + ρ T: all of them but for a scale, so that a point
 may be infinitely far away. A rolling shutter shows it after a little more or less of an even motion, as it shows it in
 a lower or a higher row than at first. Four numbers of a track are data: where the left image shows it later, and, along
 the epipolar lines, where the right one shows it at both times. Across these lines rows tell, and they have been asked.
+
+What moves as a whole beside the rig, such as a boat that fills a third of the view, is no outlier of least squares that
+begin at rest: they end between its motion and the rig's. The motion of a few tracks that most of the others agree with,
+by least median of squares (Rousseeuw 1984), is not drawn to it.
 """
 
 from dataclasses import dataclass
@@ -12,14 +16,25 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._jacobian import lens_parameters
-from stereorecal.geometry import StereoRig, euler_slopes, pixel_slopes, ray_slopes, vector_from_rotation
+from stereorecal.estimation._rig_parameters import lens_parameters
+from stereorecal.geometry import (
+    StereoRig,
+    euler_slopes,
+    pixel_slopes,
+    ray_slopes,
+    rotation_from_vector,
+    vector_from_rotation,
+)
 from stereorecal.objectives import SIDES, RigChart
 from stereorecal.scoring import Tracks
 
 PER_TRACK = 4  # numbers that are data: partner at first, column and row later, partner later
 MOVES = 6  # numbers of a motion: a rotation vector, applied after it [rad], and a translation [m]
 _PARTNERS = (0, 3)
+_DRAWS, _OF = 200, 4  # sets of tracks, and how many each; three would do for exact ones
+_SEED = 0
+_TURN, _MOVE = 0.3, 10.0  # rad, baselines: standard deviations, for sets that tell nothing of one of them
+_ERROR = 0.5  # pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,3 +255,20 @@ def _crossed(points: Float[np.ndarray, "m 3"]) -> Float[np.ndarray, "m 3 3"]:
     x, y, z = points.T
     zero = np.zeros_like(x)
     return np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=-1).reshape(-1, 3, 3)
+
+
+def consensus(readings: TrackReadings, rig: StereoRig) -> Motion:
+    """The motion, to first order of its rotation, from whose flow the tracks' median distance is least; their depths
+    are those of the first pair."""
+    number, at_rest = len(readings.tracks), Motion(np.eye(3), np.zeros(3))
+    first = residuals(readings, rig, at_rest, np.zeros(number))
+    linear = residuals(readings, rig, at_rest, -first.value[:, 0] / first.by_nearness[:, 0])
+    unit = np.repeat([_TURN, _MOVE * float(rig.baseline)], MOVES // 2)
+    offsets, flow = linear.value[:, 1:3], -linear.by_motion[:, 1:3] * unit
+    draws = np.random.default_rng(_SEED).integers(number, size=(_DRAWS, _OF))
+    some = flow[draws].reshape(_DRAWS, -1, MOVES)
+    known = some.swapaxes(1, 2) @ some + _ERROR**2 * np.eye(MOVES)
+    moves = np.linalg.solve(known, some.swapaxes(1, 2) @ offsets[draws].reshape(_DRAWS, -1, 1))[..., 0]
+    squared_errors = np.sum((offsets[..., None] - flow @ moves.T) ** 2, axis=1)  # (tracks, draws)
+    turn, move = np.split(unit * moves[np.argmin(np.median(squared_errors, axis=0))], 2)
+    return Motion(np.asarray(rotation_from_vector(turn), float), move)

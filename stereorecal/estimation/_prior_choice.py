@@ -1,8 +1,14 @@
-"""The priors that users may choose: the default, exact intrinsics, standard deviations, a covariance, a saved one."""
+"""The priors that users may choose: the default, exact intrinsics, standard deviations, a covariance; and a saved one,
+which is what is known of a rig once it was repaired, as a value and as plain data without any rounding.
+
+A rig that was repaired is no chessboard result. Its depth may be whatever the last estimate left open, and a second
+look that took it for calibrated would be sure of it.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -15,15 +21,224 @@ from stereorecal.estimation._calibration_prior import (
     exact_prior,
     with_scaled_boards,
 )
+from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._posterior import Posterior, root
-from stereorecal.estimation._prior_conversions import as_prior_of, prior_without_depth, recentred_prior
-from stereorecal.estimation._rig_parameters import rig_parameters
-from stereorecal.estimation._saved_prior import Earlier, SavedPrior
+from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
+from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig
 from stereorecal.objectives import BASELINE, RigChart
 
+_NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
+SCHEMA = "stereorecal.prior/1"
+_DAMAGED = "this is no prior that stereorecal has written, or it is damaged"
+_INSTEAD = 'copy it again, or go on without it: prior="default" (--prior default)'
+_YAW_UNKNOWN = 1.0  # degrees: what a repair that takes the intrinsics as exact may leave, which is all of depth
 DEFAULT, EXACT, SAVED = "default", "exact", "saved"
 _TINY = 1e-300
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
+
+
+def components_of(known: Posterior) -> list[dict[str, Any]]:
+    """Of each its weight, its mean, and the rows of its covariance up to the diagonal."""
+    return [
+        {
+            "weight": float(weight),
+            "mean": mean.tolist(),
+            "covariance": [row[: end + 1].tolist() for end, row in enumerate(covariance)],
+        }
+        for weight, mean, covariance in zip(known.weights, known.means, known.covariances, strict=True)
+    ]
+
+
+def mixture_from(components: Any, dim: int) -> Posterior:
+    """The inverse.
+
+    Args:
+        dim: n, the number of parameters.
+
+    Raises:
+        KeyError, TypeError, ValueError: if these are none.
+    """
+    weights = np.array([one["weight"] for one in components], float)
+    means = np.array([one["mean"] for one in components], float)
+    covariances = np.stack([_covariance(one["covariance"], dim) for one in components])
+    if means.shape != (len(weights), dim) or not (np.isfinite(means).all() and np.isfinite(weights).all()):
+        raise ValueError("means of another size, or not finite")
+    if weights.min() <= 0.0 or not np.isclose(weights.sum(), 1.0, rtol=0.0, atol=1e-9):
+        raise ValueError("weights do not sum to 1")
+    return Posterior(weights, means, covariances)
+
+
+def _covariance(rows: Any, dim: int) -> np.ndarray:
+    if [len(row) for row in rows] != list(range(1, dim + 1)):
+        raise ValueError("a covariance of another size")
+    half = np.zeros((dim, dim))
+    half[np.tril_indices(dim)] = np.concatenate(rows)
+    covariance = half + np.tril(half, -1).T
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(scale > 0.0, scale, 1.0)
+    if not np.isfinite(covariance).all() or np.diag(covariance).min() < 0.0:
+        raise ValueError("a matrix that is no covariance")
+    values = np.linalg.eigvalsh(covariance / safe[:, None] / safe)
+    if values.min() < -_NO_COVARIANCE * max(values.max(), 1.0):
+        raise ValueError("a covariance that is not positive")
+    return covariance
+
+
+@dataclass(frozen=True, eq=False)
+class Earlier:
+    """What a repair began with.
+
+    Attributes:
+        rig: the calibration.
+        prior: "default", standard deviations by name, a mixture of θ around that rig, or None: nothing was known of its
+            depth.
+        images: fingerprints of the pairs that this prior rests on.
+    """
+
+    rig: StereoRig
+    prior: str | Mapping[str, Any] | Posterior | None
+    images: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class SavedPrior:
+    """What is known of a rig after a repair, as `Solution.prior` and `load_prior` give it; `recalibrate` takes it as
+    `prior=` with this very rig, and `sr.io.save_rig` writes it with the rig.
+
+    Attributes:
+        rig: the calibration to use, which is θ = 0.
+        known: of θ (n,), changes of all parameters, in the units of `CalibrationCovariance`; None: the rig was
+            repaired, and of its depth nothing is known.
+        images: fingerprints of the pairs that this rests on; they do not count again.
+        earlier: what the last repair began with, which stands in where only its own images are looked at again; None
+            if that is not known.
+    """
+
+    rig: StereoRig
+    known: Posterior | None
+    images: tuple[str, ...] = ()
+    earlier: Earlier | None = None
+
+    def check(self, rig: StereoRig) -> None:
+        """Refuse another rig.
+
+        Raises:
+            InputError: says what to do.
+        """
+        if not same_rig(self.rig, rig):
+            raise InputError("this prior belongs to another rig; give solution.prior together with solution.rig.")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Lists, text and finite numbers, without any rounding."""
+        parameters, earlier = rig_parameters(self.rig).parameters, self.earlier
+        return {
+            "schema": SCHEMA,
+            "rig": rig_as_data(self.rig),
+            "names": [parameter.name for parameter in parameters],
+            "units": [parameter.unit for parameter in parameters],
+            "components": self.known and components_of(self.known),
+            "images": list(self.images),
+            "earlier": earlier and _earlier_as_dict(earlier),
+        }
+
+    @staticmethod
+    def from_dict(content: Any) -> "SavedPrior":
+        """The inverse of `as_dict`.
+
+        Raises:
+            InputError: if it is something else, of another version, or damaged.
+        """
+        schema = content.get("schema") if isinstance(content, dict) else None
+        if schema != SCHEMA:
+            raise InputError(f"{_DAMAGED} (its schema is {schema!r:.60}, not {SCHEMA!r}); {_INSTEAD}.")
+        try:
+            rig, found = rig_from_data(content["rig"]), content["earlier"]
+            names, components = rig_parameters(rig).names, content["components"]
+            if tuple(content["names"]) != names:
+                raise InputError(f"it names other parameters than this version of stereorecal has; {_INSTEAD}.")
+            known = None if components is None else mixture_from(components, len(names))
+            return SavedPrior(rig, known, _images(content), None if found is None else _earlier_from(found))
+        except InputError as error:
+            raise InputError(f"{_DAMAGED}: {error}") from None
+        except (KeyError, TypeError, ValueError, AttributeError, np.linalg.LinAlgError) as error:
+            raise InputError(f"{_DAMAGED} ({error!r:.80}); {_INSTEAD}.") from None
+
+
+def _earlier_as_dict(earlier: Earlier) -> dict[str, Any]:
+    prior: Any = earlier.prior
+    if isinstance(prior, Posterior):
+        prior = components_of(prior)
+    elif isinstance(prior, Mapping):
+        prior = dict(prior)
+    return {"rig": rig_as_data(earlier.rig), "prior": prior, "images": list(earlier.images)}
+
+
+def _earlier_from(content: dict[str, Any]) -> Earlier:
+    rig, prior = rig_from_data(content["rig"]), content["prior"]
+    names = rig_parameters(rig).names
+    if isinstance(prior, list):
+        prior = mixture_from(prior, len(names))
+    elif isinstance(prior, dict):
+        if not all(name in names and float(sigma) > 0.0 for name, sigma in prior.items()):
+            raise ValueError("deviations that are none")
+    elif prior not in (None, "default"):
+        raise ValueError(prior)
+    return Earlier(rig, prior, _images(content))
+
+
+def _images(content: dict[str, Any]) -> tuple[str, ...]:
+    images = content["images"]
+    if not isinstance(images, list) or not all(isinstance(one, str) for one in images):
+        raise ValueError("fingerprints that are none")
+    return tuple(images)
+
+
+def recentred_posterior(posterior: Posterior, used: Float[np.ndarray, "n"]) -> Posterior:
+    """What a posterior says of changes from the rig at θ = used: one normal distribution, since six hold the truth no
+    more often (two repairs in turn of 180 simulated rigs)."""
+    covariance = 0.5 * (posterior.covariance + posterior.covariance.T)
+    return Posterior(np.ones(1), (posterior.mean - used)[None], covariance[None])
+
+
+def as_prior_of(known: Posterior) -> CalibrationPrior:
+    """A posterior as a prior."""
+    roots = np.stack([root(covariance) for covariance in known.covariances])
+    return CalibrationPrior(roots, known.weights, means=known.means)
+
+
+def as_mixture(prior: CalibrationPrior) -> Posterior:
+    """A prior as a mixture of normal distributions."""
+    covariances = prior.roots @ prior.roots.swapaxes(1, 2)
+    return Posterior(prior.weights, prior.means, 0.5 * (covariances + covariances.swapaxes(1, 2)))
+
+
+def recentred_prior(prior: CalibrationPrior, used: Float[np.ndarray, "n"]) -> CalibrationPrior:
+    """The same of changes from the rig at θ = used."""
+    return CalibrationPrior(prior.roots, prior.weights, means=prior.means - used)
+
+
+def prior_without_depth(chart: RigChart) -> CalibrationPrior:
+    """Of a rig that was repaired, and nobody knows how well: with a yaw that may be off by any amount that is left."""
+    yaw = DRIFTING.index("yaw")
+    loose, prior = np.zeros((chart.dim, chart.dim)), calibration_prior(chart)
+    loose[yaw, yaw] = _YAW_UNKNOWN**2
+    roots = np.stack([root(one @ one.T + loose) for one in prior.roots])
+    return CalibrationPrior(roots, prior.weights, means=prior.means)
+
+
+def updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
+    """Each normal distribution given the likelihood, weighed by its evidence."""
+    roots, means, logs = [], [], []
+    for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
+        around = normal.around(mean)
+        lower = np.linalg.cholesky(np.eye(len(mean)) + one.T @ around.a @ one)
+        pull = np.linalg.solve(lower, one.T @ around.b)
+        after = np.linalg.solve(lower, one.T).T
+        roots.append(after)
+        means.append(mean + after @ pull)
+        logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
+    weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
+    return CalibrationPrior(np.stack(roots), weights, means=np.stack(means))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,5 @@
-"""The parameters of a rig that are always in the model: extrinsics, the baseline's length, intrinsics of both cameras.
+"""The parameters of a rig that are always in the model: extrinsics, the baseline's length, intrinsics of both cameras;
+and derivatives by them, in closed form.
 
 A vector θ holds their changes from a given rig, in the units of people: degrees for angles, percent of the baseline for
 y, z and its length, percent for focal lengths and aspects, pixels for principal points, and coefficients as they are.
@@ -9,10 +10,15 @@ decentering does not grow as p1 and p2 say, is read wrongly towards the corners,
 
 from dataclasses import replace
 
-from stereorecal.geometry import OF_MATRIX, StereoRig
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, euler_slopes, pixel_slopes
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
+from stereorecal.scoring import Correspondences, with_rays_of
 
 DRIFTING = EXTRINSICS  # what moves after a calibration; they are the first of θ
+_HALVINGS = 20
 
 
 def rig_parameters(rig: StereoRig) -> RigChart:
@@ -20,3 +26,79 @@ def rig_parameters(rig: StereoRig) -> RigChart:
     lenses = [f"{side}.{name}" for side in SIDES for name in (*OF_MATRIX, *getattr(rig, side).lens.CALIBRATED)]
     every = Parameters(("extrinsics", "baseline", *lenses)).of(rig, Reach())
     return RigChart(rig, tuple(replace(parameter, sigma=1.0) for parameter in every), wide=1.0)
+
+
+def pixels_of(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 4"]:
+    """Of points in the frame of the left camera, in the left and the right image."""
+    right = points @ rig.rotation.T + rig.translation
+    return np.concatenate([rig.left.project(points), rig.right.project(right)], axis=-1)
+
+
+def slopes_of(
+    chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
+) -> Float[np.ndarray, "n *c 4"]:
+    """Derivatives of `pixels_of` the rig at θ, by θ."""
+    rig, found = chart.rig_at(theta), np.zeros((chart.dim, *points.shape[:-1], 4))
+    right = points @ rig.rotation.T + rig.translation
+    for side, camera_points in zip(range(len(SIDES)), (points, right), strict=True):
+        own, names = lens_parameters(chart, SIDES[side])
+        _, by_lens = pixel_slopes(getattr(rig, SIDES[side]), camera_points, names)
+        by_unit = chart.half_width[own].reshape(-1, *[1] * points.ndim)
+        found[own, ..., 2 * side : 2 * side + 2] = by_unit * by_lens
+    outer, moved = moved_by_extrinsics(chart, theta, points)
+    found[outer, ..., 2:] = (_by_point(rig.right, right) @ moved[..., None])[..., 0]
+    return found
+
+
+def slopes_by_point(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 4 3"]:
+    """Derivatives of `pixels_of` by the points."""
+    right = points @ rig.rotation.T + rig.translation
+    return np.concatenate([_by_point(rig.left, points), _by_point(rig.right, right) @ rig.rotation], axis=-2)
+
+
+def lens_parameters(chart: RigChart, side: str) -> tuple[list[int], list[str]]:
+    """Where the intrinsics of a camera are in θ, and their names there."""
+    own = [index for index, name in enumerate(chart.names) if name.startswith(f"{side}.")]
+    return own, [chart.names[index].split(".")[1] for index in own]
+
+
+def moved_by_extrinsics(
+    chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
+) -> tuple[list[int], Float[np.ndarray, "m *c 3"]]:
+    """Where the m extrinsics are in θ, and the derivatives by them of points that the right camera sees: R x + T."""
+    outer, extrinsics = [index for index, name in enumerate(chart.names) if "." not in name], chart.extrinsics(theta)
+    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
+    turns = np.tensordot(by_angles, euler_slopes(extrinsics[:3]), 1)
+    flat = points.reshape(-1, 3) @ turns.swapaxes(1, 2) + by_shift[:, None]
+    return outer, flat.reshape(len(outer), *points.shape)
+
+
+def _by_point(camera: Camera, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 2 3"]:
+    """Of the pixels of points in the camera's frame."""
+    by_ray, _ = pixel_slopes(camera, points, ())
+    rays = points[..., :2] / points[..., 2:]
+    return (
+        by_ray
+        @ np.concatenate([np.broadcast_to(np.eye(2), by_ray.shape), -rays[..., None]], axis=-1)
+        / points[..., 2, None, None]
+    )
+
+
+def within_field(
+    found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], move: Float[np.ndarray, "n"]
+) -> Float[np.ndarray, "n"]:
+    """The move from θ, halved until the lenses there have rays for all that was found; 0 if none does. Lenses that are
+    not wide have no such end."""
+    if not chart.rig.is_wide:
+        return move
+    for _ in range(_HALVINGS):
+        if chart.stands_at(theta + move) and _has_rays(found, chart, theta + move):
+            return move
+        move = 0.5 * move
+    return np.zeros_like(move)
+
+
+def _has_rays(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> bool:
+    read = with_rays_of(chart.rig_at(theta), found, matched_rig=chart.rig)
+    counts = np.asarray(found.weight) > 0
+    return all(bool(np.isfinite(np.asarray(rays)[counts]).all()) for rays in (read.left, read.right))

@@ -10,12 +10,9 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
 from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives._chart import Chart
-from stereorecal.objectives._parameter_names import EXTRINSICS
-from stereorecal.objectives._reach import Reach, as_reach, count_chart
-from stereorecal.objectives._rig_chart import RigChart
-from stereorecal.objectives._stereo_images import StereoImages
-from stereorecal.recordings import Pairs
+from stereorecal.objectives._charts import Chart, RigChart, count_chart
+from stereorecal.objectives._parameters import EXTRINSICS, Reach, as_reach
+from stereorecal.recordings import Pair, Pairs
 from stereorecal.scoring import (
     TEMPERATURE,
     Pyramid,
@@ -30,6 +27,21 @@ from stereorecal.scoring import (
 )
 from stereorecal.scoring.host import with_measured_range
 from stereorecal.strategies import Budget, Objective, Problem, Traced, as_budget
+
+
+@dataclass(frozen=True, eq=False)
+class StereoImages:
+    """The pairs and the calibration at the start.
+
+    Attributes:
+        rig: the calibration that the run starts from; its intrinsics count as known, its extrinsics have drifted.
+        pairs: the frames, full size, not rectified.
+        chart: unit box to extrinsics (radians, metres) and back; the rig's own extrinsics lie at z = 0.
+    """
+
+    rig: StereoRig
+    pairs: tuple[Pair, ...]
+    chart: Chart
 
 
 @register_pytree

@@ -1,16 +1,25 @@
-"""The free parameters of a repair, by name, with their prior standard deviations in degrees, percent and pixels."""
+"""What may move in a rig: names of parameters, how far they may have drifted, and their priors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry import OF_MATRIX, StereoRig
-from stereorecal.objectives._parameter_names import BASELINE, EXTRINSICS, GROUPS, NAMES, ROTATION
-from stereorecal.objectives._reach import Reach
 
+ROTATION = ("pitch", "yaw", "roll")
+EXTRINSICS = (*ROTATION, "y", "z")  # x stays: the length of the baseline only scales depth (paper, section 3.3)
+BASELINE = "baseline"
+SIDES = ("left", "right")
+
+_DEFAULT_LENS = ("f", "cx", "cy", "k1", "k2")
+_OPTIONAL_LENS = ("aspect", "p1", "p2", "k3", "s1", "s2", "s3", "s4", "k4", "xi", "alpha", "beta")
+INTRINSICS = tuple(f"{side}.{name}" for side in SIDES for name in _DEFAULT_LENS)
+GROUPS = {"rotation": ROTATION, "extrinsics": EXTRINSICS, "intrinsics": INTRINSICS}
+NAMES = (*EXTRINSICS, BASELINE, *(f"{side}.{name}" for side in SIDES for name in (*_DEFAULT_LENS, *_OPTIONAL_LENS)))
 # Standard deviations. A chessboard's focal length is good to some tenths of a percent, its centre to a pixel or two of
 # a VGA image, k1 to a hundredth (evidence: repeated calibrations of public data sets).
 _SIGMAS = {"f": 0.5, "cx": 2.0, "cy": 2.0, "k1": 0.01, "k2": 0.02, "aspect": 0.1, "p1": 5e-4, "p2": 5e-4, "k3": 0.02}
@@ -20,6 +29,43 @@ _USUAL_COEFFICIENTS = 5  # k1 k2 p1 p2 k3: what calibrations of pinhole cameras 
 _OF_BASELINE = 1.0  # percent
 _UNITS = {"f": "%", "aspect": "%", "cx": "px", "cy": "px"}
 _WIDTH = 640  # pixels of the image for which the centres' standard deviation is given
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far the rig may have drifted: the half widths of the box in which the count is searched. Epipolar stages have
+    a prior with a standard deviation of a third of the reach, and may go to twice the reach.
+
+    Attributes:
+        degrees: on pitch, yaw and roll.
+        baseline_fraction: on y and z, as a fraction of the baseline.
+
+    Raises:
+        InputError: if either is not positive, or the rotation exceeds 20 degrees, the translation half the baseline.
+    """
+
+    degrees: float = 3.0
+    baseline_fraction: float = 0.03
+
+    def __post_init__(self) -> None:
+        if not (0 < self.degrees <= 20 and 0 < self.baseline_fraction <= 0.5):
+            raise InputError(
+                f"a reach of {self.degrees} degrees and {self.baseline_fraction} of the baseline makes no sense; "
+                "give up to 20 degrees and up to 0.5."
+            )
+
+
+def as_reach(reach: Any) -> Reach:
+    """The given reach, the reach of (degrees, fraction of the baseline), or the default for None.
+
+    Raises:
+        InputError: if it is none of these.
+    """
+    if reach is None or isinstance(reach, Reach):
+        return reach or Reach()
+    if isinstance(reach, tuple | list) and len(reach) == 2 and all(isinstance(v, Real) for v in reach):
+        return Reach(float(reach[0]), float(reach[1]))
+    raise InputError(f"reach is {reach!r}; give sr.Reach(degrees=3.0, baseline_fraction=0.03), or a tuple (3.0, 0.03).")
 
 
 @dataclass(frozen=True)
@@ -110,6 +156,11 @@ class Parameters:
     def intrinsics(self) -> tuple[str, ...]:
         """The intrinsics among them."""
         return tuple(name for name in self.names if "." in name)
+
+    @property
+    def without_intrinsics(self) -> "Parameters":
+        """The others, with their priors."""
+        return Parameters(tuple(name for name in self.names if "." not in name), self.priors)
 
     def also(self, *names: str) -> "Parameters":
         """With these free as well."""

@@ -10,12 +10,10 @@ from stereorecal.online._advice import (
     Undetermined as Undetermined,
     advice as advice,
 )
-from stereorecal.online._config import Config as Config
-from stereorecal.online._coverage import BAND_EDGES as BAND_EDGES, PARTS as PARTS
-from stereorecal.online._events import EVENTS_SCHEMA as EVENTS_SCHEMA, Event as Event, Kind as Kind
+from stereorecal.online._config import EVENTS_SCHEMA as EVENTS_SCHEMA, Config as Config, Event as Event, Kind as Kind
 from stereorecal.online._monitor_process import MonitorProcess as MonitorProcess
+from stereorecal.online._pair_estimate import BAND_EDGES as BAND_EDGES, PARTS as PARTS
 from stereorecal.online._reading import FAR as FAR, Reading as Reading, reading as reading
-from stereorecal.online._repairing import recalibrate as recalibrate
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State
 from stereorecal.online._step import (
@@ -26,3 +24,4 @@ from stereorecal.online._step import (
     run as run,
     step as step,
 )
+from stereorecal.online._switching import recalibrate as recalibrate

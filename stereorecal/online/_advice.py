@@ -14,12 +14,11 @@ from jaxtyping import Float, Int
 from stereorecal.estimation import Normal, consequences, one_blas_thread, window
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart
-from stereorecal.online._coverage import as_taken, band_of, part_of
-from stereorecal.online._events import Kind
+from stereorecal.online._config import Kind
 from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, Measurement
-from stereorecal.online._filter_posterior import chart_and_keystone
 from stereorecal.online._moving import AHEAD, motion_measurement
-from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, reading
+from stereorecal.online._pair_estimate import as_taken, band_of, part_of
+from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, chart_and_keystone, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import NORMAL_95, Condition
 from stereorecal.scoring import Tracks

@@ -21,8 +21,7 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import DEFAULT
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import as_matcher
-from stereorecal.online._config import Config
-from stereorecal.online._events import Event, Kind
+from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._saving import StateFile, load
 from stereorecal.online._state import State
 from stereorecal.online._step import freeze, init, step

@@ -1,4 +1,5 @@
-"""One look at one pair through the calibration in use, at half scale: what it measures, and how well.
+"""One look at one pair through the calibration in use, at half scale: what it measures, and how well; and which parts
+of the view, at which distances, its matches cover.
 
 Everything rests on one linearisation at the solution, cut into tiles. Within a tile errors go together (windows
 overlap, a surface is smooth or a texture repeats), so the formal least-squares covariance is too small: tiles are the
@@ -9,13 +10,14 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.decision import ENOUGH
+from stereorecal.estimation import nearness_of
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import LinearRows, Reach, RigChart, linearised, row_chart
-from stereorecal.recalibration import RowResiduals, is_sparse, watching_scale
+from stereorecal.recalibration import DISTANCES, RowResiduals, is_sparse, watching_scale
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, Loss, curvatures, host, image_quality, precisions, pyramid
 
@@ -24,6 +26,9 @@ _FALSE = 0.4  # pixels left: chance matches lie evenly within a row of where the
 _LOSSES = (Loss.SOFT_L1, Loss.WELSCH, Loss.WELSCH, Loss.WELSCH)
 # Standard deviation of an offset that all rows share, pixels of the images that were measured: no resampling sees it.
 _SHARED = 0.005
+PARTS = (3, 3)  # rows and columns of the left image
+# Baselines, halfway between the distances at which depth is read.
+BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -181,3 +186,41 @@ def _student_975(degrees: int) -> float:
     from scipy.special import stdtrit  # a third of a second to import, for one number
 
     return float(stdtrit(degrees, 0.975))
+
+
+def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:
+    """The part of the left image in which each point appears, numbered by rows."""
+    pixels = np.asarray(rig.left.project(points / points[:, 2:]))
+    share = pixels / np.array(rig.left.size) * PARTS[::-1]
+    column, row = np.clip(share.astype(int), 0, np.array(PARTS[::-1]) - 1).T
+    return row * PARTS[1] + column
+
+
+def as_taken(part: int, rig: StereoRig) -> tuple[int, int]:
+    """Row and column of a part in the left image as it was taken, before the rig's `turns`."""
+    numbers = np.arange(PARTS[0] * PARTS[1]).reshape(PARTS)
+    row, column = np.argwhere(np.rot90(numbers, -rig.turns[0]) == part)[0].tolist()
+    return row, column
+
+
+def band_of(baselines: Float[np.ndarray, "*n"] | float) -> Int[np.ndarray, "*n"]:
+    """The number of the distance that each distance counts to."""
+    return np.searchsorted(BAND_EDGES, baselines)
+
+
+def no_coverage() -> Int[np.ndarray, "parts distances"]:
+    """The coverage before the first look."""
+    return np.zeros((PARTS[0] * PARTS[1], len(DISTANCES)), int)
+
+
+def covered_by(look: PairEstimate, view: View) -> Bool[np.ndarray, "parts distances"]:
+    """Whether a look shows each part of the view at each distance: in as large a share of the part as a whole image
+    must be covered by."""
+    found, rig = look.found, look.chart.rig
+    assert found is not None
+    valid = np.asarray(found.weight[0]) > 0
+    left, right = (np.asarray(rays[0], float)[valid] for rays in (found.left, found.right))
+    away = 1.0 / np.maximum(nearness_of(rig, left, right, view), 1e-9)
+    counts = no_coverage()
+    np.add.at(counts, (part_of(rig, left), band_of(away)), 1)
+    return counts >= ENOUGH.covered * found.weight.shape[1] / len(counts)

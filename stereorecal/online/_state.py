@@ -9,10 +9,9 @@ from jaxtyping import Float, Int, UInt8
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
-from stereorecal.online._config import Config
-from stereorecal.online._coverage import no_coverage
-from stereorecal.online._events import Kind
+from stereorecal.online._config import Config, Kind
 from stereorecal.online._filter import FilterEstimate, Measurement, Pace
+from stereorecal.online._pair_estimate import no_coverage
 from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners

@@ -12,17 +12,24 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online._config import Config
-from stereorecal.online._coverage import covered_by
-from stereorecal.online._events import Event, Kind
+from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import SIZE, Pace, at_start
-from stereorecal.online._filter_posterior import before_looks
 from stereorecal.online._moving import Small, anchored, moved, small, turn
-from stereorecal.online._pair_estimate import PairEstimate, estimate_pair
-from stereorecal.online._repairing import begun, continued, too_far
+from stereorecal.online._pair_estimate import PairEstimate, covered_by, estimate_pair
+from stereorecal.online._reading import before_looks
 from stereorecal.online._state import Offset, State
-from stereorecal.online._switching import Outcome, nominated, switched, trial_after_look, trial_after_unmatched
-from stereorecal.online._watching import followed, measurement
+from stereorecal.online._switching import (
+    Outcome,
+    begun,
+    continued,
+    followed,
+    measurement,
+    nominated,
+    switched,
+    too_far,
+    trial_after_look,
+    trial_after_unmatched,
+)
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
 from stereorecal.scoring import image_quality, is_coarse, pyramid

@@ -1,22 +1,45 @@
-"""Which calibration is in use: candidates, their trials, the switch, and the way back."""
+"""From one look to what is known, and which calibration is in use: the estimate is followed, and what does not fit is
+named; candidates, their trials, the switch, and the way back.
 
-from collections.abc import Callable
+What the looks cannot follow is repaired: rigs so far off that hardly anything matches. And a recalibration on request,
+in place of waiting until looks ask for one.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
+from stereorecal._errors import InputError
 from stereorecal.decision import chance_of_harm
 from stereorecal.estimation import Estimate
-from stereorecal.online._events import Event, Kind
-from stereorecal.online._filter import Measurement
-from stereorecal.online._filter_posterior import filtered_by, known
+from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
+from stereorecal.online._config import Event, Kind
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
-from stereorecal.online._reading import reading
+from stereorecal.online._reading import Reading, filtered_by, known, prior_now, reading
 from stereorecal.online._sequential_test import SequentialTest
-from stereorecal.online._state import Offset, State
+from stereorecal.online._state import Job, Offset, State
+from stereorecal.recalibration import (
+    Case,
+    Condition,
+    Progress,
+    Reason,
+    Solution,
+    as_settings,
+    next_slice,
+    recalibrate as recalibrated,
+)
+from stereorecal.recordings import Pair, Pairs, check_pairs
+from stereorecal.scoring import pyramid
 
 Outcome = tuple[State, list[Event]]
 
 _TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
+_AGREE = 1e-3  # chance, of two looks after a knock
+_DISAGREEING = 4  # looks that fit nothing, until it is said
+_BLIND = 1.5  # pixels of row error: beyond, windows show other things
 
 
 def trial_after_look(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
@@ -139,3 +162,177 @@ def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
         "offset": [float(value) for value in offset],
         "extrinsics": np.asarray(state.rig_at(offset).extrinsics).tolist(),
     }
+
+
+def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
+    """What a look measures of the offset.
+
+    Args:
+        turned: rotation of the rig since the last pair [rad], None if it is not known.
+    """
+    assert look.solution is not None
+    units = look.chart.units
+    turn = np.zeros(SIZE)
+    if turned is not None:
+        turn[:3] = np.degrees(turned)
+    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.solution.z)))
+    information = _information(look.chart, look.solution.covariance()) / np.outer(units, units)
+    return Measurement(state.frame, offset, information, turn, synchronous=state.config.synchronous)
+
+
+def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
+    """What the look alone knows: the inverse of its covariance less that of the prior, which every look brings anew."""
+    values, axes = np.linalg.eigh(covariance / chart.prior**2)
+    return (axes * np.maximum(1.0 / values - 1.0, 0.0)) @ axes.T / chart.prior**2
+
+
+def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
+    """The state after an informative look."""
+    config = state.config
+    if state.estimate.chance_of(measured) >= config.knock:
+        state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
+        return standing(state)
+    if state.outlier is None:
+        return state.replace(outlier=measured), []
+    changed = _after_two_outliers(state, state.outlier, measured)
+    if changed is None:
+        in_a_row = state.outliers_in_a_row + 1
+        state = state.replace(outlier=measured, outliers_in_a_row=in_a_row)
+        return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if in_a_row == _DISAGREEING else []
+    estimate, knocked = changed
+    before, state = state.estimate, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
+    moved = estimate.offset - before.offset
+    if not knocked:
+        return standing(state)
+    state = state.replace(trial=None, ready=0)  # it was fitted to another rig
+    if not reading(state.using_now(before.offset)).matters:
+        return standing(state)
+    facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
+    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
+
+
+def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
+    """The estimate after two looks that agree with each other, and whether the rig was knocked; None if they do not.
+    A delay explains with one number what a knock explains with five, so it is asked first."""
+    together = state.config.together
+    if not state.config.synchronous:
+        late = state.estimate.late().followed(first, together)
+        if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
+            return late.followed(second, together), False
+    knocked = state.estimate.after_knock(state.prior).followed(first, together)
+    return (knocked.followed(second, together), True) if knocked.chance_of(second) > _AGREE else None
+
+
+def standing(state: State) -> tuple[State, list[Event]]:
+    """How the rig stands: said when it changes."""
+    found = reading(state)
+    kind = _kind(found)
+    if kind is None or kind is state.reported or (kind is Kind.DRIFTING and state.reported is Kind.KNOCK):
+        return state, []
+    return state.replace(reported=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
+
+
+def _why(kind: Kind, found: Reading) -> str:
+    if kind is Kind.LATE:
+        return f"by {found.delay.value:.2f} frames"
+    if kind is Kind.SHIFTED:
+        return f"y {found.axes['y'].value:+.1f}, z {found.axes['z'].value:+.1f} % of the baseline"
+    return ""
+
+
+def _kind(found: Reading) -> Kind | None:
+    if found.late:
+        return Kind.LATE
+    if found.shifted:
+        return Kind.SHIFTED
+    standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
+    return standing.get(found.condition)
+
+
+def _change_text(change: dict[str, float]) -> str:
+    """The axes that moved, the farthest first."""
+    turned = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))
+    return ", ".join(f"{name} {change[name]:+.2f} deg" for name in turned[:2])
+
+
+def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
+    """The state with a repair under way, on pairs that hardly match."""
+    event = Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")
+    return state.replace(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), [event]
+
+
+def continued(state: State) -> tuple[State, list[Event]]:
+    """The state after one more slice of its repair; after the last one a candidate on trial, if it was accepted."""
+    job, matcher = state.job, state.matcher
+    assert job is not None
+    assert matcher is not None
+    rig = state.rig
+    try:
+        settings, images = as_settings({"matcher": matcher}), pyramid(rig, job.pairs, state.config.view)
+        case = Case(images, settings, matcher, Parameters(), prior_now(state))
+        ended = next_slice(case, Progress(rig.with_extrinsics(job.at), job.done))
+    except InputError as error:  # such as: images that are exchanged
+        return state.replace(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
+    if isinstance(ended, Progress):
+        return state.replace(job=replace(job, at=np.asarray(ended.rig.extrinsics, float), done=ended.done)), []
+    return _after_solution(state.replace(job=None), ended)
+
+
+def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
+    if not solution.accepted or solution.estimate is None:
+        return state, [_rejected(state, solution)]
+    offset = state.offset_of(solution.rig)
+    change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
+    knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
+    events = [] if state.reported is Kind.KNOCK else [knock]
+    return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.estimate), events
+
+
+def too_far(state: State) -> bool:
+    """Whether a knock was so large that looks through the calibration in use measure it badly."""
+    return reading(state).rows_px.value > _BLIND
+
+
+def _rejected(state: State, solution: Solution) -> Event:
+    disagree = solution.reason is Reason.FRAMES_DISAGREE
+    kind = Kind.FRAMES_DISAGREE if disagree else Kind.REJECTED
+    return Event(state.frame, kind, solution.reason.value)
+
+
+def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
+    """What `sr.recalibrate` finds of the extrinsics in use, which takes their place if the decision accepts it; else
+    the state stays as it is. A state that is frozen stays so.
+
+    Args:
+        pairs: the last ones, of different views of the scene; used jointly.
+
+    Returns:
+        The state, and RECALIBRATED, or REJECTED with the reason.
+    """
+    try:
+        pairs = check_pairs(state.rig, pairs)
+        solution = recalibrated(
+            state.rig,
+            pairs,
+            matcher=state.config.matcher,
+            view=state.config.view,
+            motion=False,
+            free=EXTRINSICS,
+            prior=prior_now(state),
+        )
+    except InputError as error:
+        return state, (Event(state.frame, Kind.REJECTED, str(error)),)
+    if not solution.accepted or solution.estimate is None:
+        return state, (Event(state.frame, Kind.REJECTED, solution.reason.value),)
+    offset, rows = state.offset_of(solution.rig), solution.row_errors
+    proof = {
+        "by": "recalibration",
+        "pairs": len(pairs),
+        "reason": solution.reason.name.lower(),
+        "row_error_before_px": None if rows is None else float(rows.before),
+        "row_error_after_px": None if rows is None else float(rows.after),
+    }
+    facts = {"old": calibration_data(state, state.using), "new": calibration_data(state, offset), "proof": proof}
+    state = told_by(state, solution.estimate).replace(outlier=None, outliers_in_a_row=0, reported=None)
+    state = switched(state, offset)
+    return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)

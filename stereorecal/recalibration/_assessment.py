@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
@@ -18,17 +18,62 @@ from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import Stage
 from stereorecal.recalibration._stages import StageRun, matched, run_stage
-from stereorecal.recalibration._tile_counts import counts, share_lost
-from stereorecal.recalibration._unmatched import MOST_EXCLUDED, unmatched, without_frames_of
-from stereorecal.scoring import Correspondences
+from stereorecal.recordings import Pair
+from stereorecal.scoring import Correspondences, host, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
 from stereorecal.strategies import Budget
 
+_FEWER = 0.5  # of what the frame that matches most covers
+MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 _MATCHED_AGAIN = 2  # times, at most
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
 _Estimator = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Estimate]
+
+
+def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
+    """Of the tiles of all frames at full scale, under the initial calibration and a candidate."""
+    data, rigs = case.images.at(1.0), (case.rig, candidate)
+    extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
+    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
+        return host.counts_by_tile(data, extrinsics, case.matcher)
+    through = zip(rigs, extrinsics, strict=True)
+    found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]
+    return np.concatenate(found)
+
+
+def share_lost(tiles: Int[np.ndarray, "2 k tiles"]) -> float:
+    """What a candidate loses in some tiles and does not find there, as a share of all that it matches: a drift leaves
+    chance matches, which are few; where half of an image has moved between the exposures, each half fits a rig of its
+    own."""
+    before, after = tiles.astype(float)
+    return float(np.maximum(before - after, 0.0).sum() / max(after.sum(), 1.0))
+
+
+def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspondences:
+    """The correspondences of the other frames."""
+    if not len(frames):
+        return found
+    used = np.isin(np.arange(len(found.weight)), frames, invert=True)
+    return replace(found, weight=np.asarray(found.weight) * used[:, None])
+
+
+def is_sparse(covered: float, texture: float) -> bool:
+    """Whether correspondences cover less of an image than those of an aligned rig would, of what has texture; both are
+    shares of the image. So many may be there by chance."""
+    return covered < ENOUGH.of_texture * texture
+
+
+def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
+    """Frames with light and texture that hardly match, where another one does match."""
+    covered = (np.asarray(found.weight) > 0).mean(axis=1)
+    best = int(covered.argmax())
+    fewer = [index for index, share in enumerate(covered) if share < _FEWER * covered[best]]
+    if not fewer or is_sparse(covered[best], image_quality(pairs[best]).texture):
+        return ()
+    quality = {index: image_quality(pairs[index]) for index in fewer}
+    return tuple(i for i in fewer if quality[i].enough and is_sparse(covered[i], quality[i].texture))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +146,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
             break
         found, at = anew, likely
         excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
-    decision = decide(estimated, case.free.names, case.tolerances)
+    decision = decide(estimated, case.free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
     candidate = chart.rig_at(decision.theta)
     tiles, seen = counts(case, candidate), _seen(case, used)
@@ -112,7 +157,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         late=estimated.is_late,
         misfit_px=max(estimated.misfit),
         lost=share_lost(tiles[:, used_frames]),
-        away=turned_by(case.rig, candidate, case.reach),
+        away=turned_by(case.rig, candidate, case.settings.reach),
     )
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
@@ -182,7 +227,7 @@ def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estim
             windows=without_frames(case, tracks, without),
             view=case.images.view,
         )
-        return estimated.judged_by(case.tolerances.matters)
+        return estimated.judged_by(case.settings.tolerances.matters)
 
     return estimate_of
 

@@ -1,16 +1,53 @@
-"""The case of a repair: what is repaired, with what, and what is known of it."""
+"""The case of a repair: what is repaired, with what, and what is known of it; which frames of a long recording are
+looked at, and which of them follow each other."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise, starmap
 
-from stereorecal.decision import DEFAULT, Tolerances
 from stereorecal.estimation import EXACT, Prior
 from stereorecal.geometry import StereoRig
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Parameters, Reach, RigChart, row_chart
+from stereorecal.objectives import Parameters, RigChart, row_chart
 from stereorecal.recalibration._prior_use import PriorUse
 from stereorecal.recalibration._schedule import Stage
-from stereorecal.recordings import Odometer, Range
-from stereorecal.scoring import Pyramid
+from stereorecal.recalibration._settings import Settings
+from stereorecal.recordings import Pair, Range, times_of
+from stereorecal.scoring import Pyramid, select_frames
+
+MOST_FRAMES = 24  # of a recording: more of one place tell hardly more, and each costs a match
+_LEAST = 0.09  # seconds from one pair to the next: in less, hardly anything moves; 10 Hz, with what clocks err
+_SOON = 0.5  # seconds, at most: farther apart, few corners can be followed
+
+
+def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair, ...]:
+    """At most so many of the pairs, in order: of equal stretches, which are moments apart, the ones with the most
+    texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
+    own motion tells depth."""
+    windows = most > 1 and any(starmap(_is_consecutive, pairwise(times_of(pairs))))
+    return select_frames(pairs, most, a_moment_after if windows else None)
+
+
+def soon_after(first: Pair, second: Pair) -> bool:
+    """Whether the times of two pairs say that one was taken soon after the other."""
+    return _is_consecutive(first.time, second.time)
+
+
+def a_moment_after(first: Pair, second: Pair) -> bool:
+    """The same, and not so soon that nothing has moved: of 30 pairs a second, the third after."""
+    return soon_after(first, second) and (second.time or 0.0) - (first.time or 0.0) >= _LEAST
+
+
+def _is_consecutive(first: float | None, second: float | None) -> bool:
+    return first is not None and second is not None and 0.0 < second - first <= _SOON
+
+
+def selected_frames(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:
+    """Numbers of the chosen frames, and of those that (resolved) ranges name; of what was chosen before, all."""
+    named = {id(one.pair) for one in ranges}
+    few = len(pairs) <= MOST_FRAMES + sum(id(pair) in named for pair in pairs)
+    wanted = {id(pair) for pair in (pairs if few else chosen_frames(pairs))} | named
+    return tuple(number for number, pair in enumerate(pairs) if id(pair) in wanted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,27 +56,24 @@ class Case:
 
     Attributes:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
-        matcher: with its disparity range at full size.
+        settings: that were asked for; their `free` is what may change in the end.
+        matcher: with its disparity range at full size; before a search it may lack that.
         free: what the step at hand may change; the rest is held. In the search extrinsics, and for comparisons all else
             that strategies may search; in the decision all that may change in the end (`with_free`).
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
-        tolerances: by which it is decided.
-        odometer: what else knows how far the rig travelled.
         prior_use: where the prior came from, and which of the pairs that were given count; None: no user gave one.
         selected: numbers of the pairs of `images` among those that were given; None: all of them.
     """
 
     images: Pyramid
+    settings: Settings
     matcher: AbstractMatcher
-    reach: Reach
     free: Parameters
     prior: Prior = EXACT
     ranges: tuple[Range, ...] = ()
     windows: tuple[tuple[int, int], ...] = ()
-    tolerances: Tolerances = DEFAULT
-    odometer: Odometer | None = None
     prior_use: PriorUse | None = None
     selected: tuple[int, ...] | None = None
 
@@ -51,17 +85,12 @@ class Case:
     @property
     def chart(self) -> RigChart:
         """The box of epipolar residuals, with the prior."""
-        return row_chart(self.rig, self.reach, self.free)
+        return row_chart(self.rig, self.settings.reach, self.free)
 
     @property
     def of_extrinsics(self) -> "Case":
         """The same case with nothing but the extrinsics free."""
         return self.with_free(self.free.extrinsics)
-
-    @property
-    def without_intrinsics(self) -> "Case":
-        """The same case with the intrinsics held."""
-        return self.with_free(Parameters(tuple(name for name in self.free.names if "." not in name), self.free.priors))
 
     def with_free(self, free: Parameters) -> "Case":
         """The same case with other parameters free."""

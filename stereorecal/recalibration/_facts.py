@@ -4,27 +4,48 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from stereorecal.decision import Reason
 from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
-from stereorecal.recalibration._matcher_loss import matcher_loss
-from stereorecal.recalibration._motion_report import motion_text, odometer_text
-from stereorecal.recalibration._regional_misfit import WORTH_SAYING, Cause, Misfit
+from stereorecal.recalibration._motion_windows import motion_text, odometer_text
 from stereorecal.recalibration._result import AbstractResult
+from stereorecal.recalibration._row_residuals import WORTH_SAYING, Cause, Misfit
 from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
 
 # Too little was seen, or judged, for the candidate to mean anything: what its axes are would be read as an answer.
 NOTHING_SEEN = (Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET)
 SAYS_NOTHING = (*NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough would match under a good calibration
+_NETWORKS = 2.0  # pixels: stereo networks ask for less (S2M2; Min et al. 2025)
+_AT = (0.5, 0.75, 1.0, 1.5, 2.0, 3.0)  # pixels; below, block matching finds as much, and SGM as much that is right
+_LOST = (0.0, 4.0, 11.0, 30.0, 45.0, 59.0)  # percent of the pixels of StereoBM
+_WRONG = (0.0, 1.0, 3.0, 9.0, 18.0, 37.0)  # percent of the pixels of StereoSGBM that are off by more than 2 px
 _SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
 _EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
 )
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
+
+
+def matcher_loss(rows: Float[np.ndarray, "p"], weights: Float[np.ndarray, "p"]) -> str:
+    """What epipolar errors cost block matching, semi-global matching and networks, as measured on Middlebury's
+    motorcycle with shifted rows (tests/benchmarks/matcher_loss.py).
+
+    Args:
+        rows: of points that stand for what the images show, pixels at full size.
+        weights: of the points; they sum to 1.
+    """
+    lost, wrong = (float(weights @ np.interp(np.abs(rows), _AT, values)) for values in (_LOST, _WRONG))
+    if lost < 1.0:
+        return "hardly a pixel lost"
+    if weights @ np.abs(rows) > _AT[-1]:
+        return f"block matching loses most of its pixels; networks ask for less than {_NETWORKS:g} px"
+    text = f"block matching loses about {lost:.0f} % of its pixels, {wrong:.0f} % of those of SGM go wrong"
+    return text if weights @ np.abs(rows) < _NETWORKS else f"{text}; networks ask for less than {_NETWORKS:g} px"
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,12 @@ from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
 from stereorecal.geometry import same_camera
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._frame_choice import selected_frames
+from stereorecal.recalibration._case import selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
-from stereorecal.recalibration._prepared_case import what_may_change
-from stereorecal.recalibration._recalibrate import recalibrate
-from stereorecal.recalibration._repaired_recording import RepairedRecording
+from stereorecal.recalibration._recalibrate import recalibrate, what_may_change
 from stereorecal.recalibration._schedule import Schedule, check_schedule
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
-from stereorecal.recalibration._shared_intrinsics import solve_jointly
+from stereorecal.recalibration._shared_intrinsics import RepairedRecording, solve_jointly
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recordings import Pair, Range, Scene
 

@@ -1,4 +1,5 @@
-"""Why images match too little: mistakes that are made with them, each tried, and what matches without it."""
+"""Why images match too little: mistakes that are made with them, each tried, and what matches without it; and values of
+a calibration that hardly any rig has."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -21,6 +22,8 @@ _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
 _SOME = 8  # pairs of which the one with most texture is tried
 _EVEN = 1.5  # times the median time between pairs: more, and one is missing
 _TWO_MOMENTS = "Give synchronised images: a frame is missing in one folder, or a camera is late."
+_FIELD = (10.0, 140.0)  # degrees that a lens without fisheye model sees from left to right
+_BASELINE = (0.002, 5.0)  # metres
 
 
 @dataclass(frozen=True)
@@ -193,3 +196,24 @@ def _scaled(camera: Camera, ratio: float) -> Camera:
     matrix = np.asarray(camera.matrix, float) * np.array([ratio, ratio, 1.0])[:, None]
     matrix[:2, 2] += 0.5 * (ratio - 1.0)  # pixel corners stay corners
     return replace(camera, matrix=matrix)
+
+
+def doubts(rig: StereoRig) -> tuple[str, ...]:
+    """Sentences, each with what to check. Whether the rig is aligned is another question: rows know neither the length
+    of the baseline nor, both changed alike, focal lengths."""
+    found = [sentence for side in ("left", "right") if (sentence := _of_field(side, getattr(rig, side))) is not None]
+    baseline = float(rig.baseline)
+    if not _BASELINE[0] <= baseline <= _BASELINE[1]:
+        found.append(f"the cameras would be {baseline:.3g} m apart; check the unit of the translation")
+    return tuple(found)
+
+
+def _of_field(side: str, camera: Camera) -> str | None:
+    width, focal, wide = camera.size[0], float(np.asarray(camera.focal)[0]), camera.lens.WIDE
+    field = np.degrees(width / focal if wide else 2.0 * np.arctan(width / 2.0 / focal))
+    if _FIELD[0] <= field and (field <= _FIELD[1] or wide):
+        return None
+    return (
+        f"a focal length of {focal:.4g} px in {width} px wide images is a view of {field:.0f} degrees; "
+        f"check fx of the {side} camera"
+    )

@@ -1,4 +1,5 @@
-"""Windows of motion: which pairs of a repair follow each other, and what is tracked from one to the next."""
+"""Windows of motion: which pairs of a repair follow each other, what is tracked from one to the next, and what that
+told."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -7,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import NO_WINDOWS, Prior, Windows, far_enough, is_exact
-from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._frame_choice import a_moment_after, soon_after
+from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, far_enough, is_exact
+from stereorecal.recalibration._case import Case, a_moment_after, soon_after
 from stereorecal.recordings import LONGEST_GAP, Odometer, Pair, share_of
 from stereorecal.scoring import Correspondences
 from stereorecal.scoring.host import Matches, match_radius, tracked
@@ -18,6 +18,7 @@ MOST_WINDOWS = 8  # each costs a third of a second of the estimate
 _LEAST_WAY = 1e-3  # metres: of any way
 
 Windowed = tuple[tuple[int, int], ...]  # numbers of pairs that follow each other
+_ODOMETER_FITS = 0.1  # of the way: drifts of the baseline are smaller
 
 
 def check_motion(motion: bool | None, pairs: int, prior: Prior) -> None:
@@ -111,12 +112,12 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Seq
 def _ways(case: Case, used_windows: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
     """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
     no more than it knows."""
-    ways = _travelled(case.odometer, case.images.pairs, used_windows) if case.odometer else []
+    ways = _travelled(case.settings.odometer, case.images.pairs, used_windows) if case.settings.odometer else []
     metres = [None if way is None or not far_enough(way, case.rig) else way for way in ways]
     known = sum(some is not None for some in metres)
-    if case.odometer is None or not known:
+    if case.settings.odometer is None or not known:
         return ()
-    deviation = case.odometer.deviation
+    deviation = case.settings.odometer.deviation
     return tuple(None if some is None else (some, deviation(some, known) + _LEAST_WAY) for some in metres)
 
 
@@ -143,3 +144,68 @@ def check_odometer(odometer: Odometer | None, pairs: Sequence[Pair], windows: Wi
             f"the odometer's times are {odometer.times[0]:g} to {odometer.times[-1]:g} s, those of the pairs "
             f"{pair_times} s; give both in seconds of one clock, without gaps of more than {LONGEST_GAP:g} s."
         )
+
+
+def motion_as_dict(estimated: Estimate) -> dict[str, Any]:
+    """What the rig's own motion told, as plain data: how many windows, points that were followed, those that fit the
+    motion of the rig, the median of its way from one pair to the next, NaN if too few could be followed, in how many
+    windows it hardly moved or only turned, which tells nothing of depth, and by how much the right shutter may be late,
+    None if it is not."""
+    several = [one for one in estimated.motions if one.motion is not None]
+    inliers, tracks = (sum(getattr(one, name) for one in several) for name in ("inliers", "tracks"))
+    way = float(np.median([one.metres[0] for one in several])) if several else float("nan")
+    still = sum(not one.informative for one in several)
+    summary = {"windows": len(estimated.windows.tracks), "followed": tracks, "fitting": inliers, "metres": way}
+    summary |= {"without_parallax": still}
+    delay = estimated.delay and {
+        "probability": estimated.delay.probability,
+        "value": estimated.delay.seconds,
+        "unit": _unit(estimated),
+    }
+    return summary | {"delay": delay}
+
+
+def _unit(estimated: Estimate) -> str:
+    """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
+    return "pairs" if set(estimated.windows.seconds) == {1.0} else "s"
+
+
+def motion_text(estimated: Estimate) -> str:
+    """What the rig's own motion told, in a line."""
+    summary = motion_as_dict(estimated)
+    if not summary["followed"]:
+        return f"{summary['windows']} windows, too few points could be followed"
+    return (
+        f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
+        f"rig, {summary['metres']:.3g} m from one pair to the next (median)"
+        + _still(summary)
+        + (_late(summary["delay"]) if estimated.is_late else "")
+    )
+
+
+def _still(summary: dict[str, Any]) -> str:
+    some = summary["without_parallax"]
+    return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
+
+
+def _late(delay: dict[str, Any]) -> str:
+    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
+    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
+
+
+def odometer_text(estimated: Estimate) -> str:
+    """What came of the distances travelled that were given."""
+    known = [
+        (way[0], one.metres[0])
+        for way, one in zip(estimated.windows.all_ways, estimated.motions, strict=True)
+        if way is not None and one.motion is not None and one.informative
+    ]
+    if not known:
+        return "not used: in no window that it knows did the rig advance far enough"
+    given, moved = np.median(known, axis=0).tolist()
+    fits = f"it knows {len(known)} of {len(estimated.windows.tracks)} windows"
+    if abs(given - moved) <= _ODOMETER_FITS * moved:
+        return fits
+    return (
+        f"{fits}, and does not fit: {given:.3g} m where motion shows {moved:.3g} m (median); check its unit and clock"
+    )

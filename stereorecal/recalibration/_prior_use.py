@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from stereorecal.estimation import (
     with_deviations,
 )
 from stereorecal.geometry import StereoRig
+from stereorecal.io import load_rig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recordings import Pair
 
@@ -197,3 +199,20 @@ def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ra
         return prior
     chart = rig_parameters(rig)
     return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)
+
+
+def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
+    """What was saved with a calibration, as `sr.io.load_rig` finds it; None if nothing was.
+
+    `recalibrate` looks it up by itself, for a rig that `sr.io.load_rig` has read.
+
+    Args:
+        path: of the calibration: a file, two, or a folder that holds one.
+
+    Raises:
+        InputError: naming the file, if it cannot be read, or belongs to other parameters than are in the calibration.
+    """
+    saved, note = saved_with(load_rig(path))
+    if note is not None:
+        raise InputError(f"{note}; recalibrate again.")
+    return saved

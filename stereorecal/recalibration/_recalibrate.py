@@ -1,21 +1,65 @@
-"""The repair of a rig: prepare, search, estimate, decide, report."""
+"""The repair of a rig: prepare, search, estimate, decide, report; and one look at the images, without any search: will
+depth be right?"""
 
 import time
 from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.estimation import one_blas_thread
+from stereorecal.decision import ENOUGH, LIMITS
+from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration._assessment import assessed, run_look
-from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._prepared_case import prepared, what_may_change
-from stereorecal.recalibration._schedule import ScoreKind
-from stereorecal.recalibration._search import run_schedule, started
-from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
+from stereorecal.recalibration._case import Case, selected_frames
+from stereorecal.recalibration._match_ranges import resolved_ranges
+from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
+from stereorecal.recalibration._prior_use import prior_for_health, prior_of, prior_use
+from stereorecal.recalibration._schedule import ScoreKind, check_schedule
+from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
+from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solution_of import solution_of_assessment, solution_of_search
 from stereorecal.recordings import Pairs
+from stereorecal.scoring import pyramid
+
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
+
+
+def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
+    """The parameters that may change in the end: those that are named; by default every one of the rig, or, where the
+    intrinsics are exact or only the count is asked, the extrinsics."""
+    rows = settings.schedule.stages[-1].score is ScoreKind.EPIPOLAR
+    return settings.free.of_all(rig, intrinsics=rows and not is_exact(settings.prior))
+
+
+def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool = True) -> Case:
+    """The case of a repair, of whose strategies the extrinsics are asked.
+
+    Args:
+        learns: whether a prior is to follow: pairs that a saved one rests on do not count again then.
+
+    Raises:
+        InputError: as `recalibrate`.
+    """
+    images, free = pyramid(rig, pairs, settings.view), settings.free
+    free.check(rig)
+    ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
+    check_schedule(settings.schedule, free)
+    check_motion(settings.motion, len(images.pairs), settings.prior)
+    use = prior_use(settings.prior, rig, images.pairs) if learns else None
+    numbers = tuple(range(len(images.pairs))) if use is None else use.numbers
+    if free.shared:
+        chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
+        numbers = tuple(numbers[number] for number in chosen)
+    if len(numbers) < len(images.pairs):
+        images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
+    measured = bool(ranges) or settings.odometer is not None
+    prior = prior_for_health(settings.prior, rig) if use is None else use.prior
+    known = prior_of(prior, free, rig, settings.reach, ranges=measured)
+    windows = following(images.pairs, numbers, settings.motion, known)
+    check_odometer(settings.odometer, images.pairs, windows)
+    selected = numbers if free.shared or (use is not None and use.dropped) else None
+    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
@@ -38,11 +82,11 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options)
     settings = replace(settings, free=what_may_change(rig, settings))
-    return recalibrate_case(prepared(rig, pairs, settings), settings, began)
+    return recalibrate_case(prepared(rig, pairs, settings), began)
 
 
 @one_blas_thread()
-def recalibrate_case(case: Case, settings: Settings, began: float | None = None) -> Solution:
+def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
     It looks before it searches, as `health` does; where that look sees what a search would see, it is the answer.
@@ -50,7 +94,6 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
             its matcher may lack `num_disparities`, which is then measured.
-        settings: `free` is what may change in the end.
         began: when the clock was started; default now.
 
     Raises:
@@ -58,14 +101,42 @@ def recalibrate_case(case: Case, settings: Settings, began: float | None = None)
         StrategyError: if a strategy crashes.
     """
     began = time.perf_counter() if began is None else began
-    case, start, cost = started(case, settings.schedule)
-    to_decide = case.with_free(settings.free)
-    if (last := settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
+    case, start, cost = started(case)
+    to_decide = case.with_free(case.settings.free)
+    if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
         run = run_look(to_decide, last)
         assessment = assessed(to_decide, run, run.ended)
         cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
             run = replace(run, matching_cost=0.0)
-            return solution_of_assessment(to_decide, settings, (run,), assessment, cost, began)
-    case, stages = run_schedule(case, settings, start, began)
-    return solution_of_search(case.with_free(settings.free), settings, stages, cost, began)
+            return solution_of_assessment(to_decide, (run,), assessment, cost, began)
+    case, stages = run_schedule(case, start, began)
+    return solution_of_search(case.with_free(case.settings.free), stages, cost, began)
+
+
+@one_blas_thread()
+def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Solution:
+    """Match the pairs under the rig's calibration, and estimate once the correction that they ask for:
+    `solution.condition` says whether the calibration is good, `solution.change` what would mend it.
+
+    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
+
+    Args:
+        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
+            saved prior rests on count, for nothing is learnt here.
+
+    Raises:
+        InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
+            prior makes no sense, or nothing can have moved.
+        TypeError: if there is no option of a name.
+    """
+    refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
+    rig = checked_rig(rig)
+    began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
+    look = replace(settings.schedule, stages=settings.schedule.stages[-1:], survey=False)
+    settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
+    case, _, cost = started(prepared(rig, pairs, settings, learns=False))
+    case = case.with_free(settings.free)
+    run = run_look(case, look.stages[0])
+    found = solution_of_search(case, (run,), cost, began)
+    return replace(found, searched=False, message="one look at the images, without a search")

@@ -1,4 +1,4 @@
-"""What a recalibration found, as data, and what follows from it."""
+"""What a recalibration found, as data, and what follows from it; its verdict, and what to do."""
 
 import enum
 from collections.abc import Mapping
@@ -8,29 +8,31 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.decision import Decision, Reason, Seen
+from stereorecal.decision import Criterion, Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.recalibration._calibration_warnings import doubts
-from stereorecal.recalibration._cost import Cost
-from stereorecal.recalibration._depth_errors import DepthError, reported_depths
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._expected import Expected, expected_of
-from stereorecal.recalibration._freed_intrinsics import Intrinsics
+from stereorecal.recalibration._expected import DepthError, Expected, expected_of, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
-from stereorecal.recalibration._mismatch import Mismatch
+from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._regional_misfit import Misfit
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, Misfit, RowErrors
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import StageRun, Waypoint, path_of
-from stereorecal.recalibration._uncertainty import Uncertainty
-from stereorecal.recalibration._verdict_text import advice_of, verdict_of
+from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, path_of
+from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty
 from stereorecal.scoring import Correspondences, ImageQuality
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
+
+_NOT_CORRECTED = {
+    Criterion.GAINS: "what a correction would gain is too little",
+    Criterion.HARMLESS: "a correction may make it worse",
+    Criterion.PREDICTS: "parts of the images that were left out do not confirm a correction",
+    None: "its correction does not pass all checks",
+}
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
 class Condition(enum.Enum):
@@ -112,24 +114,49 @@ class AbstractResult:
 
     @property
     def verdict(self) -> str:
-        """In one short sentence."""
+        """In one short sentence, of at most twelve words."""
         if self._doubtful:
             return "Cannot tell: the calibration has values that hardly any rig has."
         if not self.searched and self.mismatch is None and self.reason is Reason.NO_MATCHES:
             return f"Repair it: {self.reason.value}."
-        pairs, depth_off = len(self.used) + len(self.left_out), any(one.significant for one in self.depth_before)
-        return verdict_of(
-            self.reason, self.decision, pairs, self.mismatch, self.shown.problem, depth_off, repaired=self.searched
-        )
+        reason, decision, repaired = self.reason, self.decision, self.searched
+        begins = "Repaired" if repaired else "Repair it"
+        if self.mismatch is not None:
+            return self.mismatch.verdict
+        if reason is Reason.TOO_LITTLE_TEXTURE and self.shown.problem is not None:
+            return f"Cannot tell: {self.shown.problem}."
+        if decision is None or reason is Reason.MORE_MATCHES:
+            begins = begins if reason.accepted else "Cannot tell" if reason.undetermined else "Not repaired"
+            return f"{begins}: {reason.value}."
+        before, after = decision.rows_px
+        if reason is Reason.IMPROVED:
+            share, depth_off = decision.depth_corrected, any(one.significant for one in self.depth_before)
+            corrected = "corrected" if share == 1.0 else "corrected in part"
+            depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
+            return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
+        if reason is Reason.ALREADY_GOOD:
+            return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
+        if reason is Reason.CANNOT_TELL:
+            pairs = len(self.used) + len(self.left_out)
+            which = f"from {_NUMBERS[pairs] if pairs < len(_NUMBERS) else pairs} pair{'' if pairs == 1 else 's'}"
+            return f"Cannot tell {which}: epipolar error {before[1]:.2f} to {before[2]:.2f} px."
+        return f"{'Not repaired' if repaired and not reason.undetermined else 'Cannot tell'}: {reason.value}."
 
     @property
     def advice(self) -> str:
-        """What to do."""
+        """What to do. Rows make a calibration good; where its depth is off all the same, that is said, and why it
+        stays."""
         if self._doubtful:
             return "Check the calibration file."
         if not self.searched and self.condition is Condition.REPAIR:
             return "Run recalibrate with these images."
-        return advice_of(self.reason, self.decision, self.mismatch, self.depth_before)
+        if self.mismatch is not None:
+            return self.mismatch.advice
+        off = [f"{error} at {error.where}" for error in self.depth_before if error.significant]
+        if self.reason is not Reason.ALREADY_GOOD or self.decision is None or not off:
+            return self.reason.advice
+        why = _NOT_CORRECTED[self.decision.failed]
+        return f"But depth is {' and '.join(off)}, and {why}; pairs of other places may decide."
 
     @property
     def covered(self) -> float:

@@ -1,32 +1,199 @@
 """The search of a repair: a survey that finds a start and the disparity range, then the stages of a schedule; at once,
-or in slices, for those who cannot wait for all of it."""
+or in slices, for those who cannot wait for all of it; and the solution that its end, or a look at the images, comes
+to."""
 
 import time
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from jaxtyping import Int
 
+from stereorecal.decision import ENOUGH, Reason, Seen, reason_of
+from stereorecal.estimation import NO_RANGES, Estimate
 from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._assessment import Assessment, assessed, counts, without_mismatch
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._cost import Cost
+from stereorecal.recalibration._match_ranges import RangesSeen
+from stereorecal.recalibration._mismatch import mismatch_of
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors, misfit, row_residuals
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
-from stereorecal.recalibration._settings import Settings, as_settings
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._solution_of import solution_of_search
-from stereorecal.recalibration._stages import Extrinsics, StageRun, extrinsics_count_objective, remaining, run_stage
+from stereorecal.recalibration._stages import (
+    Cost,
+    Extrinsics,
+    StageRun,
+    extrinsics_count_objective,
+    last_matched,
+    remaining,
+    run_stage,
+)
+from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
 from stereorecal.scoring import host
-from stereorecal.scoring.host import survey
-from stereorecal.strategies import Budget
+from stereorecal.scoring.host import Score, survey
+from stereorecal.strategies import Budget, Status
 
 _YAW_ERROR_AFTER_EPIPOLAR = np.radians(0.25)  # at most, where yaw is observed
 _SEED = 0  # of strategies that draw random numbers, in slices
 
 
-def started(case: Case, schedule: Schedule) -> tuple[Case, StereoRig, Cost]:
+def solution_of_search(case: Case, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+    """The solution that the stages of a schedule come to, judged by matches, or, where there are none, by the count.
+
+    Args:
+        case: with all that may change free, which then may move in the calibration to use.
+        stages: that were run: fewer than the schedule has where a budget ended.
+        cost: of what came before the stages.
+        began: when the clock was started.
+    """
+    status, message = _ending(stages)
+    cut = len(stages) < len(case.settings.schedule.stages) or any(stage.cut for stage in stages)
+    if cut:
+        status, message = Status.BUDGET, Status.BUDGET.value
+    end_rig = stages[-1].ended if stages else case.rig
+    run = last_matched(stages)
+    assessment = None if cut or run is None else assessed(case, run, end_rig)
+    if assessment is not None:
+        found = solution_of_assessment(case, stages, assessment, cost, began)
+        return replace(found, status=status, message=message)
+    tiles, mismatch = counts(case, end_rig), None
+    before, after = tiles.sum(axis=(1, 2)).tolist()
+    if cut or run is not None:  # the count alone hardly sees a wrong yaw
+        reason = reason_of(None, Seen(enough=case.images.enough, cut=cut))
+        if not cut and run is not None and run.found is not None:
+            mismatch = mismatch_of(case.images, case.matcher, run.found.covered)
+    elif status is Status.NO_SIGNAL:
+        reason = Reason.TOO_LITTLE_TEXTURE
+    else:
+        reason = Reason.MORE_MATCHES if after > before else Reason.NOT_IMPROVED
+    found = _solution(case, stages, end_rig, reason, tiles, cost, began, mismatch=mismatch)
+    return replace(found, status=status, message=message)
+
+
+def _ending(stages: tuple[StageRun, ...]) -> tuple[Status, str]:
+    """How the last stage ended, in its strategy's words where it has one."""
+    last = stages[-1] if stages else None
+    if last is not None and last.runs:
+        return last.runs[-1].status, last.runs[-1].message
+    if last is None or last.found is None or last.found.found < ENOUGH.matches:
+        return Status.NO_SIGNAL, Status.NO_SIGNAL.value
+    return Status.CONVERGED, "matches and fit have settled"
+
+
+def solution_of_assessment(
+    case: Case, stages: tuple[StageRun, ...], assessment: Assessment, cost: Cost, began: float
+) -> Solution:
+    """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
+    `solution_of_search`."""
+    last = max(number for number, stage in enumerate(stages) if stage.found is not None)
+    assessment = without_mismatch(case, assessment, stages[last].covered_first)
+    estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
+    rows = row_residuals(case.chart, found, candidate)
+    return _solution(
+        case,
+        tuple(replace(one, found=found) if number == last else one for number, one in enumerate(stages)),
+        candidate,
+        assessment.reason,
+        assessment.tiles,
+        replace(cost, judging=cost.judging + assessment.matching_cost),
+        began,
+        excluded=assessment.excluded,
+        row_errors=rows.errors,
+        uncertainty=uncertainty_of(estimated, candidate, case.with_free(case.free.without_intrinsics).chart),
+        misfit=misfit(rows, late=estimated.is_late),
+        intrinsics=_intrinsics(case, assessment, rows.errors) if assessment.reason.accepted else None,
+        estimate=estimated,
+        decision=assessment.decision,
+        seen=assessment.seen,
+        mismatch=assessment.mismatch,
+    )
+
+
+def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrinsics | None:
+    """What became of intrinsics, or the length of the baseline, that a repair changes; None if it may not."""
+    if not case.free.shared:
+        return None
+    estimated, found, theta = assessment.estimate, assessment.found, assessment.decision.theta
+    extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
+    held = row_residuals(case.of_extrinsics.chart, found, extrinsics_alone).errors
+    return intrinsics_of(
+        estimated,
+        theta,
+        case.free.shared,
+        IntrinsicsOutcome.REFINED,
+        fixed_px=held.after,
+        freed_px=errors.after,
+        shown=assessment.seen.places / TILES_OF_A_FRAME,
+        expected_px=estimated.row_error_px(theta)[10][0],
+    )
+
+
+def _solution(
+    case: Case,
+    stages: tuple[StageRun, ...],
+    candidate: StereoRig,
+    reason: Reason,
+    tiles: Int[np.ndarray, "2 k tiles"],
+    cost: Cost,
+    began: float,
+    *,
+    excluded: tuple[int, ...] = (),
+    estimate: Estimate | None = None,
+    **findings: Any,
+) -> Solution:
+    """The solution with a candidate, accepted or not.
+
+    Args:
+        tiles: counts at full scale of all frames, under the initial calibration and the candidate.
+        excluded: numbers of the frames that show another rig than the others; all of them count all the same where they
+            are too many to say which are wrong.
+        findings: what else is found, as `Solution` names it.
+    """
+    disagree = reason is Reason.FRAMES_DISAGREE
+    frames, whole = len(case.images.pairs), case.images.at(1.0)
+    used = np.isin(np.arange(frames), () if disagree else excluded, invert=True)
+    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in tiles[:, used])
+    names = tuple(case.images.pairs[frame].name for frame in excluded)
+    matched_ranges = NO_RANGES if estimate is None else estimate.matched_ranges
+    return Solution(
+        initial=case.rig,
+        candidate=candidate,
+        reason=reason,
+        score_before=before,
+        score_after=after,
+        used=tuple(np.flatnonzero(used).tolist()),
+        shown=case.images.best_quality,
+        view=case.images.view,
+        matcher=case.matcher,
+        stages=stages,
+        status=Status.CONVERGED,
+        message="one look at the images was enough",
+        cost=Cost(
+            survey=cost.survey + sum(stage.survey_cost for stage in stages),
+            starts=cost.starts,
+            search=sum(stage.search_cost for stage in stages),
+            correspondences=sum(stage.matching_cost for stage in stages),
+            judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
+        ),
+        seconds=time.perf_counter() - began,
+        settings=case.settings,
+        selected=case.selected,
+        left_out=() if disagree else names,
+        disagreeing=names if disagree else (),
+        ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),
+        estimate=estimate,
+        prior_use=case.prior_use,
+        **findings,
+    )
+
+
+def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
+    schedule = case.settings.schedule
     matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
     if schedule.survey or matcher.num_disparities is None:
-        radians = float(np.radians(case.reach.degrees))
+        radians = float(np.radians(case.settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
         offset = surveyed.offset if schedule.survey else offset
@@ -53,12 +220,13 @@ def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoR
     ), 2 * objective.cost
 
 
-def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
+def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
     """All stages that the budget allows; the case comes back with the widest disparity range that was measured.
 
     Args:
         began: when the clock of the budget was started.
     """
+    settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
     for stage in schedule.stages:
@@ -69,7 +237,7 @@ def run_schedule(case: Case, settings: Settings, start: StereoRig, began: float)
         rig = done.ended
         if len(schedule.stages) > 1 and measured:
             epipolar = stage.score is ScoreKind.EPIPOLAR
-            yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.reach.degrees))
+            yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.settings.reach.degrees))
             surveyed = survey(case.images, done.end_extrinsics, yaw_error, aligned=True)
             done = replace(done, survey_cost=surveyed.cost)
             case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_error))
@@ -92,26 +260,23 @@ class Progress:
     done: int = 0
 
 
-def next_slice(case: Case, schedule: Schedule, at: Progress) -> Progress | Solution:
+def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it.
 
     Args:
-        case: with a disparity range.
-        schedule: whose last stage has rows.
+        case: with a disparity range, and a schedule whose last stage has rows.
     """
-    began = time.perf_counter()
+    began, schedule = time.perf_counter(), case.settings.schedule
     if at.done == 0:
-        return Progress(started(case, schedule)[1], 1)
+        return Progress(started(case)[1], 1)
     stages = _rounds(schedule)
     stage = stages[at.done - 1]
     done = run_stage(case, stage, at.rig, Budget(), _SEED)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    last = replace(schedule, stages=(stage,))
-    settings = as_settings({"matcher": case.matcher, "schedule": last, "reach": case.reach})
-    settings = replace(settings, free=case.free, tolerances=case.tolerances)
-    return solution_of_search(case, settings, (done,), Cost(), began)
+    settings = replace(case.settings, schedule=replace(schedule, stages=(stage,)), free=case.free)
+    return solution_of_search(replace(case, settings=settings), (done,), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

@@ -1,7 +1,7 @@
-"""The settings of a repair: what callers say by name, and what a repair computes with."""
+"""The settings of a repair: what callers say by name, what a repair computes with, and how people read it."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from difflib import get_close_matches
 from typing import Any, TypedDict
 
@@ -11,11 +11,13 @@ from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import AnyView, checked_view_arguments
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._depth_errors import Distance, as_distances, distance_text
+from stereorecal.recalibration._expected import Distance, as_distances, distance_text
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._schedule import Schedule, Stage, as_schedule
 from stereorecal.recordings import Odometer, Range
 from stereorecal.strategies import Budget, as_budget
+
+_UNLIMITED = "no limit"
 
 
 class HealthOptions(TypedDict, total=False):
@@ -153,3 +155,37 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
             raise TypeError(f"there is no option {name!r}; {meant}")
     found = Settings(**{field.name: field.metadata["read"](options.get(field.name)) for field in fields(Settings)})
     return replace(found, free=with_ranges(found.free, found.ranges, found.odometer))
+
+
+def settings_as_text(settings: Settings) -> dict[str, Any]:
+    """By name; a disparity range that is to be measured is None."""
+    limits = {
+        name: _UNLIMITED if limit is None else f"{limit:g}"
+        for name, limit in (("units", settings.budget.evaluations), ("seconds", settings.budget.seconds))
+    }
+    return {
+        "free": ", ".join(settings.free.names),
+        "matcher": matcher_as_text(settings.matcher),
+        "schedule": settings.schedule.name,
+        "stage": {str(number): _stage(stage) for number, stage in enumerate(settings.schedule.stages, 1)},
+        "budget": limits,
+        "seed": settings.seed,
+        "tolerances": ", ".join(f"{name} {value}" for name, value in asdict(settings.tolerances).items()),
+    }
+
+
+def matcher_as_text(matcher: AbstractMatcher) -> str:
+    """As it can be made again: SAD(num_disparities=96, …); a range that is to be measured is None."""
+    return f"{type(matcher).__name__}({_options(matcher)})"
+
+
+def _stage(stage: Stage) -> str:
+    kind = f"{stage.score.name.lower()} at scale {stage.scale:g}"
+    others = {"rounds": stage.rounds, "frames": stage.frames, "rows": stage.rows, "pixels": stage.pixels}
+    more = ", ".join(f"{name} {value}" for name, value in others.items() if value is not None)
+    how = stage.solver if stage.strategy is None else f"{stage.solver}({_options(stage.strategy)})"
+    return f"{kind}, {more}, by {how}"
+
+
+def _options(some: Any) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in asdict(some).items())

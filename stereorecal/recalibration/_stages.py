@@ -1,8 +1,11 @@
-"""Running one stage of a schedule, and the way that stages took."""
+"""Running one stage of a schedule, the way that stages took, and what they cost.
+
+One unit of cost: one matcher run on one full-size frame (a candidate at scale s over k frames: k s²).
+"""
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
@@ -31,6 +34,35 @@ _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err 
 _SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Units, by what they were spent on.
+
+    Attributes:
+        survey: coarse matches that find a start and the disparity range.
+        starts: a look at the images through the initial calibration, and counts that choose between starts.
+        search: what strategies asked; with `correspondences`, what a budget pays for.
+        correspondences: matches that found correspondences.
+        judging: counts that nominations and the end of the schedule were judged by, and matches at vertical offsets.
+    """
+
+    survey: float = 0.0
+    starts: float = 0.0
+    search: float = 0.0
+    correspondences: float = 0.0
+    judging: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """All of it."""
+        return sum(getattr(self, part.name) for part in fields(self))
+
+    @property
+    def budgeted(self) -> float:
+        """What a budget pays for: search and correspondences."""
+        return self.search + self.correspondences
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +139,7 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
 def extrinsics_count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
     """The count of a stage, over the free extrinsics."""
     options = _options(case, stage, budget)
-    return count_objective(case.images, case.matcher, case.reach, free=case.free.axes, **options)
+    return count_objective(case.images, case.matcher, case.settings.reach, free=case.free.axes, **options)
 
 
 def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
@@ -126,7 +158,7 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
 
 def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Over all that is free."""
-    chart = reach_chart(case.rig, case.reach, case.free)
+    chart = reach_chart(case.rig, case.settings.reach, case.free)
     objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
     run = run_strategy(as_strategy(stage.strategy), objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
 

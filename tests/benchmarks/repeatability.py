@@ -23,7 +23,7 @@ from tables import among, command_line, show, table_of, words
 
 import stereorecal as sr
 from stereorecal.estimation import rows_of_groups
-from stereorecal.objectives import Reach, linear_residuals
+from stereorecal.objectives import linear_residuals
 from stereorecal.recalibration import Case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import TILES, pyramid
@@ -69,7 +69,8 @@ def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
 def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
     """times -> rig: the last correspondences of `recalibrate`, each as often as its tile was drawn."""
     solution = sr.recalibrate(rig, [pair], prior="exact")
-    chart = Case(pyramid(rig, [pair], solution.view), solution.matcher, Reach(), solution.settings.free).chart
+    settings = solution.settings
+    chart = Case(pyramid(rig, [pair], solution.view), settings, solution.matcher, settings.free).chart
     last = solution.stages[-1]
     found = last.found
     assert found is not None

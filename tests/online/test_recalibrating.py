@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from parts_of_repairs import _repairing
+from parts_of_repairs import _switching
 from rides import BEFORE, Ride, error
 
 from stereorecal.estimation import (
@@ -43,7 +43,7 @@ def test_only_what_the_decision_accepts_is_in_use(ride: Ride, monkeypatch: pytes
         estimate=Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.ones(chart.dim)),
         row_errors=RowErrors(3.0, 0.1, 9.0),
     )
-    monkeypatch.setattr(_repairing, "recalibrated", lambda *given, **options: found)
+    monkeypatch.setattr(_switching, "recalibrated", lambda *given, **options: found)
     state = freeze(init(ride.rig, Config()))
     after, (event,) = recalibrate(state, ride.pairs[BEFORE : BEFORE + 1])
     if not reason.accepted:

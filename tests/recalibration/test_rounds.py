@@ -39,8 +39,8 @@ def staged(scene):
         schedule = Schedule("rows", (Stage(solver, 1.0, ScoreKind.EPIPOLAR, rounds=rounds),))
         settings = as_settings({"matcher": SAD(num_disparities=24), "schedule": schedule, "budget": budget})
         settings = replace(settings, free=settings.free.extrinsics, prior="exact")
-        case, start, _ = started(prepared(off, given.pairs, settings), schedule)
-        [stage] = run_schedule(case, settings, start, time.perf_counter())[1]
+        case, start, _ = started(prepared(off, given.pairs, settings))
+        [stage] = run_schedule(case, start, time.perf_counter())[1]
         error = np.degrees(stage.end_extrinsics - np.asarray(given.rig.extrinsics))
         return stage, np.abs(error[[AXES.index("pitch"), AXES.index("roll")]])
 
