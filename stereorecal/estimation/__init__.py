@@ -32,9 +32,11 @@ from stereorecal.estimation._evidence import Normal as Normal
 from stereorecal.estimation._groups import PLACES as PLACES
 from stereorecal.estimation._least_squares import (
     Each as Each,
+    Fit as Fit,
     Recording as Recording,
     estimate as estimate,
     estimate_together as estimate_together,
+    fitted as fitted,
 )
 from stereorecal.estimation._linear_groups import rows_of_groups as rows_of_groups
 from stereorecal.estimation._losses import Losses as Losses, Matters as Matters, points_shown as points_shown

@@ -9,7 +9,7 @@ linear where they were solved last: a few rounds, and all agree.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
-from stereorecal.estimation._confounders import delay_of, hypotheses_with_confounders, hypothesis_with_delay
+from stereorecal.estimation._confounders import Delay, delay_of, hypotheses_with_confounders, hypothesis_with_delay
 from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import (
@@ -101,57 +101,99 @@ def estimate(
         view: in which rows and depth are judged; default the rig's own.
     """
     known = as_prior(prior, rig_parameters(rig))
-    return solved(Recording(found, rig, known, start, ranges, windows, view))[0]
+    return fitted(Recording(found, rig, known, start, ranges, windows, view)).weighed()[0]
 
 
-@one_blas_thread()
-def solved(recording: Recording) -> tuple[Estimate, Explanation]:
-    """The estimate, and the most probable one of its explanations. A prior and a misfit for a round are the evidence's
-    best, and all of them are mixed after the last."""
-    found, chart, prior = recording.found, rig_parameters(recording.rig), recording.prior
-    start = np.zeros(chart.dim) if recording.start is None else recording.start
-    measured, delay, hypotheses = Measured(recording.ranges, recording.windows), None, []
-    rows, misfit = _settled(found, chart, prior, start, measured)
-    if rows is None:
-        flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
-        likelihoods = measured.likelihoods(chart, start, prior)
-        several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
-    else:
-        misfits = _neighbouring_misfits(misfit, len(rows.frames) > 1)
-        alone = explanations(rows, prior, range(len(prior.roots)), misfits)
-        hypotheses = [Hypothesis(rows, alone, best_of(alone)[0].misfit, NOTHING, 0.0)]
-        hypotheses += hypotheses_with_confounders(rows, chart, prior, alone)
-        if (late := hypothesis_with_delay(rows, chart, prior, alone)) is not None:
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The rig alone, for a prior and a misfit that are the evidence's best.
+
+    Attributes:
+        recording: that it is of.
+        chart: from θ to rigs.
+        measured: of the recording.
+        rows: linear near the most probable θ; None, where there are too few.
+        misfit: the most probable one.
+    """
+
+    recording: Recording
+    chart: RigChart
+    measured: Measured
+    rows: LinearGroups | None
+    misfit: tuple[float, float]
+
+    @cached_property
+    @one_blas_thread()
+    def alone(self) -> Estimate:
+        """The estimate under this misfit, without asking what else may be behind the rows: it says where to match, and
+        which frames show another rig."""
+        return self._mixed([] if self.rows is None else [self._alone(self.rows, [self.misfit])], self.rows)[0]
+
+    @one_blas_thread()
+    def weighed(self) -> tuple[Estimate, Explanation]:
+        """The estimate, mixed of all hypotheses, and the most probable one of its explanations."""
+        rows, prior, delay = self.rows, self.recording.prior, None
+        if rows is None:
+            return self._mixed([], None)
+        hypotheses = [self._alone(rows, _neighbouring_misfits(self.misfit, len(rows.frames) > 1))]
+        alone = hypotheses[0].several
+        hypotheses += hypotheses_with_confounders(rows, self.chart, prior, alone)
+        if (late := hypothesis_with_delay(rows, self.chart, prior, alone)) is not None:
             delay = delay_of(late[0], [one for some in hypotheses for one in some.several])
             hypotheses.append(late[0])
             rows = late[1] if delay.likely else rows
+        return self._mixed(hypotheses, rows, delay)
+
+    def _alone(self, rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypothesis:
+        prior = self.recording.prior
+        several = explanations(rows, prior, range(len(prior.roots)), misfits)
+        return Hypothesis(rows, several, best_of(several)[0].misfit, NOTHING, 0.0)
+
+    def _mixed(
+        self, hypotheses: Sequence[Hypothesis], rows: LinearGroups | None, delay: Delay | None = None
+    ) -> tuple[Estimate, Explanation]:
+        """The mixture of hypotheses; without rows, of what else was measured."""
+        recording, chart, prior = self.recording, self.chart, self.recording.prior
         several = [one for some in hypotheses for one in some.several]
-    best, posterior = best_of(several)[0], mixture(several)
-    estimated = Estimate(
-        chart,
-        posterior,
-        best.misfit,
-        0,
-        float("nan"),
-        _prior_variance(several, prior),
-        matched_ranges=recording.ranges,
-        windows=recording.windows,
-        view=recording.view,
-        delay=delay,
-        prior=prior,
-    )
-    if rows is None:
+        if rows is None:
+            start = np.zeros(chart.dim) if recording.start is None else recording.start
+            flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
+            likelihoods = self.measured.likelihoods(chart, start, prior)
+            several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
+        best, posterior = best_of(several)[0], mixture(several)
+        estimated = Estimate(
+            chart,
+            posterior,
+            best.misfit,
+            0,
+            float("nan"),
+            _prior_variance(several, prior),
+            matched_ranges=recording.ranges,
+            windows=recording.windows,
+            view=recording.view,
+            delay=delay,
+            prior=prior,
+        )
+        if rows is None:
+            return estimated, best
+        residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
+        estimated = replace(
+            estimated,
+            groups=len(residual),
+            residual_px=float(np.sqrt(np.mean(residual**2))),
+            other_rigs=_other_rigs(recording.found, rows, chart, prior, best, posterior.mean),
+            shown=rows.groups,
+            hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
+        )
         return estimated, best
-    residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
-    estimated = replace(
-        estimated,
-        groups=len(residual),
-        residual_px=float(np.sqrt(np.mean(residual**2))),
-        other_rigs=_other_rigs(found, rows, chart, prior, best, posterior.mean),
-        shown=rows.groups,
-        hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
-    )
-    return estimated, best
+
+
+@one_blas_thread()
+def fitted(recording: Recording) -> Fit:
+    """The fit of a recording: a prior and a misfit for a round are the evidence's best."""
+    chart, measured = rig_parameters(recording.rig), Measured(recording.ranges, recording.windows)
+    start = np.zeros(chart.dim) if recording.start is None else recording.start
+    return Fit(recording, chart, measured, *_settled(recording.found, chart, recording.prior, start, measured))
 
 
 def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> Float[np.ndarray, "n"]:
@@ -274,7 +316,7 @@ def _round(recordings: Sequence[Recording], each: Each) -> tuple[list[Estimate],
 
 
 def _estimate_and_message(one: Recording) -> tuple[Estimate, Normal]:
-    estimated, best = solved(one)
+    estimated, best = fitted(one).weighed()
     return estimated, of_calibration(best)
 
 

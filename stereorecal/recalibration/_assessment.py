@@ -8,7 +8,16 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
-from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
+from stereorecal.estimation import (
+    NO_RANGES,
+    Estimate,
+    Fit,
+    MatchedRanges,
+    Recording,
+    as_prior,
+    fitted,
+    rig_parameters,
+)
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
@@ -29,7 +38,7 @@ _MATCHED_AGAIN = 2  # times, at most
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
-_Estimator = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Estimate]
+_Fitter = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Fit]
 
 
 def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
@@ -134,18 +143,22 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
     at = chart.coordinates_of(end_rig)
     found = _matched(case, run, chart, at) if fewer else run.found
-    estimate_of = _estimator(case, found, end_rig)
-    excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
-    for _ in range(_MATCHED_AGAIN):
+    fit_of, weighed = _fitter(case, found, end_rig), False
+    excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
+    while True:
+        estimated = (fit.weighed()[0] if weighed else fit.alone).judged_by(case.settings.tolerances.matters)
         likely, enough = estimated.with_free(case.free.names), (1.0 - ENOUGH.lost) * found.covered
-        if disagree or estimated.effect(likely - at) < _SETTLED:
+        anew, moved = None, not disagree and estimated.effect(likely - at) >= _SETTLED
+        if moved and again < _MATCHED_AGAIN:
+            anew = _matched(case, run, chart, likely)
+            again += 1
+        if anew is not None and anew.covered >= enough:
+            found, at, weighed = anew, likely, False
+            excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
+        elif weighed:
             break
-        anew = _matched(case, run, chart, likely)
-        again += 1
-        if anew.covered < enough:
-            break
-        found, at = anew, likely
-        excluded, disagree, estimated = _without_other_rigs(case, found, at, estimate_of)
+        else:
+            weighed = True
     decision = decide(estimated, case.free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
     candidate = chart.rig_at(decision.theta)
@@ -208,28 +221,22 @@ def _matched(case: Case, run: StageRun, chart: RigChart, theta: Float[np.ndarray
     return matched(case.images.at(run.scale), chart, theta, case.matcher)
 
 
-def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estimator:
-    """The estimate by matches of other frames than some, begun at a θ; tracks and ranges are sought once.
+def _fitter(case: Case, first: Correspondences, end_rig: StereoRig) -> _Fitter:
+    """The fit of matches of other frames than some, begun at a θ; tracks and ranges are sought once.
 
     Args:
         first: beside which they are sought.
         end_rig: under which these were matched.
     """
-    tracks = windows_of(case, first)
+    tracks, prior = windows_of(case, first), as_prior(case.prior, rig_parameters(case.rig))
 
-    def estimate_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Estimate:
-        estimated = estimate(
-            without_frames_of(found, without),
-            case.rig,
-            case.prior,
-            start=start,
-            ranges=_matched_ranges(case, first, end_rig, without),
-            windows=without_frames(case, tracks, without),
-            view=case.images.view,
-        )
-        return estimated.judged_by(case.settings.tolerances.matters)
+    def fit_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Fit:
+        ranges = _matched_ranges(case, first, end_rig, without)
+        windows = without_frames(case, tracks, without)
+        used = without_frames_of(found, without)
+        return fitted(Recording(used, case.rig, prior, start, ranges, windows, case.images.view))
 
-    return estimate_of
+    return fit_of
 
 
 def _matched_ranges(case: Case, found: Correspondences, end_rig: StereoRig, excluded: Sequence[int]) -> MatchedRanges:
@@ -242,17 +249,17 @@ def _matched_ranges(case: Case, found: Correspondences, end_rig: StereoRig, excl
 
 
 def _without_other_rigs(
-    case: Case, found: Correspondences, start: Float[np.ndarray, "n"], estimate_of: _Estimator
-) -> tuple[tuple[int, ...], bool, Estimate]:
-    """The estimate without the frames that show another rig, one more excluded at a time: their numbers, whether they
-    are too many to say which are wrong, and the estimate, of all frames in that case."""
+    case: Case, found: Correspondences, start: Float[np.ndarray, "n"], fit_of: _Fitter
+) -> tuple[tuple[int, ...], bool, Fit]:
+    """The fit without the frames that show another rig, one more excluded at a time: their numbers, whether they are
+    too many to say which are wrong, and the fit, of all frames in that case."""
     excluded = unmatched(found, case.images.pairs) if len(found.weight) > 1 else ()
     seeing = int(np.any(np.asarray(without_frames_of(found, excluded).weight) > 0, axis=1).sum())
     most = MOST_EXCLUDED * (seeing + len(excluded))
     while True:
-        estimated = estimate_of(found, excluded, start)
-        disagree = len(excluded) > most
-        if disagree or not estimated.other_rigs:
-            break
-        excluded, start = (*excluded, estimated.other_rigs[0].frame), estimated.theta
-    return excluded, disagree, estimate_of(found, (), start) if disagree else estimated
+        fit = fit_of(found, excluded, start)
+        if len(excluded) > most:
+            return excluded, True, fit_of(found, (), start)
+        if not fit.alone.other_rigs:
+            return excluded, False, fit
+        excluded, start = (*excluded, fit.alone.other_rigs[0].frame), fit.alone.theta

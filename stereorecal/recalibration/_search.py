@@ -3,6 +3,7 @@ or in slices, for those who cannot wait for all of it; and the solution that its
 to."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -197,12 +198,16 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
         offset = surveyed.offset if schedule.survey else offset
-    # Most repairs reach the epipolar stages: compile their scales while the start is sought.
-    later = [case.scale_of(stage) for stage in schedule.stages if stage.score is ScoreKind.EPIPOLAR]
-    for scale in dict.fromkeys(later):
-        host.compile_in_background(case.images.sample(scale))
+    _compile_in_background(case, schedule.stages[-1:])  # the look's
     start, of_starts = _better_start(case, schedule.stages[0], offset)
     return case, start, Cost(survey=of_survey, starts=of_starts)
+
+
+def _compile_in_background(case: Case, stages: Sequence[Stage]) -> None:
+    """Compile the programs of stages on the rows while others run: those of a stage that is never run, in vain."""
+    for stage in stages:
+        if stage.score is ScoreKind.EPIPOLAR:
+            host.compile_in_background(case.images.sample(case.scale_of(stage)))
 
 
 def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoRig, float]:
@@ -229,6 +234,7 @@ def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tupl
     settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
+    _compile_in_background(case, schedule.stages)
     for stage in schedule.stages:
         budget_left = remaining(settings.budget, sum(done.cost for done in stages), began)
         if budget_left is None:
