@@ -193,12 +193,12 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
     schedule = case.settings.schedule
     matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
+    _compile_in_background(case, schedule.stages[-1:])  # the look's
     if schedule.survey or matcher.num_disparities is None:
         radians = float(np.radians(case.settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
         offset = surveyed.offset if schedule.survey else offset
-    _compile_in_background(case, schedule.stages[-1:])  # the look's
     start, of_starts = _better_start(case, schedule.stages[0], offset)
     return case, start, Cost(survey=of_survey, starts=of_starts)
 
