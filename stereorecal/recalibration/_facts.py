@@ -86,7 +86,7 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     for doubt in solution.doubts:
         yield Fact("check", doubt)
     if use is not None and str(use) not in (DEFAULT, EXACT):
-        yield Fact("prior", str(use))
+        yield Fact("prior", str(use), f"Prior: {use}.")
     if solution.misfit is not None and telling:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:

@@ -14,7 +14,7 @@ from stereorecal.recalibration._assessment import assessed, run_look
 from stereorecal.recalibration._case import Case, selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
-from stereorecal.recalibration._prior_use import prior_for_health, prior_of, prior_use
+from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import ScoreKind, check_schedule
 from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
 from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
@@ -46,19 +46,18 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
     check_schedule(settings.schedule, free)
     check_motion(settings.motion, len(images.pairs), settings.prior)
-    use = prior_use(settings.prior, rig, images.pairs) if learns else None
-    numbers = tuple(range(len(images.pairs))) if use is None else use.numbers
+    use = prior_use(settings.prior, rig, images.pairs, learns=learns)
+    numbers = use.numbers
     if free.shared:
         chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     measured = bool(ranges) or settings.odometer is not None
-    prior = prior_for_health(settings.prior, rig) if use is None else use.prior
-    known = prior_of(prior, free, rig, settings.reach, ranges=measured)
+    known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
-    selected = numbers if free.shared or (use is not None and use.dropped) else None
+    selected = numbers if free.shared or use.dropped else None
     return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
 
 

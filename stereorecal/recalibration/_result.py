@@ -195,8 +195,8 @@ class AbstractResult:
     def prior(self) -> SavedPrior | None:
         """What is known of the calibration to use, for the next `recalibrate` with it (`prior=`) and for
         `sr.io.save_rig`; None: no more than of any calibration. Where the images fit no rig, it is what was known
-        before."""
-        if self.prior_use is None:
+        before. None of a look, from which nothing is learnt."""
+        if self.prior_use is None or not self.searched:
             return None
         good = self.reason.healthy
         return known_after(self.prior_use, self.estimate, self.initial, self.rig, self.used_images, good=good)

@@ -164,7 +164,8 @@ class Solution(AbstractResult):
         seen: what the images show besides, that checks look at; None in the same cases.
         mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
             rig explains it.
-        prior_use: the prior that it began with, and which pairs count; None of a look, from which nothing is learnt.
+        prior_use: the prior that it began with, and which pairs count: all of them in a look, from which nothing is
+            learnt. None inside comparisons and watches.
         searched: False of a look, which says what a repair begins with.
     """
 
