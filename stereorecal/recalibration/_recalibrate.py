@@ -103,11 +103,9 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     case, start, cost = started(case)
     to_decide = case.with_free(case.settings.free)
     if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
-        run = run_look(to_decide, last)
+        run, cost = run_look(to_decide, last, cost)
         assessment = assessed(to_decide, run, run.ended)
-        cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
-            run = replace(run, matching_cost=0.0)
             return solution_of_assessment(to_decide, (run,), assessment, cost, began)
     case, stages = run_schedule(case, start, began)
     return solution_of_search(case.with_free(case.settings.free), stages, cost, began)
@@ -136,6 +134,6 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, _, cost = started(prepared(rig, pairs, settings, learns=False))
     case = case.with_free(settings.free)
-    run = run_look(case, look.stages[0])
+    run, cost = run_look(case, look.stages[0], cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")
