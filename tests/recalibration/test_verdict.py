@@ -165,6 +165,11 @@ def test_data_of_a_repair(repaired):
     assert data["cost_total"] == pytest.approx(repaired.cost.total)
     assert data["cost_of"] == pytest.approx(asdict(repaired.cost))
     assert sum(stage["evaluations"] for stage in data["stages"]) == data["evaluations"]
+    chance = replace(repaired, reason=Reason.NO_MATCHES).to_dict()
+    for name in ("row_error_px", "misfit", "undetermined", "interval_95", "estimate", "decision"):
+        assert data[name] is not None
+        assert chance[name] is None, "text and page say nothing of it, too"
+    assert (chance["depth"], chance["depth_error_percent"]) == ([], {})
     refused = replace(repaired, reason=Reason.CANNOT_TELL).to_dict()
     assert (refused["accepted"], refused["healthy"], refused["expected"]) == (False, False, None)
 
