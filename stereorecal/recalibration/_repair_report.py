@@ -171,7 +171,7 @@ def report_of(
 
 def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
-    if reason in NOTHING_SEEN:
+    if reason in NOTHING_SEEN or reason is Reason.CANNOT_TELL:
         return Conclusion.UNKNOWN
     if not reason.healthy:
         return Conclusion.REFUSED

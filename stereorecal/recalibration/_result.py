@@ -268,8 +268,9 @@ class AbstractResult:
 
     @cached_property
     def depth_before(self) -> tuple[DepthError, ...]:
-        """The errors of depth of the initial calibration, at the distances of the settings; none where the rig is not
-        known well enough to tell."""
+        """The errors of depth of the initial calibration, at the distances of the settings. None where a check found that
+        the images do not fit the rig, or that matches may be by chance: there is no answer then, or it is wrong; but
+        where they only do not determine what is better, the intervals hold what may be."""
         return self._depth_errors(self.initial)
 
     @cached_property
@@ -278,7 +279,9 @@ class AbstractResult:
         return self._depth_errors(self.rig)
 
     def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
-        if self.estimate is None or self.decision is None or not self.reason.healthy:
+        sparse = self.seen is None or self.seen.sparse
+        told = self.reason.healthy or (self.reason is Reason.CANNOT_TELL and not sparse)
+        if self.estimate is None or self.decision is None or not told:
             return ()
         theta, best = map(self.estimate.chart.coordinates_of, (used, self.rig))
         return reported_depths(self.estimate, theta, self.settings.distances, best)

@@ -125,7 +125,7 @@ class RepairReport:
             the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
         axes, intrinsics, depths: tables, intrinsics with their camera; empty where the candidate means nothing, or
-            nothing was refined. No depths of a calibration that is not known to be good.
+            nothing was refined. No depths where the candidate was found to be wrong.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, whether it was used, and why not.

@@ -81,7 +81,7 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
 
 
 def test_a_page_concludes_as_the_verdict_does():
-    unknown = {Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET}
+    unknown = {Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET, Reason.CANNOT_TELL}
     for reason in Reason:
         assert (conclusion_of(reason) is Conclusion.REPAIRED) == reason.accepted
         assert (conclusion_of(reason) in (Conclusion.REPAIRED, Conclusion.GOOD)) == reason.healthy
