@@ -134,6 +134,7 @@ class RepairReport:
         settings: what is needed to run it again, by name.
         calibrations: before and after, by title, as a calib.json has them.
         view: in which the pair is shown, in words; None: a pinhole's, which straight things stay straight in.
+        searched: False of a look, which changes nothing.
     """
 
     name: str
@@ -160,6 +161,7 @@ class RepairReport:
     settings: Mapping[str, Any]
     calibrations: Mapping[str, Mapping[str, Any]]
     view: str | None = None
+    searched: bool = True
 
     @property
     def accepted(self) -> bool:

@@ -131,7 +131,7 @@ def test_what_is_refused_stays_bit_for_bit(repaired, reason):
 
 
 def test_what_changes_of_intrinsics_is_said_and_how_to_keep_them(repaired):
-    assert "the intrinsics were refined" in str(repaired)
+    assert "refined intrinsics fit better" in str(repaired)
     assert "keep the intrinsics with --free extrinsics" in str(repaired)
     assert "--free" not in str(without(repaired, "intrinsics"))
 
@@ -182,6 +182,9 @@ def test_data_of_a_look(looked):
     assert (data["condition"], data["reason"], data["healthy"]) == ("healthy", "already_good", True)
     assert (data["verdict"], data["advice"]) == (looked.verdict, looked.advice)
     assert data["main_axes"] == []
-    bad = replace(looked, reason=Reason.IMPROVED).to_dict()
+    off = replace(looked, reason=Reason.IMPROVED)
+    assert " would change by " in str(off)
+    assert ", then " in str(off)
+    bad = off.to_dict()
     assert (bad["condition"], bad["healthy"]) == ("repair", False)
     assert len(bad["main_axes"]) >= 1
