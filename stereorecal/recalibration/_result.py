@@ -268,9 +268,9 @@ class AbstractResult:
 
     @cached_property
     def depth_before(self) -> tuple[DepthError, ...]:
-        """The errors of depth of the initial calibration, at the distances of the settings. None where a check found that
-        the images do not fit the rig, or that matches may be by chance: there is no answer then, or it is wrong; but
-        where they only do not determine what is better, the intervals hold what may be."""
+        """The errors of depth of the initial calibration, at the distances of the settings; none where a check found
+        the answer wrong, or that matches may be by chance. Where the images only do not determine what is better, the
+        intervals hold what may be."""
         return self._depth_errors(self.initial)
 
     @cached_property
