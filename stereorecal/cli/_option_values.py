@@ -1,4 +1,4 @@
-"""What the words of options come to, with sentences that say what is wrong; nothing here takes time to import."""
+"""What the words of options come to, with sentences that say what is wrong; nothing here imports JAX."""
 
 import re
 from collections.abc import Iterator, Sequence

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.decision import ENOUGH, LIMITS
+from stereorecal.decision import ENOUGH
 from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.objectives import Parameters
@@ -22,7 +22,7 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 
-HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture}  # beside the tolerances
 
 
 def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
