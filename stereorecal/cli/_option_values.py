@@ -1,4 +1,4 @@
-"""What the words of options come to, with sentences that say what is wrong; nothing here takes time to import."""
+"""What the words of options come to, with sentences that say what is wrong; nothing here imports JAX."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -89,7 +89,7 @@ def tolerances(text: str, flag: str) -> dict[str, object]:
         InputError: if one is no number.
     """
     found: dict[str, object] = {}
-    for name, value, part in _assigned(text):
+    for name, value, part in _assigned(text, flag):
         refusal = f"{flag} has {part}; give NAME=NUMBER, such as harm=0.01, or distances=5:10:30 in baselines."
         several = name == "distances"
         found[name] = tuple(_number(n, refusal) for n in value.split(":")) if several else _number(value, refusal)
@@ -103,7 +103,7 @@ def view_arguments(text: str, flag: str) -> dict[str, Any]:
         InputError: if a name is unknown, or the field is no number.
     """
     found: dict[str, Any] = {}
-    for name, value, part in _assigned(text):
+    for name, value, part in _assigned(text, flag):
         checked_choice(name, ("projection", "field"), f"argument of {flag}")
         refusal = f"{flag} has {part}; give degrees, such as field=140."
         found[name] = _number(value, refusal) if name == "field" else value
@@ -171,9 +171,9 @@ def schedule_name(text: str, flag: str) -> str:
     Raises:
         InputError: if there is none of that name, or the strategy is not installed.
     """
-    name, _, strategy = text.partition(":")
+    name, colon, strategy = text.partition(":")
     checked_choice(name, ("default", "count"), flag)
-    if strategy:
+    if colon:
         import_module("stereorecal.strategies").check_installed(strategy)
     return text
 
@@ -193,10 +193,18 @@ def strategy_names(text: str) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _assigned(text: str) -> Iterator[tuple[str, str, str]]:
-    """Of "NAME=VALUE,…": each name, its value, and both as they were given."""
+def _assigned(text: str, flag: str) -> Iterator[tuple[str, str, str]]:
+    """Of "NAME=VALUE,…": each name, its value, and both as they were given.
+
+    Raises:
+        InputError: if a name is given twice.
+    """
+    names: set[str] = set()
     for part in text.split(","):
         name, _, value = (piece.strip() for piece in part.partition("="))
+        if name in names:
+            raise InputError(f"{flag} has {shortened(name)} twice; give it once.")
+        names.add(name)
         yield name, value, shortened(part)
 
 

@@ -51,7 +51,7 @@ def option(
         help: what `--help` says of it; the default is added where there is one, unless the text names it.
         flag: if it is no "--name-of-the-field".
         reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
-            imports nothing that takes time: mistakes are refused at once.
+            does not import JAX, nor what needs it: mistakes are refused at once.
         loads: "module:function" that does so for the name of a file.
         writes: makes of the words, and the flag, the files that the command writes; `CommonOptions.places` has them.
             Only where the metavar says so, "-" is stdout.
@@ -224,8 +224,9 @@ class Parser(argparse.ArgumentParser):
             return f" ({TWO_FILES})" if "--unit" in known else ""
         if flag in _ELSEWHERE:
             return f" ({flag} belongs to {_ELSEWHERE[flag][0]}, and comes with: {_install_line(flag)})"
-        close = get_close_matches(flag, known, 1)
-        return f" (did you mean {close[0]}?)" if close else ""
+        names = {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
+        close = get_close_matches(flag.lstrip("-"), names, 1)
+        return f" (did you mean {names[close[0]]}?)" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:

@@ -160,8 +160,8 @@ class SavedPrior:
             return SavedPrior(rig, known, _images(content), None if found is None else _earlier_from(found))
         except InputError as error:
             raise InputError(f"{_DAMAGED}: {error}") from None
-        except (KeyError, TypeError, ValueError, AttributeError, np.linalg.LinAlgError) as error:
-            raise InputError(f"{_DAMAGED} ({error!r:.80}); {_INSTEAD}.") from None
+        except (KeyError, TypeError, ValueError, AttributeError, np.linalg.LinAlgError):
+            raise InputError(f"{_DAMAGED}; {_INSTEAD}.") from None
 
 
 def _earlier_as_dict(earlier: Earlier) -> dict[str, Any]:

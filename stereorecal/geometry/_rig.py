@@ -236,7 +236,8 @@ def extrinsics_of(rotation: Mat3, translation: Vec3) -> Extrinsics:
     rotation = np.array(rotation, float)
     if not np.isfinite(rotation).all():
         raise InputError("the rotation R contains NaN or infinite numbers; correct the calibration.")
-    if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
+    too_large = np.abs(rotation).max() > 2.0  # whose square may overflow
+    if too_large or np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
         raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.")
     # Files carry R with few digits: take the nearest rotation.
     u, _, vt = np.linalg.svd(rotation)

@@ -39,8 +39,8 @@ def rig_from_data(data: Any) -> StereoRig:
         return StereoRig(left, right, np.array(data["extrinsics"], float), turns=(first, second))
     except InputError:
         raise
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise InputError(f"there is no rig in it ({error!r}); copy it again.") from None
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise InputError("there is no rig in it; copy it again, or delete it.") from None
 
 
 def _camera(data: Any) -> Camera:

@@ -26,7 +26,7 @@ from stereorecal.recalibration._mismatch import Mismatch, mismatch_of, ratios_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import Stage
-from stereorecal.recalibration._stages import StageRun, matched, run_stage
+from stereorecal.recalibration._stages import Cost, StageRun, matched, run_stage
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -119,15 +119,18 @@ class Assessment:
         return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
 
 
-def run_look(case: Case, stage: Stage) -> StageRun:
+def run_look(case: Case, stage: Stage, cost: Cost) -> tuple[StageRun, Cost]:
     """One look at the images from the initial calibration, as a stage on the rows has it, without a strategy: matches,
     which the extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames
     alike, and the estimate would explain it by lenses.
 
     Args:
         case: with a disparity range.
+        cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
+            search.
     """
-    return run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
+    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
+    return replace(run, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:

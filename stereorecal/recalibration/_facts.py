@@ -80,13 +80,14 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     yield from _epipolar(solution)
     yield from _matchers(solution)
     yield from _depth(solution)
-    yield from map(_axis, changed_axes(solution)) if solution.accepted else ()
+    changed = "changed by" if solution.searched else "would change by"
+    yield from (_axis(axis, changed) for axis in changed_axes(solution)) if solution.accepted else ()
     if solution.view.projection != PINHOLE:
         yield Fact("view", str(solution.view))
     for doubt in solution.doubts:
         yield Fact("check", doubt)
     if use is not None and str(use) not in (DEFAULT, EXACT):
-        yield Fact("prior", str(use))
+        yield Fact("prior", str(use), f"Prior: {use}.")
     if solution.misfit is not None and telling:
         yield _misfit(solution, solution.misfit)
     if solution.intrinsics is not None:
@@ -148,9 +149,9 @@ def _epipolar(solution: AbstractResult) -> Iterator[Fact]:
     yield Fact("epipolar", f"{before}{value:.2f} px ({low:.2f} to {high:.2f}) where the images show something")
 
 
-def _axis(axis: Change) -> Fact:
+def _axis(axis: Change, changed: str) -> Fact:
     unit = "deg" if axis.unit == "°" else axis.unit
-    text = f"{axis.before:+z9.3f} -> {axis.after:+z9.3f} {unit:<3} changed by {axis.change:+z8.3f}"
+    text = f"{axis.before:+z9.3f} -> {axis.after:+z9.3f} {unit:<3} {changed} {axis.change:+z8.3f}"
     return Fact(axis.name, text if axis.half_width is None else f"{text} ± {axis.half_width:.3f}")
 
 
@@ -179,7 +180,7 @@ def _corners(solution: AbstractResult) -> Iterator[Fact]:
 def _depth(solution: AbstractResult) -> Iterator[Fact]:
     """The errors of depth, before a repair and after."""
     for before, after in zip(solution.depth_before, solution.depth, strict=True):
-        change = f"{before}, now {after}" if solution.accepted else str(after)
+        change = f"{before}, {_when(solution)} {after}" if solution.accepted else str(after)
         yield Fact("depth", f"error at {after.where} {change}")
     if not solution.accepted:
         return
@@ -197,7 +198,12 @@ def _matchers(solution: AbstractResult) -> Iterator[Fact]:
         return
     both = (estimate.chart.coordinates_of(rig) for rig in (solution.initial, solution.rig))
     told = dict.fromkeys(matcher_loss(*estimate.rows_seen(theta)) for theta in both)
-    yield Fact("matchers", "; now ".join(told))
+    yield Fact("matchers", f"; {_when(solution)} ".join(told))
+
+
+def _when(solution: AbstractResult) -> str:
+    """When the candidate is in use: a look changes nothing."""
+    return "now" if solution.searched else "then"
 
 
 def changed_axes(solution: AbstractResult) -> list[Change]:

@@ -37,7 +37,7 @@ NO_SAVED = "no prior is saved with this calibration; leave prior= (--prior) out.
 
 @dataclass(frozen=True, eq=False)
 class PriorUse:
-    """What a repair began with.
+    """What a repair began with, or a look.
 
     Attributes:
         name: "default", "saved" (with the calibration), "saved, without these pairs" (all of which were used already:
@@ -78,11 +78,12 @@ class PriorUse:
         return "; ".join([*parts, *([self.note] if self.note else [])])
 
 
-def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
-    """What a repair begins with.
+def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, learns: bool = True) -> PriorUse:
+    """What a repair begins with, or a look.
 
     Args:
         prior: as `recalibrate` takes it.
+        learns: whether a prior is to follow; else all pairs count, also those that a saved one rests on.
 
     Raises:
         InputError: if the prior makes no sense, or belongs to another rig; if it is to be the saved one and there is
@@ -99,22 +100,8 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
             raise InputError(note or NO_SAVED)
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
-        return _without_used_images(prior, images)
+        return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every, prior)
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
-
-
-def prior_for_health(prior: Prior, rig: StereoRig) -> Prior:
-    """The prior of a look at images, from which nothing is learnt: the saved one, if none is named.
-
-    Raises:
-        InputError: if it is to be the saved one, and there is none.
-    """
-    if prior is not None and not (isinstance(prior, str) and prior == SAVED):
-        return prior
-    found, note = saved_with(rig)
-    if found is None and prior == SAVED:
-        raise InputError(note or NO_SAVED)
-    return found
 
 
 def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:

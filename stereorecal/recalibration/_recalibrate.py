@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from stereorecal._arrays import refuse_tracers
-from stereorecal.decision import ENOUGH, LIMITS
+from stereorecal.decision import ENOUGH
 from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.objectives import Parameters
@@ -14,7 +14,7 @@ from stereorecal.recalibration._assessment import assessed, run_look
 from stereorecal.recalibration._case import Case, selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
-from stereorecal.recalibration._prior_use import prior_for_health, prior_of, prior_use
+from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import ScoreKind, check_schedule
 from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
 from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
@@ -22,7 +22,7 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 
-HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, **LIMITS}
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture}  # beside the tolerances
 
 
 def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
@@ -46,19 +46,18 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
     check_schedule(settings.schedule, free)
     check_motion(settings.motion, len(images.pairs), settings.prior)
-    use = prior_use(settings.prior, rig, images.pairs) if learns else None
-    numbers = tuple(range(len(images.pairs))) if use is None else use.numbers
+    use = prior_use(settings.prior, rig, images.pairs, learns=learns)
+    numbers = use.numbers
     if free.shared:
         chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
         numbers = tuple(numbers[number] for number in chosen)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     measured = bool(ranges) or settings.odometer is not None
-    prior = prior_for_health(settings.prior, rig) if use is None else use.prior
-    known = prior_of(prior, free, rig, settings.reach, ranges=measured)
+    known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
-    selected = numbers if free.shared or (use is not None and use.dropped) else None
+    selected = numbers if free.shared or use.dropped else None
     return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
 
 
@@ -104,11 +103,9 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     case, start, cost = started(case)
     to_decide = case.with_free(case.settings.free)
     if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
-        run = run_look(to_decide, last)
+        run, cost = run_look(to_decide, last, cost)
         assessment = assessed(to_decide, run, run.ended)
-        cost = replace(cost, starts=cost.starts + run.cost)  # outside the budget, as all before the search
         if assessment is not None and assessment.conclusive:
-            run = replace(run, matching_cost=0.0)
             return solution_of_assessment(to_decide, (run,), assessment, cost, began)
     case, stages = run_schedule(case, start, began)
     return solution_of_search(case.with_free(case.settings.free), stages, cost, began)
@@ -137,6 +134,6 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, _, cost = started(prepared(rig, pairs, settings, learns=False))
     case = case.with_free(settings.free)
-    run = run_look(case, look.stages[0])
+    run, cost = run_look(case, look.stages[0], cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -19,7 +19,7 @@ from stereorecal.recalibration._facts import (
     changed_intrinsics,
     facts_of,
 )
-from stereorecal.recalibration._result import AbstractResult
+from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._settings import matcher_as_text, settings_as_text
 from stereorecal.recalibration._stages import StageRun, Waypoint
@@ -137,10 +137,13 @@ def report_of(
     pair = matched[solution.used[frame] if solution.used else 0]
     expected = solution.expected
     before, after = _sights(solution, pair)
-    title = "after" if solution.accepted else "candidate, which was not taken"
+    conclusion = conclusion_of(solution.reason)
+    if not solution.searched and solution.condition is Condition.CANNOT_TELL:
+        conclusion = Conclusion.UNKNOWN  # also where a repair would say more
+    title = "after" if conclusion is Conclusion.REPAIRED else "candidate, which was not taken"
     return RepairReport(
         name=name,
-        conclusion=conclusion_of(solution.reason),
+        conclusion=conclusion,
         reason=f"{solution.verdict} {solution.advice}",
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
@@ -166,12 +169,13 @@ def report_of(
         settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),
         calibrations={"before": _calibration(solution.initial), title: _calibration(solution.candidate)},
+        searched=solution.searched,
     )
 
 
 def conclusion_of(reason: Reason) -> Conclusion:
     """What became of the calibration, for those who read a page."""
-    if reason in NOTHING_SEEN:
+    if reason in NOTHING_SEEN or reason is Reason.CANNOT_TELL:
         return Conclusion.UNKNOWN
     if not reason.healthy:
         return Conclusion.REFUSED

@@ -195,8 +195,8 @@ class AbstractResult:
     def prior(self) -> SavedPrior | None:
         """What is known of the calibration to use, for the next `recalibrate` with it (`prior=`) and for
         `sr.io.save_rig`; None: no more than of any calibration. Where the images fit no rig, it is what was known
-        before."""
-        if self.prior_use is None:
+        before. None of a look, from which nothing is learnt."""
+        if self.prior_use is None or not self.searched:
             return None
         good = self.reason.healthy
         return known_after(self.prior_use, self.estimate, self.initial, self.rig, self.used_images, good=good)
@@ -268,8 +268,9 @@ class AbstractResult:
 
     @cached_property
     def depth_before(self) -> tuple[DepthError, ...]:
-        """The errors of depth of the initial calibration, at the distances of the settings; none where the rig is not
-        known well enough to tell."""
+        """The errors of depth of the initial calibration, at the distances of the settings; none where a check found
+        the answer wrong, or that matches may be by chance. Where the images only do not determine what is better, the
+        intervals hold what may be."""
         return self._depth_errors(self.initial)
 
     @cached_property
@@ -278,7 +279,9 @@ class AbstractResult:
         return self._depth_errors(self.rig)
 
     def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
-        if self.estimate is None or self.decision is None or not self.reason.healthy:
+        sparse = self.seen is None or self.seen.sparse
+        told = self.reason.healthy or (self.reason is Reason.CANNOT_TELL and not sparse)
+        if self.estimate is None or self.decision is None or not told:
             return ()
         theta, best = map(self.estimate.chart.coordinates_of, (used, self.rig))
         return reported_depths(self.estimate, theta, self.settings.distances, best)

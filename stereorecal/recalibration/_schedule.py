@@ -149,11 +149,11 @@ def as_schedule(schedule: Any) -> Schedule:
         InputError: if the name is unknown, it is no schedule, or a strategy of it is not installed.
     """
     schedule = "default" if schedule is None else schedule
-    name, _, solver = schedule.partition(":") if isinstance(schedule, str) else ("", "", "")
+    name, colon, solver = schedule.partition(":") if isinstance(schedule, str) else ("", "", "")
     if name == "count":
-        return Schedule.count(solver or "compass")
+        return Schedule.count(solver if colon else "compass")
     if name == "default":
-        return Schedule.default().using(named_strategy(solver)) if solver else Schedule.default()
+        return Schedule.default().using(named_strategy(solver)) if colon else Schedule.default()
     if isinstance(schedule, Schedule):
         return schedule
     if isinstance(schedule, AbstractStrategy):

@@ -12,7 +12,7 @@ from stereorecal._errors import as_input_error, extra
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import AXES, StereoRig
 from stereorecal.objectives import BASELINE
-from stereorecal.recalibration._facts import repair_text
+from stereorecal.recalibration._facts import SAYS_NOTHING, repair_text
 from stereorecal.recalibration._motion_windows import motion_as_dict
 from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._stages import StageRun
@@ -26,7 +26,9 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
     Args:
         expected: whether to say what to expect, for which a covariance is solved for.
     """
-    rows, known, baseline = solution.row_errors, solution.uncertainty, float(solution.initial.baseline)
+    baseline, telling = float(solution.initial.baseline), solution.reason not in SAYS_NOTHING
+    found = (solution.row_errors, solution.uncertainty, solution.misfit, solution.estimate, solution.decision)
+    rows, known, misfit, estimate, decision = found if telling else (None,) * 5  # of matches by chance
     return json_data(
         {
             "accepted": solution.accepted,
@@ -51,27 +53,27 @@ def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict
                 "used": _extrinsics(solution.rig),
             },
             "change": _by_axis(AXES, [*np.degrees(solution.change[:3]), *(100 * solution.change[3:] / baseline)]),
-            "main_axes": solution.main_axes if solution.condition is Condition.REPAIR else (),
+            "main_axes": solution.main_axes if telling and solution.condition is Condition.REPAIR else (),
             "interval_95": known and _by_axis(known.names, known.interval),
             "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
             "observed": known and dict(zip(known.names, known.observed, strict=True)),
             "undetermined": known and list(known.undetermined),
-            "misfit": solution.misfit and solution.misfit.as_dict(),
+            "misfit": misfit and misfit.as_dict(),
             "intrinsics": solution.intrinsics and solution.intrinsics.as_dict(),
             "ranges": solution.ranges and solution.ranges.as_dict(),
             "left_out": list(solution.left_out),
             "disagreeing": list(solution.disagreeing),
             "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
             "expected": solution.expected.as_dict() if expected and solution.expected else None,
-            "depth_error_percent": dict(solution.depth_error_percent),
+            "depth_error_percent": dict(solution.depth_error_percent) if telling else {},
             "depth": [
                 {"distance_m": before.distance, "before": before.as_dict(), "used": used.as_dict()}
                 for before, used in zip(solution.depth_before, solution.depth, strict=True)
             ],
-            "estimate": solution.estimate and _estimate(solution.estimate),
-            "motion": motion_as_dict(solution.estimate) if solution.estimate and solution.estimate.windows else None,
+            "estimate": estimate and _estimate(estimate),
+            "motion": motion_as_dict(estimate) if estimate and estimate.windows else None,
             "view": solution.view.as_dict(),
-            "decision": solution.decision and solution.decision.as_dict(),
+            "decision": decision and decision.as_dict(),
             "mismatch": solution.mismatch and solution.mismatch.as_dict(),
             "prior": solution.prior_use and solution.prior_use.as_dict(),
             "num_disparities": solution.matcher.num_disparities,
@@ -164,7 +166,8 @@ class Solution(AbstractResult):
         seen: what the images show besides, that checks look at; None in the same cases.
         mismatch: why so little matches that these cannot be images of this rig; None: more does, or a rotation of the
             rig explains it.
-        prior_use: the prior that it began with, and which pairs count; None of a look, from which nothing is learnt.
+        prior_use: the prior that it began with, and which pairs count: all of them in a look, from which nothing is
+            learnt. None inside comparisons and watches.
         searched: False of a look, which says what a repair begins with.
     """
 

@@ -111,9 +111,11 @@ def headline(report: RepairReport) -> str:
     if report.conclusion is Conclusion.UNKNOWN:
         return "Cannot tell whether the calibration is right; it stays as it is"
     if report.conclusion is Conclusion.REFUSED:
-        return "Not repaired: the calibration stays as it is, and its depth cannot be trusted"
+        found = "Not repaired: the calibration stays as it is" if report.searched else "The calibration may be wrong"
+        return f"{found}, and its depth cannot be trusted"
     repaired = report.conclusion is Conclusion.REPAIRED
-    best = "Use the new calibration" if repaired else "Keep the calibration that you have"
+    new = "Use the new calibration" if report.searched else "Repair the calibration"
+    best = new if repaired else "Keep the calibration that you have"
     place = None if report.misfit is None else short_place(report.misfit, report.when)
     if place is None:
         return best if repaired else f"{best}: it is good"

@@ -125,7 +125,7 @@ class RepairReport:
             the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
         axes, intrinsics, depths: tables, intrinsics with their camera; empty where the candidate means nothing, or
-            nothing was refined. No depths of a calibration that is not known to be good.
+            nothing was refined. No depths where the candidate was found to be wrong.
         climbs: of the stages that maximise a count.
         way: median row error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, whether it was used, and why not.
@@ -134,6 +134,7 @@ class RepairReport:
         settings: what is needed to run it again, by name.
         calibrations: before and after, by title, as a calib.json has them.
         view: in which the pair is shown, in words; None: a pinhole's, which straight things stay straight in.
+        searched: False of a look, which changes nothing.
     """
 
     name: str
@@ -160,6 +161,7 @@ class RepairReport:
     settings: Mapping[str, Any]
     calibrations: Mapping[str, Mapping[str, Any]]
     view: str | None = None
+    searched: bool = True
 
     @property
     def accepted(self) -> bool:

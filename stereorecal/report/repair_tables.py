@@ -76,7 +76,7 @@ def _score(scene: Mapping[str, Any]) -> tuple[str, ...]:
         ends = (middle["before"]["metres"][end] for end in ("low", "high"))
         error = between(*(math.inf if end is None else end for end in ends))
         depth = f"{error} at {distance(middle['distance_m'])}"
-    rows = None if decision is None or scene["mismatch"] else decision["rows_px"]["before"]["value"]
+    rows = None if decision is None else decision["rows_px"]["before"]["value"]
     return percent(scene["score_before"]["fraction"]), number(rows, 2), depth, scene["verdict"]
 
 

@@ -48,7 +48,7 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         content[answers][0]["mismatch"] = Mismatch(0.1).as_dict()
     if schema == "health":  # a scene has the keys of a repair
         scenes = content["scenes"]
-        assert [scenes[0].pop(name) for name in ("motion", "prior", "ranges")] == [None] * 3
+        assert [scenes[0].pop(name) for name in ("motion", "ranges")] == [None] * 2
         assert not differences([{"schema": "stereorecal.solution/2", "repairs": scenes}])[0]
         content["scenes"] = [{key: value for key, value in one.items() if type(value) is not dict} for one in scenes]
         for scene in content["scenes"]:

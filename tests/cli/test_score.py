@@ -9,6 +9,7 @@ import pytest
 from spoiled import turned
 
 import stereorecal as sr
+from stereorecal.decision import LIMITS
 from stereorecal.io import load_scene, save_scene
 from stereorecal.recalibration import HEALTH_LIMITS, health
 from stereorecal.synthetic import default_rig, render
@@ -43,7 +44,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     content = json.loads(target.read_text())
     assert content["schema"] == "stereorecal.health/3"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
-    assert content["settings"]["thresholds"] == {**HEALTH_LIMITS, "distances": [5.0, 10.0, 30.0]}
+    assert content["settings"]["thresholds"] == {**HEALTH_LIMITS, **LIMITS, "distances": [5.0, 10.0, 30.0]}
     assert content["interrupted"] is False
     (said,) = content["scenes"]
     assert (said["healthy"], said["condition"]) == (True, "healthy")

@@ -6,7 +6,8 @@ import pytest
 from parts_of_repairs import COMMANDS
 
 from stereorecal.cli import options_of
-from stereorecal.recalibration import HEALTH_LIMITS, SCHEDULES
+from stereorecal.decision import LIMITS
+from stereorecal.recalibration import SCHEDULES
 from stereorecal.synthetic import KINDS
 
 VERBS = [name for name in COMMANDS.names() if "." not in name]  # those of plug-ins, too
@@ -78,6 +79,7 @@ def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_o
         ("score scene --jsno out.json", "unrecognized arguments: --jsno out.json (did you mean --json?); see"),
         ("compare --drwas=3", "unrecognized arguments: --drwas=3 (did you mean --draws?); see"),
         ("monitor scene --until-sur", "unrecognized arguments: --until-sur (did you mean --until-sure?); see"),
+        ("score scene --html out.html", "unrecognized arguments: --html out.html; see stereorecal score --help"),
         ("score scene --zzzz", "unrecognized arguments: --zzzz; see"),
         ("--verison score", "unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
@@ -115,9 +117,8 @@ def test_help_says_what_there_is(command):
     )
     assert f"render a scene: {', '.join(KINDS)}" in compare
     assert all(name in recalibrate for name in SCHEDULES)
-    limits = HEALTH_LIMITS
-    assert f"within {limits['good_rows_px']} px with {100 * limits['good_surely']:.0f} %" in score
-    assert f"{100 * limits['harm']:.0f} %" in recalibrate
+    assert f"within {LIMITS['good_rows_px']} px with {100 * LIMITS['good_surely']:.0f} %" in score
+    assert f"{100 * LIMITS['harm']:.0f} %" in recalibrate
 
 
 def test_options_have_the_types_and_defaults_of_their_fields():

@@ -111,6 +111,7 @@ def test_what_is_damaged_is_refused_in_a_sentence(rig, chart, where, value):
     with pytest.raises(sr.InputError, match="no prior that stereorecal has written, or it is damaged") as error:
         SavedPrior.from_dict(damaged(whole, where, value))
     assert "\n" not in str(error.value)
+    assert "Error(" not in str(error.value)
 
 
 @pytest.mark.parametrize("content", [None, [], "prior", {}, {"schema": "stereorecal.solution/1"}])

@@ -127,7 +127,8 @@ def test_a_damaged_file_is_named_once_it_is_asked_for(tmp_path: Path, damage: by
     rig = load_rig(tmp_path / "c.yaml", unit="m")
     stored = rig.source.prior
     assert stored is not None
-    refused(lambda: stored.of(rig), "c.yaml.prior.json: ")
+    said = "" if stored.problem else "there is no rig in it; copy it again, or delete it."
+    refused(lambda: stored.of(rig), "c.yaml.prior.json: ", said)
     refused(lambda: save_rig(rig, tmp_path / "new.yaml"), "c.yaml.prior.json: ")  # it would be lost
     save_rig(rig, tmp_path / "new.yaml", prior=Known(rig))
     assert (tmp_path / "c.yaml.prior.json").read_bytes() == damage

@@ -181,8 +181,12 @@ def test_a_look_begins_with_it_too(scenes, first, tmp_path: Path):
         assert found.condition is not Condition.REPAIR
         told, same = (one.to_dict() | {"seconds": 0.0} for one in (found, again))
         assert told == same
+        assert told["prior"] == {"name": "saved", "pairs_that_count": 1, "not_again": 0, "note": None}
+        assert ("prior    saved" in str(found), found.prior) == (True, None), "nothing is learnt"
         low, _, high = sorted(found.estimate.depth_error_percent(np.zeros(len(found.estimate.names)))[30])
         assert low < wrong < high
+    moved = sr.health(rig.with_extrinsics(rig.extrinsics + 1e-5), pairs[:1], matcher=MATCHER)
+    assert f"prior    default; {tmp_path / 'calib.json'}, 'prior' is of other parameters than" in str(moved)
     with pytest.raises(sr.InputError, match="no prior is saved"):
         sr.health(first.rig, pairs, matcher=MATCHER, prior="saved")
 

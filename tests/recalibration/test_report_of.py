@@ -68,6 +68,8 @@ def test_what_was_good_speaks_of_itself(harbour):
     told = [(error.percent.low, error.percent.high) for error in solution.depth]
     assert [depth.used for depth in found.depths] == [depth.before for depth in found.depths] == told
     assert any("not taken" in title for title in found.calibrations)
+    look = replace(solution, searched=False, reason=Reason.MISFIT)
+    assert (look.condition.name, reported(look, harbour).conclusion) == ("CANNOT_TELL", Conclusion.UNKNOWN)
 
 
 def test_what_nobody_can_tell_has_no_tables(harbour):
@@ -81,7 +83,7 @@ def test_what_nobody_can_tell_has_no_tables(harbour):
 
 
 def test_a_page_concludes_as_the_verdict_does():
-    unknown = {Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET}
+    unknown = {Reason.TOO_LITTLE_TEXTURE, Reason.OUT_OF_BUDGET, Reason.CANNOT_TELL}
     for reason in Reason:
         assert (conclusion_of(reason) is Conclusion.REPAIRED) == reason.accepted
         assert (conclusion_of(reason) in (Conclusion.REPAIRED, Conclusion.GOOD)) == reason.healthy

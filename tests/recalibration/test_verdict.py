@@ -119,16 +119,19 @@ def test_a_good_calibration_whose_depth_is_off_says_why_it_stays(looked, repaire
 
 @pytest.mark.parametrize("reason", [reason for reason in REASONS if not reason.accepted], ids=lambda one: one.name)
 def test_what_is_refused_stays_bit_for_bit(repaired, reason):
-    """And no interval or depth is told of the answer that was found wrong."""
+    """And no interval or depth is told of the answer that was found wrong: the one that nobody can tell is not."""
     found = replace(repaired, reason=reason)
     assert found.rig is repaired.initial
     assert found.to_dict()["extrinsics"]["used"] == found.to_dict()["extrinsics"]["before"]
-    assert ("\ndepth " in str(found)) == reason.healthy
+    told = reason.healthy or reason is Reason.CANNOT_TELL
+    assert ("\ndepth " in str(found)) == bool(found.to_dict()["depth"]) == told
+    sparse = replace(found, seen=replace(found.seen, covered=0.0))
+    assert ("\ndepth " in str(sparse)) == reason.healthy, "matches may be by chance"
     assert "±" not in str(found)
 
 
 def test_what_changes_of_intrinsics_is_said_and_how_to_keep_them(repaired):
-    assert "the intrinsics were refined" in str(repaired)
+    assert "refined intrinsics fit better" in str(repaired)
     assert "keep the intrinsics with --free extrinsics" in str(repaired)
     assert "--free" not in str(without(repaired, "intrinsics"))
 
@@ -165,6 +168,11 @@ def test_data_of_a_repair(repaired):
     assert data["cost_total"] == pytest.approx(repaired.cost.total)
     assert data["cost_of"] == pytest.approx(asdict(repaired.cost))
     assert sum(stage["evaluations"] for stage in data["stages"]) == data["evaluations"]
+    chance = replace(repaired, reason=Reason.NO_MATCHES).to_dict()
+    for name in ("row_error_px", "misfit", "undetermined", "interval_95", "estimate", "decision"):
+        assert data[name] is not None
+        assert chance[name] is None, "text and page say nothing of it, too"
+    assert (chance["depth"], chance["depth_error_percent"]) == ([], {})
     refused = replace(repaired, reason=Reason.CANNOT_TELL).to_dict()
     assert (refused["accepted"], refused["healthy"], refused["expected"]) == (False, False, None)
 
@@ -174,6 +182,9 @@ def test_data_of_a_look(looked):
     assert (data["condition"], data["reason"], data["healthy"]) == ("healthy", "already_good", True)
     assert (data["verdict"], data["advice"]) == (looked.verdict, looked.advice)
     assert data["main_axes"] == []
-    bad = replace(looked, reason=Reason.IMPROVED).to_dict()
+    off = replace(looked, reason=Reason.IMPROVED)
+    assert " would change by " in str(off)
+    assert ", then " in str(off)
+    bad = off.to_dict()
     assert (bad["condition"], bad["healthy"]) == ("repair", False)
     assert len(bad["main_axes"]) >= 1

@@ -50,6 +50,12 @@ def test_headlines(said: str, case):
     assert f"<h1>{said}</h1>" in page(conclusion=conclusion, misfit=left)
 
 
+def test_a_look_says_what_would_be_done():
+    said = page(searched=False)
+    assert "<h1>Repair the calibration</h1>" in said
+    assert "This is a look at the images, which changes nothing" in said
+
+
 def test_every_part_is_named():
     """Of five parts, three would leave two that are cleared without a word."""
     left = misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3})

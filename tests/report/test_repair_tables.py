@@ -71,7 +71,7 @@ def test_scores_are_whole(width: int):
     words = " ".join(printed(scores_table(rows, width), width)).split()
     assert {"cannot", "tell", "(too", "little", "texture)", "matched", "1.23", "-14", "3.6"} <= set(words)
     assert f"{NAME}-1" in words or width < 200  # names are folded first
-    wrong = scores_table([score("wrong input", mismatch={"cause": "scaled"})], width)
+    wrong = scores_table([score("wrong input", decision=None)], width)
     assert "1.23" not in " ".join(printed(wrong, width)), "of chance matches"
 
 
