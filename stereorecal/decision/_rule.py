@@ -196,10 +196,7 @@ def _decision(
 def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: bool = True) -> bool:
     """Whether parts that were left out bear a candidate out. Under the candidate of the rest each is aligned, or not
     worse than under the calibration; all together are aligned, or show eight tenths of what the candidate of all gains.
-
-    Args:
-        rows_alone: whether nothing but rows tells what it gains; at most eight tenths of their error may be left then.
-    """
+    Where nothing but rows tells what it gains, at most eight tenths of their error may be left."""
     if not held_out or any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
         return False
     each = np.array([(part.count, part.before, part.after, part.fitted) for part in held_out])

@@ -90,12 +90,8 @@ class Offsets:
 
 def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
     """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
-    prior probability of each: rows alone cannot tell which side of an outline stood still.
-
-    Args:
-        several: likelihoods of offsets, under priors of θ.
-        present: places that have rows.
-    """
+    prior probability of each: rows alone cannot tell which side of an outline stood still; by likelihoods of offsets
+    under priors of θ, of the places that have rows."""
     found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
     chosen = []
     for _, log_prior, label in found:
@@ -223,14 +219,8 @@ class Confounder:
 def hypotheses_with_confounders(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
 ) -> list[Hypothesis]:
-    """θ beside each confounder that may have a say.
-
-    Args:
-        rows: near the rig that was fitted alone.
-        chart: the map from θ to rigs.
-        prior: of the calibration.
-        alone: the rig alone, which confounders are weighed against.
-    """
+    """θ beside each confounder that may have a say, for rows near the rig that was fitted alone, against which they are
+    weighed."""
     best, kind = best_of(alone)
     searched = _regions(rows, prior, best, kind)
     if len(rows.frames) == 1:  # as the rig moves; where frames show several scenes, it moves otherwise

@@ -151,11 +151,7 @@ def nearness_of(
     rig: StereoRig, left: Float[np.ndarray, "p 3"], right: Float[np.ndarray, "p 3"], view: View | None = None
 ) -> Float[np.ndarray, "p"]:
     """Baselines over depth along the axis of the left camera, of points that both cameras see along these rays; 0 of
-    what they see behind themselves.
-
-    Args:
-        view: as `readings` has it.
-    """
+    what they see behind themselves. In a view as `readings` has it."""
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
     left = left / left[:, 2:]
     _, nearness = _rows_and_nearness(_formulas(view), left @ to_left.T, right @ to_right.T)
@@ -262,14 +258,7 @@ def consequences(
 
 @dataclass(frozen=True, eq=False)
 class SampleReadings:
-    """Rows and disparities over a view, of some rigs that may be true; always the same ones.
-
-    Attributes:
-        chart: from θ to rigs.
-        posterior: of θ.
-        distances: in baselines.
-        view: in which rows and disparities are read; None: the rig's own.
-    """
+    """Rows and disparities over a view, of some rigs that may be true; always the same ones."""
 
     chart: RigChart
     posterior: Posterior

@@ -62,11 +62,7 @@ def normal_of(
 
 
 def marginal(of_rows: Normal, nuisance: Float[np.ndarray, "q q"]) -> Normal:
-    """The likelihood of θ alone, the last parameters integrated.
-
-    Args:
-        nuisance: a root of their covariance.
-    """
+    """The likelihood of θ alone, the last parameters integrated, of whose covariance `nuisance` is a root."""
     n = len(of_rows.b) - len(nuisance)
     cross = nuisance.T @ np.column_stack([of_rows.a[n:, :n], of_rows.b[n:]])
     lower = np.linalg.cholesky(np.eye(len(nuisance)) + nuisance.T @ of_rows.a[n:, n:] @ nuisance)

@@ -164,11 +164,8 @@ def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> 
 def _settled(
     found: Correspondences, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"], measured: Measured
 ) -> tuple[LinearGroups | None, tuple[float, float]]:
-    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few.
-
-    Args:
-        theta: to begin at.
-    """
+    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few. It begins
+    at `theta`."""
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
@@ -203,12 +200,8 @@ def _other_rigs(
     best: Explanation,
     theta: Float[np.ndarray, "n"],
 ) -> tuple[OtherRig, ...]:
-    """Frames that show another rig than θ, each by itself, also where several show the same.
-
-    Args:
-        rows: near θ.
-        best: the most probable explanation of these.
-    """
+    """Frames that show another rig than θ, each by itself, also where several show the same; `best` is the most
+    probable explanation of rows near θ."""
     misfit = best.misfit
     if any_same(rows.groups.first):
         rows = linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
@@ -246,12 +239,7 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
 def estimate_together(
     recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
 ) -> list[Estimate]:
-    """The estimate of each recording's rig, from what all of them show.
-
-    Args:
-        recordings: one or several.
-        each: runs a task for each recording.
-    """
+    """The estimate of each recording's rig, from what all of them show; `each` runs a task for each recording."""
     estimates, messages = _round(recordings, each)
     variances = [one.prior_variance for one in estimates]
     for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):

@@ -163,11 +163,8 @@ def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> 
 def _motion(
     readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0
 ) -> _Solved:
-    """Gauss-Newton with redescending weights, from a motion and a yaw.
-
-    Args:
-        convex: rounds in which what is far still has some say.
-    """
+    """Gauss-Newton with redescending weights, from a motion and a yaw; in the first `convex` rounds what is far still
+    has some say."""
     number, axis = len(readings.tracks), _yaw_axis(chart)
     motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
@@ -277,11 +274,8 @@ def _products_with_shared_errors(
     place: Int[np.ndarray, "m"],
 ) -> Float[np.ndarray, "c c"]:
     """Products of the columns of whitened rows, of which the first are residuals, where tracks of one place have an
-    error in common besides their own: as large as the evidence says, and integrated.
-
-    Args:
-        depth_directions: of each track, the direction of its residuals that its depth takes, of length 1.
-    """
+    error in common besides their own: as large as the evidence says, and integrated. `depth_directions` are those of
+    its residuals that the depth of each track takes, of length 1."""
     own = np.sqrt(weight)[:, None, None] * rows
     plain = np.tensordot(own, own, ([0, 1], [0, 1]))
     pulls, known = (
@@ -375,14 +369,8 @@ class Windows:
         return self.explained(together([one.normal for one in windows], *within), of_ways(windows), chart)
 
     def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
-        """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
-        rig; without; and nothing of depth.
-
-        Args:
-            alone: without ways.
-            by_ways: what these add.
-            chart: of the rig; ways of less than a tenth of its baseline do not count.
-        """
+        """What they may tell together, each with the logarithm of its probability: alone, with what ways add, if those
+        are of this rig (less than a tenth of its baseline does not count); without; and nothing of depth."""
         explanations = [
             (float(np.log1p(-_OF_OTHER_THINGS)), alone),
             (float(np.log(_OF_OTHER_THINGS)), without_depth(alone)),
@@ -414,12 +402,8 @@ def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Fl
 
 
 def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Float[np.ndarray, "n"]) -> Normal:
-    """The likelihood of all windows, their errors as much larger as the evidence says.
-
-    Args:
-        root: of the covariance of what they tell of, before, and
-        mean: its mean.
-    """
+    """The likelihood of all windows, their errors as much larger as the evidence says; `root` and `mean` are those of
+    what they tell of, before."""
     total, n = reduce(add, several), len(mean)
     counted = [one for one in several if one.a.any()]
     found = []

@@ -50,10 +50,7 @@ def components_of(known: Posterior) -> list[dict[str, Any]]:
 
 
 def mixture_from(components: Any, dim: int) -> Posterior:
-    """The inverse.
-
-    Args:
-        dim: n, the number of parameters.
+    """The inverse, of `dim` parameters.
 
     Raises:
         KeyError, TypeError, ValueError: if these are none.

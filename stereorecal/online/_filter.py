@@ -233,11 +233,7 @@ class FilterEstimate:
 
 
 def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> FilterEstimate:
-    """The rig that was given, and how far it may be off (standard deviations).
-
-    Args:
-        keystone: of the keystone, degrees.
-    """
+    """The rig that was given, and how far it may be off, standard deviations; of the keystone, degrees."""
     delay = 0.0 if config.synchronous else _DELAY
     lenses = 0.0 if is_exact(config.prior) else OF_LENSES
     spread = np.array([*prior, delay, *config.heating, keystone, lenses])

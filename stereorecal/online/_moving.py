@@ -97,11 +97,8 @@ def _longest(state: State) -> int:
 
 
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
-    """What a window says of the offset, near the calibration in use.
-
-    Args:
-        turned: rotation vector of the rig from one pair to the next, degrees.
-    """
+    """What a window says of the offset, near the calibration in use; the rig turned by the rotation vector `turned`
+    from one pair to the next, degrees."""
     a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
     offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
     together = state.config.synchronous

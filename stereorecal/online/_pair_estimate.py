@@ -126,11 +126,7 @@ class PairEstimate:
 
 
 def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> PairEstimate:
-    """Match a pair, and solve once for the offset.
-
-    Args:
-        matcher: with its disparity range at full size.
-    """
+    """Match a pair, and solve once for the offset."""
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)

@@ -39,14 +39,8 @@ _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
 def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
-    """The posterior of the rig, as changes of the calibration in use.
-
-    Args:
-        initial: the rig that was given first.
-        using: offset of the calibration in use.
-        filtered: the filter's estimate.
-        view: in which rows and depth are judged.
-    """
+    """The posterior of the rig, as changes of the calibration in use, whose offset from the initial one is `using`;
+    rows and depth are judged in a view."""
     chart, keystone = chart_and_keystone(initial, using, view)
     numbers = [*range(SIZE), KEYSTONE]
     ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])

@@ -165,11 +165,8 @@ def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
 
 
 def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
-    """What a look measures of the offset.
-
-    Args:
-        turned: rotation of the rig since the last pair [rad], None if it is not known.
-    """
+    """What a look measures of the offset; the rig turned by `turned` since the last pair [rad], None if that is not
+    known."""
     assert look.solution is not None
     units = look.chart.units
     turn = np.zeros(SIZE)

@@ -113,22 +113,13 @@ class Assessment:
 def run_look(case: Case, stage: Stage) -> StageRun:
     """One look at the images from the initial calibration, as a stage on the rows has it, without a strategy: matches,
     which the extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames
-    alike, and the estimate would explain it by lenses.
-
-    Args:
-        case: with a disparity range.
-    """
+    alike, and the estimate would explain it by lenses."""
     return run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
-    """What the matches of a stage say; None if they are too few.
-
-    Args:
-        case: with all that may change free.
-        run: that found them.
-        end_rig: where the search ended, with the cameras of the case's rig.
-    """
+    """What the matches of a stage say; None if they are too few. All that may change is free in the case; `end_rig`,
+    where the search ended, has the cameras of the case's rig."""
     if run.found is None or _seen(case, run.found).few:
         return None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
@@ -167,10 +158,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
 
 
 def without_mismatch(case: Case, assessment: Assessment, covered_first: float) -> Assessment:
-    """The same, unless the images cannot be of this rig.
-
-    Args:
-        covered_first: of the stage that it is of.
+    """The same, unless the images cannot be of this rig; `covered_first` is that of the stage.
 
     Raises:
         InputError: if they are certainly no left and right image of it.
@@ -209,12 +197,8 @@ def _matched(case: Case, run: StageRun, chart: RigChart, theta: Float[np.ndarray
 
 
 def _estimator(case: Case, first: Correspondences, end_rig: StereoRig) -> _Estimator:
-    """The estimate by matches of other frames than some, begun at a θ; tracks and ranges are sought once.
-
-    Args:
-        first: beside which they are sought.
-        end_rig: under which these were matched.
-    """
+    """The estimate by matches of other frames than some, begun at a θ; tracks and ranges are sought once, beside the
+    first matches, which were found under `end_rig`."""
     tracks = windows_of(case, first)
 
     def estimate_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Estimate:

@@ -79,11 +79,8 @@ def _next(pairs: Sequence[Pair], at: int) -> int | None:
 
 
 def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:
-    """The tracks of the windows of a case, by the numbers of their pairs.
-
-    Args:
-        found: where partners of corners are looked for, with the rays that the cameras of the case's rig give.
-    """
+    """The tracks of the windows of a case, by the numbers of their pairs. Partners of corners are looked for beside
+    matches, whose rays the cameras of the case's rig give."""
     pairs = case.images.pairs
     matches = {frame: Matches.of(found, case.rig, frame) for window in case.windows for frame in window}
     radius = match_radius(found, case.rig)
@@ -92,11 +89,7 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
 
 
 def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Sequence[int]) -> Windows:
-    """The windows of a case, but for those with an excluded pair.
-
-    Args:
-        excluded: numbers of pairs.
-    """
+    """The windows of a case, but for those with an excluded pair."""
     used_windows = [window for window in tracks if not set(window) & set(excluded)]
     times = [[case.images.pairs[frame].time for frame in window] for window in used_windows]
     seconds = [second - first for first, second in times if first is not None and second is not None]

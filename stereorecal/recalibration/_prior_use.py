@@ -79,10 +79,7 @@ class PriorUse:
 
 
 def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
-    """What a repair begins with.
-
-    Args:
-        prior: as `recalibrate` takes it.
+    """What a repair begins with with a prior as `recalibrate` takes it.
 
     Raises:
         InputError: if the prior makes no sense, or belongs to another rig; if it is to be the saved one and there is
@@ -90,16 +87,13 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair]) -> PriorUse:
     """
     check_prior(prior, rig_parameters(rig))
     images = tuple(map(fingerprint, pairs))
-    every, note = tuple(range(len(images))), None
+    every = tuple(range(len(images)))
     if is_exact(prior):
         return PriorUse(EXACT, EXACT, images, every)
-    if prior is None or (isinstance(prior, str) and prior == SAVED):
-        found, note = saved_with(rig)
-        if found is None and prior == SAVED:
-            raise InputError(note or NO_SAVED)
-        prior = found or DEFAULT
+    prior, note = _looked_up(prior, rig)
     if isinstance(prior, SavedPrior):
         return _without_used_images(prior, images)
+    prior = DEFAULT if prior is None else prior
     return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
 
 
@@ -109,12 +103,17 @@ def prior_for_health(prior: Prior, rig: StereoRig) -> Prior:
     Raises:
         InputError: if it is to be the saved one, and there is none.
     """
+    return _looked_up(prior, rig)[0]
+
+
+def _looked_up(prior: Prior, rig: StereoRig) -> tuple[Prior, str | None]:
+    """The prior, or the saved one where none is named, and what is to be said of that."""
     if prior is not None and not (isinstance(prior, str) and prior == SAVED):
-        return prior
+        return prior, None
     found, note = saved_with(rig)
     if found is None and prior == SAVED:
         raise InputError(note or NO_SAVED)
-    return found
+    return found, note
 
 
 def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:

@@ -35,11 +35,8 @@ _SAYS_NOTHING = (*_NOTHING_SEEN, Reason.NO_MATCHES)  # images that show enough w
 
 def row_map(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
     """Row differences in pixels at full size, and the number of the frame that is shown: the one whose rows lie
-    farthest apart under the candidate, of those that match well.
-
-    Args:
-        found: with the rays that the cameras of `initial` give, as all stages have them.
-    """
+    farthest apart under the candidate, of those that match well; the cameras of `initial` give the rays of the
+    matches."""
     valid = np.asarray(found.weight) > 0
     read = with_rays_of(candidate, found, matched_rig=initial)
     before, after = _differences(found, initial), _differences(read, candidate)

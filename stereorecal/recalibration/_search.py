@@ -221,11 +221,8 @@ def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoR
 
 
 def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
-    """All stages that the budget allows; the case comes back with the widest disparity range that was measured.
-
-    Args:
-        began: when the clock of the budget was started.
-    """
+    """All stages that the budget allows; the case comes back with the widest disparity range that was measured; the
+    clock of the budget was started when it `began`."""
     settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []

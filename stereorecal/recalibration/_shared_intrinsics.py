@@ -47,11 +47,8 @@ _UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
 
 @dataclass(frozen=True, eq=False)
 class MatchTask:
-    """Pairs to look at through rigs: no more than a worker needs travels to it.
-
-    Attributes:
-        scale: at which they are matched.
-    """
+    """Pairs to look at through rigs: no more than a worker needs travels to it, and the scale at which they are
+    matched."""
 
     rigs: tuple[StereoRig, ...]
     pairs: tuple[Pair, ...]
@@ -167,12 +164,8 @@ class Member:
 
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
-    """The joint estimate of recordings: solved, matched again, solved again; and the decision on it.
-
-    Args:
-        free: own and shared.
-        each: runs a task for each recording.
-    """
+    """The joint estimate of recordings: solved, matched again, solved again; and the decision on it; `each` runs a task
+    for each recording."""
     ranges = (NO_RANGES,) * len(recordings)
     if any(r.ranges for r in recordings):
         ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
@@ -212,11 +205,7 @@ def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[C
 
 def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> tuple[Solution, ...]:
     """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
-    how long the baseline is, whether intrinsics are taken or not.
-
-    Args:
-        each: runs a task for each recording.
-    """
+    how long the baseline is, whether intrinsics are taken or not; `each` runs a task for each recording."""
     part = [recording for recording in recordings if recording.usable(intrinsics_free=bool(free.intrinsics))]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)

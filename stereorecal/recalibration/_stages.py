@@ -4,7 +4,7 @@ One unit of cost: one matcher run on one full-size frame (a candidate at scale s
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
@@ -17,6 +17,7 @@ from stereorecal.estimation import rows_of_groups
 from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
+    Chart,
     RigChart,
     count_objective,
     differences_at,
@@ -147,36 +148,31 @@ def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
 
 
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
+    """Over the free extrinsics, or, where more is free, over all of that."""
     if case.free.shared:
-        return _rig_count_stage(case, stage, start, budget, seed)
-    scale, objective = case.scale_of(stage), extrinsics_count_objective(case, stage, budget)
-    chart = objective.images.chart
-    run = run_strategy(as_strategy(stage.strategy), objective, chart.inside(np.asarray(start.extrinsics)), seed)
-    ended = case.rig.with_extrinsics(chart.extrinsics(run.best))
-    return StageRun(stage, scale, start, ended, (run,), _climb(run, chart.extrinsics))
+        chart = reach_chart(case.rig, case.settings.reach, case.free)
+        objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
+        at, rig_at = np.clip(chart.coordinates_of(start), -1.0, 1.0), chart.rig_at
+    else:
+        objective = extrinsics_count_objective(case, stage, budget)
+        chart = objective.images.chart
+        at = chart.inside(np.asarray(start.extrinsics))
+
+        def rig_at(z: Float[np.ndarray, "n"]) -> StereoRig:
+            return case.rig.with_extrinsics(chart.extrinsics(z))
+
+    run = run_strategy(as_strategy(stage.strategy), objective, at, seed)
+    return StageRun(stage, case.scale_of(stage), start, rig_at(run.best), (run,), _climb(run, chart))
 
 
-def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
-    """Over all that is free."""
-    chart = reach_chart(case.rig, case.settings.reach, case.free)
-    objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
-    run = run_strategy(as_strategy(stage.strategy), objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
-
-    def extrinsics(points: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m 6"]:
-        return np.array([chart.extrinsics(z) for z in points]).reshape(-1, 6)
-
-    return StageRun(stage, case.scale_of(stage), start, chart.rig_at(run.best), (run,), _climb(run, extrinsics))
-
-
-def _climb(
-    run: Run, extrinsics: Callable[[Float[np.ndarray, "m n"]], Float[np.ndarray, "m 6"]]
-) -> Float[np.ndarray, "m 7"]:
+def _climb(run: Run, chart: Chart | RigChart) -> Float[np.ndarray, "m 7"]:
     """The cost and the extrinsics of each new best that was evaluated; strategies inside JAX evaluate none."""
     trace = run.trace
     values = np.where(np.isnan(trace.values), -np.inf, trace.values)
     best_before = np.maximum.accumulate(np.concatenate([[run.start_value], values]))[:-1]
     better = values > best_before
-    return np.column_stack([trace.cost[better], extrinsics(trace.points[better])])
+    extrinsics = np.array([chart.extrinsics(z) for z in trace.points[better]]).reshape(-1, 6)
+    return np.column_stack([trace.cost[better], extrinsics])
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
@@ -263,11 +259,8 @@ class Waypoint:
 
 
 def path_of(initial: StereoRig, before: float, stages: Sequence[StageRun]) -> tuple[Waypoint, ...]:
-    """Where a repair began, where each stage began and ended, and each new best of the stages on the count.
-
-    Args:
-        before: units spent before the first stage, on the survey and on choosing a start.
-    """
+    """Where a repair began, where each stage began and ended, and each new best of the stages on the count; `before`
+    units were spent before the first stage."""
     spent, found = before, [Waypoint(0.0, np.asarray(initial.extrinsics))]
     for stage in stages:
         found.append(Waypoint(spent, stage.start))
