@@ -31,6 +31,15 @@ class Normal:
     b: Float[np.ndarray, "n"]
     c: float
 
+    @classmethod
+    def flat(cls, n: int) -> "Normal":
+        """That of something which tells nothing."""
+        return cls(np.zeros((n, n)), np.zeros(n), 0.0)
+
+    def of_parameters(self, to: Float[np.ndarray, "n m"]) -> "Normal":
+        """Of parameters p with x = to p."""
+        return Normal(to.T @ self.a @ to, to.T @ self.b, self.c)
+
     def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
         """Of what the first parameters differ by from a mean."""
         by_mean = self.a[:, : len(mean)] @ mean

@@ -112,21 +112,8 @@ def grouped(
     rows, disparity = _rectified(found, chart, theta, valid)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     if not valid.any():
-        nothing, numbers = np.zeros(0), np.zeros(0, int)
-        return Groups(
-            left,
-            right,
-            nothing,
-            nothing,
-            numbers,
-            numbers,
-            nothing,
-            numbers,
-            focal / scale,
-            nothing,
-            first,
-            found.projection,
-        )
+        no, at = np.zeros(0), np.zeros(0, int)
+        return Groups(left, right, no, no, at, at, no, at, focal / scale, no, first, found.projection)
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
     order = np.argsort(key, kind="stable")

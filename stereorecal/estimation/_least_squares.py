@@ -113,7 +113,7 @@ def solved(recording: Recording) -> tuple[Estimate, Explanation]:
     measured, delay, hypotheses = Measured(recording.ranges, recording.windows), None, []
     rows, misfit = _settled(found, chart, prior, start, measured)
     if rows is None:
-        flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
+        flat = Normal.flat(chart.dim)
         likelihoods = measured.likelihoods(chart, start, prior)
         several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
     else:
@@ -272,8 +272,8 @@ def of_calibration(best: Explanation) -> Normal:
     of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
     weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
     axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
-    to = np.column_stack([axes, axes[:, : len(DRIFTING)]])
-    return marginal(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
+    both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
+    return marginal(both, np.diag(sizes))
 
 
 def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:

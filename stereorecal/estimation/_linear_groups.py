@@ -121,8 +121,7 @@ class LinearGroups:
         """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
         under a misfit of this deviation in each frame."""
         columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
-        size = columns.shape[1]
-        total = Normal(np.zeros((size, size)), np.zeros(size), 0.0)
+        total = Normal.flat(columns.shape[1])
         for f in self.frames:
             covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
             total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])

@@ -115,7 +115,7 @@ def window(
     Args:
         way: the distance travelled from an odometer, and its standard deviation, metres.
     """
-    nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+    nothing = Normal.flat(chart.dim)
     tracks = with_rays(tracks, chart.rig_at(theta))
     if len(tracks) < _FEWEST:
         return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
@@ -363,7 +363,7 @@ class Windows:
     ) -> list[tuple[float, Normal]]:
         """What the windows may tell of θ, near a θ, as `MatchedRanges.likelihoods`: all of it, or all but depth."""
         if not self:
-            return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
+            return [(0.0, Normal.flat(chart.dim))]
         within = root_and_mean(prior)
         windows = self.linear_at(chart, theta)
         return self.explained(together([one.normal for one in windows], *within), of_ways(windows), chart)
@@ -417,7 +417,6 @@ def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Fl
 
 def without_depth(normal: Normal) -> Normal:
     """The likelihood if the depth in all windows is not that of the rig: with a yaw of its own."""
-    n = len(normal.b)
-    axis = np.eye(n)[DRIFTING.index("yaw")]
-    to = np.column_stack([np.eye(n), axis])
-    return marginal(Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c), np.array([[_OWN_YAW]]))
+    axes = np.eye(len(normal.b))
+    both = normal.of_parameters(np.column_stack([axes, axes[DRIFTING.index("yaw")]]))
+    return marginal(both, np.array([[_OWN_YAW]]))
