@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
-from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
+from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
@@ -36,7 +36,7 @@ def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
     """Of the tiles of all frames at full scale, under the initial calibration and a candidate."""
     data, rigs = case.images.at(1.0), (case.rig, candidate)
     extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
-    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
+    if same_cameras(candidate, case.rig):
         return host.counts_by_tile(data, extrinsics, case.matcher)
     through = zip(rigs, extrinsics, strict=True)
     found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]

@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
 from stereorecal.estimation import rows_of_groups
-from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
+from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
     Chart,
@@ -231,7 +231,7 @@ def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], match
     """The correspondences under the rig at a point of the box, with the rays that the cameras of the chart's rig
     give."""
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
-    if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
+    if same_cameras(rig, chart.rig):
         return host.correspondences(data, extrinsics, matcher)
     return with_rays_of(chart.rig, host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig)
 
