@@ -16,10 +16,9 @@ from stereorecal.decision import chance_of_harm
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
 from stereorecal.online._config import Event, Kind
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement, SequentialTest
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import Reading, filtered_by, known, prior_now, reading
-from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.online._state import Job, Offset, State
 from stereorecal.recalibration import (
     Case,
