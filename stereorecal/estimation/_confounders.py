@@ -404,10 +404,8 @@ def hypothesis_with_delay(
             ]
         )
         likelihoods = _delay_evidence(rows, chart, theta, windows_at_theta, ways, prior, size)
-        late = replace(
-            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, windows_at_theta, ways, rows.groups)),
-            likelihoods=likelihoods,
-        )
+        by_frame = _of_frames(windows, windows_at_theta, ways, rows.groups)
+        late = replace(_rows_and_delay(rows, chart, theta, delay, by_frame), likelihoods=likelihoods)
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
         found = explanations(late, prior, range(len(prior.roots)), misfits, nuisance, log_prior)

@@ -144,9 +144,6 @@ def mixture(several: Sequence[Explanation]) -> Posterior:
     significant = np.argwhere(weights > _LEAST)
     some = weights[tuple(significant.T)]
     kinds = [(several[i].found, significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
-    whole = Posterior(
-        some / some.sum(),
-        np.concatenate([found.means[which] for found, which in kinds]),
-        np.concatenate([found.covariances(which) for found, which in kinds]),
-    )
-    return merged(whole, _MOST)
+    means = np.concatenate([found.means[which] for found, which in kinds])
+    covariances = np.concatenate([found.covariances(which) for found, which in kinds])
+    return merged(Posterior(some / some.sum(), means, covariances), _MOST)

@@ -10,6 +10,7 @@ linear where they were solved last: a few rounds, and all agree.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from itertools import product
 from operator import add
 from typing import Any
 
@@ -229,11 +230,8 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
         at = grid.index(value)
         return grid[max(at - 1, 0) : at + 2]
 
-    return [
-        (d, c)
-        for d in neighbours(misfit[0], DEVIATIONS)
-        for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
-    ]
+    common = neighbours(misfit[1], COMMON) if several else (0.0,)
+    return list(product(neighbours(misfit[0], DEVIATIONS), common))
 
 
 def estimate_together(

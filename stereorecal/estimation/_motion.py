@@ -278,16 +278,10 @@ def _products_with_shared_errors(
     its residuals that the depth of each track takes, of length 1."""
     own = np.sqrt(weight)[:, None, None] * rows
     plain = np.tensordot(own, own, ([0, 1], [0, 1]))
-    pulls, known = (
-        np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])),
-        np.zeros((PLACES[0] * PLACES[1], PER_TRACK, PER_TRACK)),
-    )
-    np.add.at(pulls, place, weight[:, None, None] * rows)
-    np.add.at(
-        known,
-        place,
-        weight[:, None, None] * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]),
-    )
+    places, weight = PLACES[0] * PLACES[1], weight[:, None, None]
+    pulls, known = np.zeros((places, *rows.shape[1:])), np.zeros((places, PER_TRACK, PER_TRACK))
+    np.add.at(pulls, place, weight * rows)
+    np.add.at(known, place, weight * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]))
     found = []
     for shared in _SHARED:
         inner = np.eye(PER_TRACK) + shared**2 * known
@@ -371,10 +365,8 @@ class Windows:
     def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
         """What they may tell together, each with the logarithm of its probability: alone, with what ways add, if those
         are of this rig (less than a tenth of its baseline does not count); without; and nothing of depth."""
-        explanations = [
-            (float(np.log1p(-_OF_OTHER_THINGS)), alone),
-            (float(np.log(_OF_OTHER_THINGS)), without_depth(alone)),
-        ]
+        of_rig, of_others = float(np.log1p(-_OF_OTHER_THINGS)), float(np.log(_OF_OTHER_THINGS))
+        explanations = [(of_rig, alone), (of_others, without_depth(alone))]
         ways = [way for way in self.ways if way is not None and far_enough(way[0], chart.rig)]
         if not ways:
             return explanations

@@ -280,12 +280,8 @@ class Pace:
 
     def later(self, config: Config) -> "Pace":
         """The filters a frame later."""
-        return replace(
-            self,
-            several=tuple(
-                one.later(_scaled_rates(config, times)) for one, times in zip(self.several, _PACES, strict=True)
-            ),
-        )
+        each = zip(self.several, _PACES, strict=True)
+        return replace(self, several=tuple(one.later(_scaled_rates(config, times)) for one, times in each))
 
     def updated(self, measured: Measurement) -> "Pace":
         """The filters after one more measurement."""

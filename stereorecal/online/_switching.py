@@ -67,12 +67,9 @@ def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEs
     trial = state.trial
     if trial is None or state.frame <= trial.since:
         return state, []
-    candidate_look = look()
-    return decided(
-        state.replace(
-            trial=trial.matched(before, candidate_look.covered if candidate_look.solution is not None else 0.0)
-        )
-    )
+    of_candidate = look()
+    after = of_candidate.covered if of_candidate.solution is not None else 0.0
+    return decided(state.replace(trial=trial.matched(before, after)))
 
 
 def decided(state: State) -> Outcome:

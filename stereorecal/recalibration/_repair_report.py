@@ -250,14 +250,9 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
 
 def _calibration(rig: StereoRig) -> dict[str, Any]:
     """As a scene's calib.json has it."""
-    cameras = {
-        f"{key}_{side}": np.asarray(getattr(getattr(rig, side), name))
-        for key, name in (("K", "matrix"), ("D", "distortion"))
-        for side in ("left", "right")
-    }
-    about = {
-        "image_size": list(rig.left.size),
-        **cameras,
-        "distortion_model": "opencv" if rig.left.model == "radtan" else rig.left.model,
-    }
+    sides, lens = (("left", rig.left), ("right", rig.right)), rig.left.model
+    about: dict[str, Any] = {"image_size": list(rig.left.size)}
+    about |= {f"K_{side}": np.asarray(camera.matrix) for side, camera in sides}
+    about |= {f"D_{side}": np.asarray(camera.distortion) for side, camera in sides}
+    about["distortion_model"] = "opencv" if lens == "radtan" else lens
     return json_data({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

@@ -278,8 +278,5 @@ def next_slice(case: Case, at: Progress) -> Progress | Solution:
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
     """The stages, those on the rows cut into their rounds."""
-    return tuple(
-        replace(stage, rounds=1)
-        for stage in schedule.stages
-        for _ in range(stage.rounds if stage.score is ScoreKind.EPIPOLAR else 1)
-    )
+    numbers = [(one, one.rounds if one.score is ScoreKind.EPIPOLAR else 1) for one in schedule.stages]
+    return tuple(replace(stage, rounds=1) for stage, number in numbers for _ in range(number))
