@@ -113,12 +113,8 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
 def decide_together(
     several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
 ) -> list[Decision]:
-    """The same for each of several calibrations whose free parameters are the same but for a drift.
-
-    Args:
-        several: what is known, with the same parameters.
-        free, tolerances: as above.
-    """
+    """The same for each of several calibrations with the same parameters, of which the free ones are the same but for a
+    drift."""
     limits = DEFAULT if tolerances is None else tolerances
     several = [one.judged_by(limits.matters) for one in several]
     before = [one.losses(np.zeros(len(one.names))) for one in several]

@@ -170,11 +170,8 @@ def exact_prior(chart: RigChart) -> CalibrationPrior:
 
 def physical_prior(chart: RigChart, squares: float = SQUARES) -> CalibrationPrior:
     """No more than what is physical: where the boards of the calibration are at hand, they tell what it left, and the
-    same boards must not count again as a simulated calibration.
-
-    Args:
-        squares: standard deviation of their length, percent.
-    """
+    same boards must not count again as a simulated calibration. Their squares have lengths of this standard deviation,
+    percent."""
     of_squares = np.array([squares * (name == BASELINE) for name in chart.names])
     return CalibrationPrior.around_given(np.diag(np.hypot(widest(chart), of_squares))[None], np.ones(1))
 

@@ -41,13 +41,10 @@ _SEED = 0
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
-    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
-    is too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
-    pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera.
-
-    Args:
-        view: the view; default the rig's own pinhole.
-    """
+    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that is
+    too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
+    pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera. The view is
+    by default the rig's own pinhole."""
     (width, height), pinhole = rig.left.size, view is None or view.projection == PINHOLE
     rays = np.asarray(rig.left.rays(_pixel_grid(rig.left.size)))
     if rig.left.lens.WIDE or not pinhole or np.hypot(rays[:, 0], rays[:, 1]).max() > _FLAT:
@@ -112,11 +109,8 @@ def readings(
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
     reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`, as wide as they are
-    in the middle: where a view stretches rows, images are blurred by as much.
-
-    Args:
-        view: the view in which rows and disparities are read; default a pinhole.
-    """
+    in the middle: where a view stretches rows, images are blurred by as much. The view in which both are read is by
+    default a pinhole."""
     return readings_of_rays(used, *rays_read(used, true, points), points, view)
 
 

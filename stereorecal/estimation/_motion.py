@@ -110,11 +110,7 @@ def window(
     tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], way: tuple[float, float] | None = None
 ) -> Window:
     """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
-    itself.
-
-    Args:
-        way: the distance travelled from an odometer, and its standard deviation, metres.
-    """
+    itself; `way` is the distance travelled from an odometer, and its standard deviation, metres."""
     nothing = Normal.flat(chart.dim)
     tracks = with_rays(tracks, chart.rig_at(theta))
     if len(tracks) < _FEWEST:
@@ -321,11 +317,7 @@ class Windows:
     ways: tuple[tuple[float, float] | None, ...] = ()
 
     def numbered(self, used: Sequence[int]) -> "Windows":
-        """The windows of the frames that are used, which are numbered anew.
-
-        Args:
-            used: numbers of these frames, in their new order.
-        """
+        """The windows of the frames that are used, which are numbered anew in that order."""
         new = {frame: number for number, frame in enumerate(used)}
         some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
         return Windows(

@@ -259,11 +259,8 @@ class Progress:
 
 def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
-    where the one before it ended; the last one is judged with it.
-
-    Args:
-        case: with a disparity range, and a schedule whose last stage has rows.
-    """
+    where the one before it ended; the last one is judged with it. The case has a disparity range, and a schedule whose
+    last stage has rows."""
     began, schedule = time.perf_counter(), case.settings.schedule
     if at.done == 0:
         return Progress(started(case)[1], 1)
