@@ -99,15 +99,10 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
         if all(_ALIKE < share < 1.0 - _ALIKE for share in difference):
             chosen.append((label, log_prior))
     return [
-        (side, log_prior + _log_prior_of_size(side, present))
+        (side, log_prior + _RARER * float(np.log1p(-side.sum() / present.sum())))
         for label, log_prior in chosen[:_KEPT]
         for side in (label, present & ~label)
     ]
-
-
-def _log_prior_of_size(label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]) -> float:
-    """Of a region, of the places that are present, but for a constant: by the share of them that it is."""
-    return _RARER * float(np.log1p(-label.sum() / present.sum()))
 
 
 def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:

@@ -79,18 +79,14 @@ def _weights(
     image; over the view again where nothing does. In views that are no pinhole, points count by the squares of their
     disparities."""
     points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
-    ahead = (np.abs(_share(rig, points) - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
+    of_image = np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
+    ahead = (np.abs(of_image - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     by_squared_disparity = _stretch(rig, points, view) ** -2
     found = []
     for inside, counts in zip(np.split(ahead, ends), np.split(by_squared_disparity, ends), strict=True):
         weights = np.stack([counts, counts * inside if inside.any() else counts])
         found.append(weights / weights.sum(axis=1, keepdims=True))
     return found
-
-
-def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
-    """Where points lie in the left image, of its width and height."""
-    return np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
 
 
 def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:

@@ -186,7 +186,9 @@ def _motion(
         b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
         step = np.linalg.solve(a, b)
         nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
-        motion, yaw = _with_step(motion, step[:MOVES]), yaw + float(step[MOVES])
+        turn = np.asarray(rotation_from_vector(step[:3]), float)
+        motion = Motion(turn @ motion.rotation, motion.translation + step[3:MOVES])
+        yaw = yaw + float(step[MOVES])
         if round_ > convex + 1 and step @ a @ step < _SETTLED**2:
             break
     return _Solved(motion, yaw, nearness, scale, weight)
@@ -195,11 +197,6 @@ def _motion(
 def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
     """Precisions of a motion of which nothing is known."""
     return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
-
-
-def _with_step(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
-    turn = np.asarray(rotation_from_vector(step[:3]), float)
-    return Motion(turn @ motion.rotation, motion.translation + step[3:])
 
 
 def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
@@ -352,7 +349,9 @@ class Windows:
             return [(0.0, Normal.flat(chart.dim))]
         within = root_and_mean(prior)
         windows = self.linear_at(chart, theta)
-        return self.explained(together([one.normal for one in windows], *within), of_ways(windows), chart)
+        # Ways err by themselves, however wrong the tracks are.
+        by_ways = reduce(add, (one.with_distance - one.normal for one in windows))
+        return self.explained(together([one.normal for one in windows], *within), by_ways, chart)
 
     def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
         """What they may tell together, each with the logarithm of its probability: alone, with what ways add, if those
@@ -367,11 +366,6 @@ class Windows:
         narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
         own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower
         return [(own, alone + by_ways), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in explanations)]
-
-
-def of_ways(windows: Sequence[Window]) -> Normal:
-    """What ways add to windows: they err by themselves, however wrong the tracks are."""
-    return reduce(add, (one.with_distance - one.normal for one in windows))
 
 
 NO_WINDOWS = Windows()

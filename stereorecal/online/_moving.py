@@ -70,7 +70,7 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
     if lost:
         gap = max(gap // 2, 1)
     elif tracked.metres[0] < AHEAD * float(state.rig.baseline):
-        gap = min(2 * gap, _longest(state))
+        gap = min(2 * gap, max(_LONGEST - _LONGEST % state.config.every, 1))  # pairs to a look that comes soon enough
     state = state.replace(corners=None, tracked_pairs=gap)
     if tracked.motion is None or not tracked.informative:
         return state
@@ -84,11 +84,6 @@ def _within_tracking_time(first: float | None, second: float | None, pairs: int)
     if first is None or second is None:
         return pairs <= _LONGEST
     return 0.0 < second - first <= _SECONDS
-
-
-def _longest(state: State) -> int:
-    """Pairs to the last look that comes soon enough."""
-    return max(_LONGEST - _LONGEST % state.config.every, 1)
 
 
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:

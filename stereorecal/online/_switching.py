@@ -273,7 +273,8 @@ def continued(state: State) -> tuple[State, list[Event]]:
 
 def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
     if not solution.accepted or solution.estimate is None:
-        return state, [_rejected(state, solution)]
+        kind = Kind.FRAMES_DISAGREE if solution.reason is Reason.FRAMES_DISAGREE else Kind.REJECTED
+        return state, [Event(state.frame, kind, solution.reason.value)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
@@ -284,12 +285,6 @@ def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event
 def too_far(state: State) -> bool:
     """Whether a knock was so large that looks through the calibration in use measure it badly."""
     return reading(state).rows_px.value > _BLIND
-
-
-def _rejected(state: State, solution: Solution) -> Event:
-    disagree = solution.reason is Reason.FRAMES_DISAGREE
-    kind = Kind.FRAMES_DISAGREE if disagree else Kind.REJECTED
-    return Event(state.frame, kind, solution.reason.value)
 
 
 def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:

@@ -168,22 +168,16 @@ def motion_text(estimated: Estimate) -> str:
     summary = motion_as_dict(estimated)
     if not summary["followed"]:
         return f"{summary['windows']} windows, too few points could be followed"
-    return (
+    text = (
         f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
         f"rig, {summary['metres']:.3g} m from one pair to the next (median)"
-        + _still(summary)
-        + (_late(summary["delay"]) if estimated.is_late else "")
     )
-
-
-def _still(summary: dict[str, Any]) -> str:
-    some = summary["without_parallax"]
-    return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
-
-
-def _late(delay: dict[str, Any]) -> str:
-    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
-    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
+    if some := summary["without_parallax"]:
+        text += f"; in {some} of them the rig only turned or stood still, which tells nothing of depth"
+    if estimated.is_late:
+        unit = "s" if summary["delay"]["unit"] == "s" else "of the time between pairs"
+        text += f"; the right shutter is late by {summary['delay']['value']:.2g} {unit}"
+    return text
 
 
 def odometer_text(estimated: Estimate) -> str:

@@ -129,7 +129,8 @@ def report_of(
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
     pair = matched[solution.used[frame] if solution.used else 0]
-    expected = solution.expected
+    expected, depths = solution.expected, ", ".join(f"{error} at {error.where}" for error in solution.depth)
+    rows_said = expected and f"epipolar error {expected.rows_px:.2f} px where the images show something"
     before, after = _sights(solution, pair)
     title = "after" if solution.accepted else "candidate, which was not taken"
     return RepairReport(
@@ -145,7 +146,7 @@ def report_of(
         rows=rows,
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
-        expected_said=expected and _expected_text(solution, expected.rows_px),
+        expected_said=rows_said and f"{rows_said}; depth {depths}",
         axes=changed_axes(solution) if telling else (),
         intrinsics=changed_intrinsics(solution) if telling else (),
         depths=_depths(solution),
@@ -200,11 +201,6 @@ def _depths(solution: AbstractResult) -> list[Depth]:
         Depth(used.distance, (before.percent.low, before.percent.high), (used.percent.low, used.percent.high))
         for before, used in both
     ]
-
-
-def _expected_text(solution: AbstractResult, rows_px: float) -> str:
-    depths = ", ".join(f"{error} at {error.where}" for error in solution.depth)
-    return f"epipolar error {rows_px:.2f} px where the images show something; depth {depths}"
 
 
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
