@@ -18,7 +18,7 @@ from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
 from stereorecal.online._config import Event, Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement, SequentialTest
 from stereorecal.online._pair_estimate import PairEstimate
-from stereorecal.online._reading import Reading, filtered_by, known, prior_now, reading
+from stereorecal.online._reading import filtered_by, known, prior_now, reading
 from stereorecal.online._state import Job, Offset, State
 from stereorecal.recalibration import (
     Case,
@@ -200,8 +200,10 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     state = state.replace(trial=None, ready=0)  # it was fitted to another rig
     if not reading(state.using_now(before.offset)).matters:
         return standing(state)
-    facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
+    change = dict(zip(state.chart.names, moved.tolist(), strict=True))
+    farthest = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))[:2]
+    text = ", ".join(f"{name} {change[name]:+.2f} deg" for name in farthest)
+    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, text, {"change": change})]
 
 
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
@@ -218,34 +220,16 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
 
 def standing(state: State) -> tuple[State, list[Event]]:
     """How the rig stands: said when it changes."""
-    found = reading(state)
-    kind = _kind(found)
+    found, why = reading(state), ""
+    kind = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}.get(found.condition)
+    if found.late:
+        kind, why = Kind.LATE, f"by {found.delay.value:.2f} frames"
+    elif found.shifted:
+        kind, (y, z) = Kind.SHIFTED, (found.axes[name].value for name in "yz")
+        why = f"y {y:+.1f}, z {z:+.1f} % of the baseline"
     if kind is None or kind is state.reported or (kind is Kind.DRIFTING and state.reported is Kind.KNOCK):
         return state, []
-    return state.replace(reported=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
-
-
-def _why(kind: Kind, found: Reading) -> str:
-    if kind is Kind.LATE:
-        return f"by {found.delay.value:.2f} frames"
-    if kind is Kind.SHIFTED:
-        return f"y {found.axes['y'].value:+.1f}, z {found.axes['z'].value:+.1f} % of the baseline"
-    return ""
-
-
-def _kind(found: Reading) -> Kind | None:
-    if found.late:
-        return Kind.LATE
-    if found.shifted:
-        return Kind.SHIFTED
-    standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
-    return standing.get(found.condition)
-
-
-def _change_text(change: dict[str, float]) -> str:
-    """The axes that moved, the farthest first."""
-    turned = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))
-    return ", ".join(f"{name} {change[name]:+.2f} deg" for name in turned[:2])
+    return state.replace(reported=kind), [Event(state.frame, kind, why, found.as_dict())]
 
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:

@@ -335,23 +335,21 @@ def _scaled(solution: Solution, found: Solution) -> Solution:
     )
 
 
-def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
-    """The repair of a recording where nothing that is shared could be solved for."""
-    intrinsics = _not_solved(recording.repair, free) if free.intrinsics else None
-    return replace(recording.repair, intrinsics=intrinsics, ranges=_unmatched(recording))
-
-
 def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
     """What became of the ranges of a recording that took no part."""
     return RangesSeen(len(recording.ranges), 0, 0) if recording.ranges else None
 
 
-def _not_solved(repair: Solution, free: Parameters) -> Intrinsics:
-    parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
-    missing = np.full(len(parameters), np.nan)
-    names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
-    nan = float("nan")
-    return Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names, nan, nan, 0.0, nan)
+def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
+    """The repair of a recording where nothing that is shared could be solved for."""
+    repair, intrinsics = recording.repair, None
+    if free.intrinsics:
+        parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
+        names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
+        missing, nan = np.full(len(parameters), np.nan), float("nan")
+        outcome = IntrinsicsOutcome.NOT_SOLVED
+        intrinsics = Intrinsics(outcome, names, units, missing, missing, names, nan, nan, 0.0, nan)
+    return replace(repair, intrinsics=intrinsics, ranges=_unmatched(recording))
 
 
 class Fault(enum.Enum):
