@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, is_sparse, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, MatchedRanges, estimate, rig_parameters
 from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
@@ -57,12 +57,6 @@ def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspo
         return found
     used = np.isin(np.arange(len(found.weight)), frames, invert=True)
     return replace(found, weight=np.asarray(found.weight) * used[:, None])
-
-
-def is_sparse(covered: float, texture: float) -> bool:
-    """Whether correspondences cover less of an image than those of an aligned rig would, of what has texture; both are
-    shares of the image. So many may be there by chance."""
-    return covered < ENOUGH.of_texture * texture
 
 
 def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
