@@ -9,6 +9,7 @@ from stereorecal.decision._checks import (
     Check as Check,
     Reason as Reason,
     Seen as Seen,
+    is_sparse as is_sparse,
     reason_of as reason_of,
 )
 from stereorecal.decision._rule import (

@@ -62,6 +62,12 @@ _ADVICE = {
 }
 
 
+def is_sparse(covered: float, texture: float) -> bool:
+    """Whether matches cover less of an image than under an aligned rig, of what has texture; both are shares of the
+    image. So many may be there by chance."""
+    return covered < ENOUGH.of_texture * texture
+
+
 @dataclass(frozen=True)
 class Seen:
     """What images show of a rig besides.
@@ -103,8 +109,8 @@ class Seen:
 
     @property
     def sparse(self) -> bool:
-        """Less of the texture matches than under an aligned rig: so much may match by chance."""
-        return self.covered < ENOUGH.of_texture * self.texture
+        """Whether it covers less than under an aligned rig."""
+        return is_sparse(self.covered, self.texture)
 
 
 @dataclass(frozen=True)

@@ -113,12 +113,8 @@ def decide(estimate: Estimate, free: Sequence[str], tolerances: Tolerances | Non
 def decide_together(
     several: Sequence[Estimate], free: Sequence[str], tolerances: Tolerances | None = None
 ) -> list[Decision]:
-    """The same for each of several calibrations whose free parameters are the same but for a drift.
-
-    Args:
-        several: what is known, with the same parameters.
-        free, tolerances: as above.
-    """
+    """The same for each of several calibrations with the same parameters, of which the free ones are the same but for a
+    drift."""
     limits = DEFAULT if tolerances is None else tolerances
     several = [one.judged_by(limits.matters) for one in several]
     before = [one.losses(np.zeros(len(one.names))) for one in several]
@@ -196,10 +192,7 @@ def _decision(
 def predicts(held_out: Sequence[HeldOut], limits: Tolerances, *, rows_alone: bool = True) -> bool:
     """Whether parts that were left out bear a candidate out. Under the candidate of the rest each is aligned, or not
     worse than under the calibration; all together are aligned, or show eight tenths of what the candidate of all gains.
-
-    Args:
-        rows_alone: whether nothing but rows tells what it gains; at most eight tenths of their error may be left then.
-    """
+    Where nothing but rows tells what it gains, at most eight tenths of their error may be left."""
     if not held_out or any(part.after > max(part.before, limits.good_rows_px) for part in held_out):
         return False
     each = np.array([(part.count, part.before, part.after, part.fitted) for part in held_out])

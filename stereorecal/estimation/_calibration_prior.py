@@ -10,7 +10,7 @@ for sure, say how far yaw, which they do not, has probably moved.
 """
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -113,6 +113,10 @@ class CalibrationPrior:
         """With the given rig as the most probable one."""
         return cls(roots, weights, means=np.zeros(roots.shape[:2]))
 
+    def beside(self, other: Float[np.ndarray, "n n"]) -> "CalibrationPrior":
+        """With another error of this covariance, independent of it."""
+        return replace(self, roots=np.stack([root(one @ one.T + other) for one in self.roots]))
+
 
 @dataclass(frozen=True)
 class _ChartKey:
@@ -152,9 +156,8 @@ def with_scaled_boards(prior: CalibrationPrior, chart: RigChart) -> CalibrationP
     """The same, but the squares of the boards may have been of another size than was said, and the baseline of another
     length: no image shows it."""
     longer = np.diag([_SCALED * (name == BASELINE) for name in chart.names])
-    scaled = np.stack([root(one @ one.T + longer**2) for one in prior.roots])
     return CalibrationPrior(
-        np.concatenate([prior.roots, scaled]),
+        np.concatenate([prior.roots, prior.beside(longer**2).roots]),
         np.concatenate([(1.0 - _SCALED_PROBABILITY) * prior.weights, _SCALED_PROBABILITY * prior.weights]),
         means=np.concatenate([prior.means, prior.means]),
     )
@@ -167,11 +170,8 @@ def exact_prior(chart: RigChart) -> CalibrationPrior:
 
 def physical_prior(chart: RigChart, squares: float = SQUARES) -> CalibrationPrior:
     """No more than what is physical: where the boards of the calibration are at hand, they tell what it left, and the
-    same boards must not count again as a simulated calibration.
-
-    Args:
-        squares: standard deviation of their length, percent.
-    """
+    same boards must not count again as a simulated calibration. Their squares have lengths of this standard deviation,
+    percent."""
     of_squares = np.array([squares * (name == BASELINE) for name in chart.names])
     return CalibrationPrior.around_given(np.diag(np.hypot(widest(chart), of_squares))[None], np.ones(1))
 

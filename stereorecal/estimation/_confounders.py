@@ -16,7 +16,7 @@ pair is then θ + τ e, e being what the rig's own motion in a second makes of t
 they tell θ. Where all pairs move alike, only the sum is told, and the posterior says that, too.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, reduce
 from itertools import pairwise
@@ -90,12 +90,8 @@ class Offsets:
 
 def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
     """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
-    prior probability of each: rows alone cannot tell which side of an outline stood still.
-
-    Args:
-        several: likelihoods of offsets, under priors of θ.
-        present: places that have rows.
-    """
+    prior probability of each: rows alone cannot tell which side of an outline stood still; by likelihoods of offsets
+    under priors of θ, of the places that have rows."""
     found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
     chosen = []
     for _, log_prior, label in found:
@@ -103,15 +99,10 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
         if all(_ALIKE < share < 1.0 - _ALIKE for share in difference):
             chosen.append((label, log_prior))
     return [
-        (side, log_prior + _log_prior_of_size(side, present))
+        (side, log_prior + _RARER * float(np.log1p(-side.sum() / present.sum())))
         for label, log_prior in chosen[:_KEPT]
         for side in (label, present & ~label)
     ]
-
-
-def _log_prior_of_size(label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]) -> float:
-    """Of a region, of the places that are present, but for a constant: by the share of them that it is."""
-    return _RARER * float(np.log1p(-label.sum() / present.sum()))
 
 
 def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
@@ -215,6 +206,11 @@ class Confounder:
     sizes: Float[np.ndarray, "q"]
     log_prior: float
 
+    @property
+    def prior(self) -> tuple[Float[np.ndarray, "q q"], float]:
+        """A root of the covariance of its parameters, and the logarithm of its probability."""
+        return np.diag(self.sizes), self.log_prior
+
     def columns(self, rows: LinearGroups) -> Float[np.ndarray, "g q"]:
         """What each of its parameters does to rows."""
         return rows.jacobian @ self.of_rig + self.of_groups
@@ -223,14 +219,8 @@ class Confounder:
 def hypotheses_with_confounders(
     rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
 ) -> list[Hypothesis]:
-    """θ beside each confounder that may have a say.
-
-    Args:
-        rows: near the rig that was fitted alone.
-        chart: the map from θ to rigs.
-        prior: of the calibration.
-        alone: the rig alone, which confounders are weighed against.
-    """
+    """θ beside each confounder that may have a say, for rows near the rig that was fitted alone, against which they are
+    weighed."""
     best, kind = best_of(alone)
     searched = _regions(rows, prior, best, kind)
     if len(rows.frames) == 1:  # as the rig moves; where frames show several scenes, it moves otherwise
@@ -242,13 +232,13 @@ def hypotheses_with_confounders(
     tried = []
     for index, confounder in enumerate(searched):
         normals = {misfit: of_all[misfit][index] for misfit in misfits}
-        under = _explanations_with(normals, rows.likelihoods, confounder, prior, [best.prior])
+        under = explained_by(normals, rows.likelihoods, prior, [best.prior], *confounder.prior)
         tried.append((best_of(under)[0], confounder))
     # Another prior of the calibration may suit a confounder better than it suits the rig alone: twice as far, then.
     again = []
     for one, confounder in _within_nats(tried, best, 2.0 * NEGLIGIBLE):
-        normal = of_all[one.misfit][searched.index(confounder)]
-        under = _explanations_with({one.misfit: normal}, rows.likelihoods, confounder, prior, range(len(prior.roots)))
+        normals = {one.misfit: of_all[one.misfit][searched.index(confounder)]}
+        under = explained_by(normals, rows.likelihoods, prior, range(len(prior.roots)), *confounder.prior)
         again.append((best_of(under)[0], confounder))
     likely = _within_nats(again, best, NEGLIGIBLE)
     return [_hypothesis_with(rows, chart, prior, confounder, one) for one, confounder in likely]
@@ -277,18 +267,18 @@ def _hypothesis_with(
     moved = replace(rows, at_zero=rows.at_zero + confounder.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(best_beside.misfit), theta))
     at, common = DEVIATIONS.index(best_beside.misfit[0]), best_beside.misfit[1]
-    beside, nuisance = rows.with_columns(confounder.columns(rows)), np.diag(confounder.sizes)
+    beside = rows.with_columns(confounder.columns(rows))
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         misfits = [(deviation, common) for deviation in deviations]
-        return explanations(beside, prior, which, misfits, nuisance, confounder.log_prior)
+        return explanations(beside, prior, which, misfits, *confounder.prior)
 
     found = under([DEVIATIONS[at]], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - NEGLIGIBLE
     some = [one.prior for one in found if _log_evidence(one) > least]
     neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
     found += under([DEVIATIONS[index] for index in sorted(neighbouring)], some)
-    return Hypothesis(beside, found, best_of(found)[0].misfit, nuisance, confounder.log_prior)
+    return Hypothesis(beside, found, best_of(found)[0].misfit, *confounder.prior)
 
 
 def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: tuple[float, float]) -> list[Normal]:
@@ -301,17 +291,6 @@ def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: 
         where = np.r_[:n, start:end, ends[-1] : len(whole.b)]  # behind the confounders: the field of all frames
         found.append(with_common_field(rows, Normal(whole.a[np.ix_(where, where)], whole.b[where], whole.c), misfit[1]))
     return found
-
-
-def _explanations_with(
-    normals: Mapping[tuple[float, float], Normal],
-    likelihoods: Sequence[tuple[float, Normal]],
-    confounder: Confounder,
-    prior: CalibrationPrior,
-    which: Sequence[int],
-) -> list[Explanation]:
-    """θ beside a confounder."""
-    return explained_by(normals, likelihoods, prior, which, np.diag(confounder.sizes), confounder.log_prior)
 
 
 def _rolling(rows: LinearGroups, chart: RigChart) -> list[Confounder]:
@@ -420,10 +399,8 @@ def hypothesis_with_delay(
             ]
         )
         likelihoods = _delay_evidence(rows, chart, theta, windows_at_theta, ways, prior, size)
-        late = replace(
-            _rows_and_delay(rows, chart, theta, delay, _of_frames(windows, windows_at_theta, ways, rows.groups)),
-            likelihoods=likelihoods,
-        )
+        by_frame = _of_frames(windows, windows_at_theta, ways, rows.groups)
+        late = replace(_rows_and_delay(rows, chart, theta, delay, by_frame), likelihoods=likelihoods)
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
         found = explanations(late, prior, range(len(prior.roots)), misfits, nuisance, log_prior)
@@ -468,9 +445,10 @@ def _delay_evidence(
     root, mean = root_and_mean(prior)
     wider = np.zeros((len(mean) + 1,) * 2)
     wider[:-1, :-1], wider[-1, -1] = root, size
-
-    several = [_with_way(one.normal, way) for one, way in zip(windows_at_theta, ways, strict=True)]
-    by_ways = [_with_way(one.with_distance - one.normal, way) for one, way in zip(windows_at_theta, ways, strict=True)]
+    # Of θ and of how often the way of a window is added to it.
+    to = [(one, np.column_stack([np.eye(len(way)), way])) for one, way in zip(windows_at_theta, ways, strict=True)]
+    several = [one.normal.of_parameters(both) for one, both in to]
+    by_ways = [(one.with_distance - one.normal).of_parameters(both) for one, both in to]
     alone = together(several, wider, np.append(mean, 0.0))
     of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
     return [
@@ -478,12 +456,6 @@ def _delay_evidence(
         for log, of_ranges in rows.measured.ranges.likelihoods(chart, theta)
         for other, normal in of_windows
     ]
-
-
-def _with_way(normal: Normal, way: Float[np.ndarray, "n"]) -> Normal:
-    """Of θ and of how often a way is added to it."""
-    to = np.column_stack([np.eye(len(way)), way])
-    return Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c)
 
 
 def _of_frames(

@@ -41,13 +41,10 @@ _SEED = 0
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
-    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that
-    is too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
-    pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera.
-
-    Args:
-        view: the view; default the rig's own pinhole.
-    """
+    """Points over the left image, at a distance along its axis in baselines, that both cameras see, or, where that is
+    too near for both, that the lens models reach; metres. Of a wide lens, of whatever model, or in a view that is no
+    pinhole, over what the view shows of it; where that is no pinhole, at a distance from the left camera. The view is
+    by default the rig's own pinhole."""
     (width, height), pinhole = rig.left.size, view is None or view.projection == PINHOLE
     rays = np.asarray(rig.left.rays(_pixel_grid(rig.left.size)))
     if rig.left.lens.WIDE or not pinhole or np.hypot(rays[:, 0], rays[:, 1]).max() > _FLAT:
@@ -82,18 +79,14 @@ def _weights(
     image; over the view again where nothing does. In views that are no pinhole, points count by the squares of their
     disparities."""
     points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
-    ahead = (np.abs(_share(rig, points) - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
+    of_image = np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
+    ahead = (np.abs(of_image - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
     by_squared_disparity = _stretch(rig, points, view) ** -2
     found = []
     for inside, counts in zip(np.split(ahead, ends), np.split(by_squared_disparity, ends), strict=True):
         weights = np.stack([counts, counts * inside if inside.any() else counts])
         found.append(weights / weights.sum(axis=1, keepdims=True))
     return found
-
-
-def _share(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p 2"]:
-    """Where points lie in the left image, of its width and height."""
-    return np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
 
 
 def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:
@@ -112,11 +105,8 @@ def readings(
 ) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
     """Row differences of points, and their relative errors of disparity (true depth over that read, less 1), as `used`
     reads the pixels in which `true` sees them; rows in pixels of the mean focal length of `used`, as wide as they are
-    in the middle: where a view stretches rows, images are blurred by as much.
-
-    Args:
-        view: the view in which rows and disparities are read; default a pinhole.
-    """
+    in the middle: where a view stretches rows, images are blurred by as much. The view in which both are read is by
+    default a pinhole."""
     return readings_of_rays(used, *rays_read(used, true, points), points, view)
 
 
@@ -151,11 +141,7 @@ def nearness_of(
     rig: StereoRig, left: Float[np.ndarray, "p 3"], right: Float[np.ndarray, "p 3"], view: View | None = None
 ) -> Float[np.ndarray, "p"]:
     """Baselines over depth along the axis of the left camera, of points that both cameras see along these rays; 0 of
-    what they see behind themselves.
-
-    Args:
-        view: as `readings` has it.
-    """
+    what they see behind themselves. In a view as `readings` has it."""
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
     left = left / left[:, 2:]
     _, nearness = _rows_and_nearness(_formulas(view), left @ to_left.T, right @ to_right.T)
@@ -262,14 +248,7 @@ def consequences(
 
 @dataclass(frozen=True, eq=False)
 class SampleReadings:
-    """Rows and disparities over a view, of some rigs that may be true; always the same ones.
-
-    Attributes:
-        chart: from θ to rigs.
-        posterior: of θ.
-        distances: in baselines.
-        view: in which rows and disparities are read; None: the rig's own.
-    """
+    """Rows and disparities over a view, of some rigs that may be true; always the same ones."""
 
     chart: RigChart
     posterior: Posterior

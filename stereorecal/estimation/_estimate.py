@@ -302,10 +302,8 @@ def with_free_together(
     estimates: Sequence[Estimate], names: Sequence[str], *, keep_depth: float = 0.0
 ) -> list[Float[np.ndarray, "n"]]:
     """θ of each recording's rig that together lose least in rows and depth if only these parameters may change, and all
-    but the extrinsics of a drift are the same for all; as given, if no rigs stand there.
-
-    Args:
-        keep_depth: times that a change of depth costs its square.
+    but the extrinsics of a drift are the same for all; as given, if no rigs stand there; `keep_depth` times a change of
+    depth costs its square.
 
     Raises:
         InputError: if a name is unknown.

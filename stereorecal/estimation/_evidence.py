@@ -31,6 +31,15 @@ class Normal:
     b: Float[np.ndarray, "n"]
     c: float
 
+    @classmethod
+    def flat(cls, n: int) -> "Normal":
+        """That of something which tells nothing."""
+        return cls(np.zeros((n, n)), np.zeros(n), 0.0)
+
+    def of_parameters(self, to: Float[np.ndarray, "n m"]) -> "Normal":
+        """Of parameters p with x = to p."""
+        return Normal(to.T @ self.a @ to, to.T @ self.b, self.c)
+
     def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
         """Of what the first parameters differ by from a mean."""
         by_mean = self.a[:, : len(mean)] @ mean
@@ -62,11 +71,7 @@ def normal_of(
 
 
 def marginal(of_rows: Normal, nuisance: Float[np.ndarray, "q q"]) -> Normal:
-    """The likelihood of θ alone, the last parameters integrated.
-
-    Args:
-        nuisance: a root of their covariance.
-    """
+    """The likelihood of θ alone, the last parameters integrated, of whose covariance `nuisance` is a root."""
     n = len(of_rows.b) - len(nuisance)
     cross = nuisance.T @ np.column_stack([of_rows.a[n:, :n], of_rows.b[n:]])
     lower = np.linalg.cholesky(np.eye(len(nuisance)) + nuisance.T @ of_rows.a[n:, n:] @ nuisance)

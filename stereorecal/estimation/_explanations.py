@@ -66,11 +66,7 @@ class Hypothesis:
     def explained(
         self, prior: CalibrationPrior, which: Sequence[int], rows: LinearGroups | None = None
     ) -> list[Explanation]:
-        """θ under some covariances of the calibration's prior.
-
-        Args:
-            rows: some of its own; default all.
-        """
+        """θ under some covariances of the calibration's prior, by all of its rows or by some."""
         rows = self.rows if rows is None else rows
         misfit = self.misfit if len(rows.frames) > 1 else (float(np.hypot(*self.misfit)), 0.0)
         return explanations(rows, prior, which, [misfit], self.nuisance, self.log_prior)
@@ -84,23 +80,16 @@ def explanations(
     nuisance: Float[np.ndarray, "q q"] = NOTHING,
     log_prior: float = 0.0,
 ) -> list[Explanation]:
-    """θ for each misfit and some of the covariances of the calibration's prior.
-
-    Args:
-        rows: whose last columns are nuisance parameters.
-        nuisance, log_prior: as `explained_by` has them.
-    """
+    """θ for each misfit and some of the covariances of the calibration's prior, of rows whose last columns are nuisance
+    parameters, of which `explained_by` tells."""
     whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
     normals = [with_common_field(rows, whole[of_a_frame], common) for of_a_frame, common in misfits]
     return explained_by(dict(zip(misfits, normals, strict=True)), rows.likelihoods, prior, which, nuisance, log_prior)
 
 
 def with_common_field(rows: LinearGroups, whole: Normal, common: float) -> Normal:
-    """A likelihood of `rows.normal` with the field integrated that all frames have in common, where there are several.
-
-    Args:
-        common: deviation of that field, pixels.
-    """
+    """A likelihood of `rows.normal` with the field integrated that all frames have in common, where there are several;
+    `common` is the deviation of that field, pixels."""
     return marginal(whole, common * _root_of_field()) if len(rows.frames) > 1 else whole
 
 
@@ -155,9 +144,6 @@ def mixture(several: Sequence[Explanation]) -> Posterior:
     significant = np.argwhere(weights > _LEAST)
     some = weights[tuple(significant.T)]
     kinds = [(several[i].found, significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
-    whole = Posterior(
-        some / some.sum(),
-        np.concatenate([found.means[which] for found, which in kinds]),
-        np.concatenate([found.covariances(which) for found, which in kinds]),
-    )
-    return merged(whole, _MOST)
+    means = np.concatenate([found.means[which] for found, which in kinds])
+    covariances = np.concatenate([found.covariances(which) for found, which in kinds])
+    return merged(Posterior(some / some.sum(), means, covariances), _MOST)

@@ -101,11 +101,8 @@ def grouped(
     found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], first: Int[np.ndarray, "k"] | None = None
 ) -> Groups:
     """The groups of correspondences, whose rays the cameras of the chart's rig give; outliers are told from the others
-    of their group under the rig at θ.
-
-    Args:
-        first: of each frame the first of those that it is one with; default itself.
-    """
+    of their group under the rig at θ. `first` has of each frame the first of those that it is one with; default
+    itself."""
     focal, scale = float(found.focal), float(found.scale)
     valid = np.asarray(found.weight) > 0
     first = np.arange(len(valid)) if first is None else first
@@ -115,21 +112,8 @@ def grouped(
     rows, disparity = _rectified(found, chart, theta, valid)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     if not valid.any():
-        nothing, numbers = np.zeros(0), np.zeros(0, int)
-        return Groups(
-            left,
-            right,
-            nothing,
-            nothing,
-            numbers,
-            numbers,
-            nothing,
-            numbers,
-            focal / scale,
-            nothing,
-            first,
-            found.projection,
-        )
+        no, at = np.zeros(0), np.zeros(0, int)
+        return Groups(left, right, no, no, at, at, no, at, focal / scale, no, first, found.projection)
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
     key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
     order = np.argsort(key, kind="stable")
@@ -207,11 +191,8 @@ def _news_of_frames(
     noise: Float[np.ndarray, "g"],
 ) -> Float[np.ndarray, "g"]:
     """The share of its correspondences that tells a group something new, where several frames are in it: what their
-    means differ by less than noise would make them, they have in common.
-
-    Args:
-        noise: variance of one independent correspondence.
-    """
+    means differ by less than noise would make them, they have in common; `noise` is the variance of one independent
+    correspondence."""
     keys, of_frame = np.unique(number[inliers] * (frame.max() + 1) + frame[inliers], return_inverse=True)
     group = keys // (frame.max() + 1)
     frames = np.bincount(group, minlength=len(noise))

@@ -10,6 +10,7 @@ linear where they were solved last: a few rounds, and all agree.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
+from itertools import product
 from operator import add
 from typing import Any
 
@@ -157,7 +158,7 @@ class Fit:
         several = [one for some in hypotheses for one in some.several]
         if rows is None:
             start = np.zeros(chart.dim) if recording.start is None else recording.start
-            flat = Normal(np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim), 0.0)
+            flat = Normal.flat(chart.dim)
             likelihoods = self.measured.likelihoods(chart, start, prior)
             several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
         best, posterior = best_of(several)[0], mixture(several)
@@ -206,11 +207,8 @@ def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> 
 def _settled(
     found: Correspondences, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"], measured: Measured
 ) -> tuple[LinearGroups | None, tuple[float, float]]:
-    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few.
-
-    Args:
-        theta: to begin at.
-    """
+    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few. It begins
+    at `theta`."""
     misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
@@ -245,12 +243,8 @@ def _other_rigs(
     best: Explanation,
     theta: Float[np.ndarray, "n"],
 ) -> tuple[OtherRig, ...]:
-    """Frames that show another rig than θ, each by itself, also where several show the same.
-
-    Args:
-        rows: near θ.
-        best: the most probable explanation of these.
-    """
+    """Frames that show another rig than θ, each by itself, also where several show the same; `best` is the most
+    probable explanation of rows near θ."""
     misfit = best.misfit
     if any_same(rows.groups.first):
         rows = linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
@@ -278,22 +272,14 @@ def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tu
         at = grid.index(value)
         return grid[max(at - 1, 0) : at + 2]
 
-    return [
-        (d, c)
-        for d in neighbours(misfit[0], DEVIATIONS)
-        for c in (neighbours(misfit[1], COMMON) if several else (0.0,))
-    ]
+    common = neighbours(misfit[1], COMMON) if several else (0.0,)
+    return list(product(neighbours(misfit[0], DEVIATIONS), common))
 
 
 def estimate_together(
     recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
 ) -> list[Estimate]:
-    """The estimate of each recording's rig, from what all of them show.
-
-    Args:
-        recordings: one or several.
-        each: runs a task for each recording.
-    """
+    """The estimate of each recording's rig, from what all of them show; `each` runs a task for each recording."""
     estimates, messages = _round(recordings, each)
     variances = [one.prior_variance for one in estimates]
     for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):
@@ -326,8 +312,8 @@ def of_calibration(best: Explanation) -> Normal:
     of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
     weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
     axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
-    to = np.column_stack([axes, axes[:, : len(DRIFTING)]])
-    return marginal(Normal(to.T @ of_theta.a @ to, to.T @ of_theta.b, of_theta.c), np.diag(sizes))
+    both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
+    return marginal(both, np.diag(sizes))
 
 
 def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:

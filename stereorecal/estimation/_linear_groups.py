@@ -121,8 +121,7 @@ class LinearGroups:
         """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
         under a misfit of this deviation in each frame."""
         columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
-        size = columns.shape[1]
-        total = Normal(np.zeros((size, size)), np.zeros(size), 0.0)
+        total = Normal.flat(columns.shape[1])
         for f in self.frames:
             covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
             total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])
@@ -149,11 +148,8 @@ def linear_groups(
     measured: Measured,
     likelihoods: Sequence[tuple[float, Normal]] | None = None,
 ) -> LinearGroups:
-    """The rows of groups, linear near θ.
-
-    Args:
-        likelihoods: of ranges and windows, as they were near another θ; default anew.
-    """
+    """The rows of groups, linear near θ; with likelihoods of ranges and windows as they were near another θ, or
+    anew."""
     rows = groups.rows(chart, theta)
     jacobian = rows.jacobian[:, 0].T
     at_zero = rows.differences[0] - jacobian @ theta
@@ -197,11 +193,7 @@ class OtherRig:
 
 def other_rigs(rows: LinearGroups, misfit: float, theta: Float[np.ndarray, "n"]) -> tuple[OtherRig, ...]:
     """The frames that would be far more probable with extrinsics of their own, by rows that matter; the farthest first.
-
-    Args:
-        misfit: deviation of the field of each frame, pixels.
-        theta: the solution of all frames.
-    """
+    The misfit is the deviation of the field of each frame, pixels; θ is the solution of all."""
     if len(rows.frames) < 2:
         return ()
     own, limit = len(DRIFTING), _chi_square(len(DRIFTING), 1.0 - _CHANCE / len(rows.frames))

@@ -153,12 +153,7 @@ class Errors:
 def errors_near(
     chart: RigChart, at: Float[np.ndarray, "n"], matters: Matters, view: View | None, groups: Groups | None
 ) -> Errors:
-    """Linear near the rig at θ = at.
-
-    Args:
-        matters: what counts as an error.
-        groups: what the images show; None: nothing.
-    """
+    """Linear near the rig at θ = at, of what the images show as well, where there are groups."""
     true, points, weights = chart.rig_at(at), [], np.zeros(0)
     if groups is not None:
         shown, weights = points_shown(groups, chart, at, view)
@@ -265,12 +260,8 @@ def losses(errors: Errors, found: Float[np.ndarray, "q"], samples: Float[np.ndar
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What is known of a rig, as far as candidates are chosen by it.
-
-    Attributes:
-        errors: of rigs near the posterior's mean.
-        posterior: of θ.
-    """
+    """What is known of a rig, as far as candidates are chosen by it: errors of rigs near the posterior's mean, and
+    that."""
 
     errors: Errors
     posterior: Posterior

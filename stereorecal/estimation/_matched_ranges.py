@@ -102,7 +102,7 @@ class MatchedRanges:
     def likelihoods(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> list[tuple[float, Normal]]:
         """What they may tell of θ, near a θ: that, or nothing, since they are of other things; each with the logarithm
         of its probability. Nothing where there are none."""
-        nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+        nothing = Normal.flat(chart.dim)
         if not self:
             return [(0.0, nothing)]
         own = float(np.log1p(-_OF_OTHER_THINGS)), self.normal(chart, theta)

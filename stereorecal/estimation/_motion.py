@@ -110,12 +110,8 @@ def window(
     tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"], way: tuple[float, float] | None = None
 ) -> Window:
     """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
-    itself.
-
-    Args:
-        way: the distance travelled from an odometer, and its standard deviation, metres.
-    """
-    nothing = Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0)
+    itself; `way` is the distance travelled from an odometer, and its standard deviation, metres."""
+    nothing = Normal.flat(chart.dim)
     tracks = with_rays(tracks, chart.rig_at(theta))
     if len(tracks) < _FEWEST:
         return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
@@ -163,11 +159,8 @@ def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> 
 def _motion(
     readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0
 ) -> _Solved:
-    """Gauss-Newton with redescending weights, from a motion and a yaw.
-
-    Args:
-        convex: rounds in which what is far still has some say.
-    """
+    """Gauss-Newton with redescending weights, from a motion and a yaw; in the first `convex` rounds what is far still
+    has some say."""
     number, axis = len(readings.tracks), _yaw_axis(chart)
     motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
     prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
@@ -193,7 +186,9 @@ def _motion(
         b = -np.tensordot(weighted, r, ([0, 1], [0, 1])) / scale**2 - prior @ np.r_[np.zeros(MOVES), yaw]
         step = np.linalg.solve(a, b)
         nearness = nearness - (pulls[:, 0] + pulls[:, 1:] @ step)
-        motion, yaw = _with_step(motion, step[:MOVES]), yaw + float(step[MOVES])
+        turn = np.asarray(rotation_from_vector(step[:3]), float)
+        motion = Motion(turn @ motion.rotation, motion.translation + step[3:MOVES])
+        yaw = yaw + float(step[MOVES])
         if round_ > convex + 1 and step @ a @ step < _SETTLED**2:
             break
     return _Solved(motion, yaw, nearness, scale, weight)
@@ -202,11 +197,6 @@ def _motion(
 def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
     """Precisions of a motion of which nothing is known."""
     return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
-
-
-def _with_step(motion: Motion, step: Float[np.ndarray, "6"]) -> Motion:
-    turn = np.asarray(rotation_from_vector(step[:3]), float)
-    return Motion(turn @ motion.rotation, motion.translation + step[3:])
 
 
 def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
@@ -277,23 +267,14 @@ def _products_with_shared_errors(
     place: Int[np.ndarray, "m"],
 ) -> Float[np.ndarray, "c c"]:
     """Products of the columns of whitened rows, of which the first are residuals, where tracks of one place have an
-    error in common besides their own: as large as the evidence says, and integrated.
-
-    Args:
-        depth_directions: of each track, the direction of its residuals that its depth takes, of length 1.
-    """
+    error in common besides their own: as large as the evidence says, and integrated. `depth_directions` are those of
+    its residuals that the depth of each track takes, of length 1."""
     own = np.sqrt(weight)[:, None, None] * rows
     plain = np.tensordot(own, own, ([0, 1], [0, 1]))
-    pulls, known = (
-        np.zeros((PLACES[0] * PLACES[1], *rows.shape[1:])),
-        np.zeros((PLACES[0] * PLACES[1], PER_TRACK, PER_TRACK)),
-    )
-    np.add.at(pulls, place, weight[:, None, None] * rows)
-    np.add.at(
-        known,
-        place,
-        weight[:, None, None] * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]),
-    )
+    places, weight = PLACES[0] * PLACES[1], weight[:, None, None]
+    pulls, known = np.zeros((places, *rows.shape[1:])), np.zeros((places, PER_TRACK, PER_TRACK))
+    np.add.at(pulls, place, weight * rows)
+    np.add.at(known, place, weight * (np.eye(PER_TRACK) - depth_directions[:, :, None] * depth_directions[:, None]))
     found = []
     for shared in _SHARED:
         inner = np.eye(PER_TRACK) + shared**2 * known
@@ -333,11 +314,7 @@ class Windows:
     ways: tuple[tuple[float, float] | None, ...] = ()
 
     def numbered(self, used: Sequence[int]) -> "Windows":
-        """The windows of the frames that are used, which are numbered anew.
-
-        Args:
-            used: numbers of these frames, in their new order.
-        """
+        """The windows of the frames that are used, which are numbered anew in that order."""
         new = {frame: number for number, frame in enumerate(used)}
         some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
         return Windows(
@@ -369,24 +346,18 @@ class Windows:
     ) -> list[tuple[float, Normal]]:
         """What the windows may tell of θ, near a θ, as `MatchedRanges.likelihoods`: all of it, or all but depth."""
         if not self:
-            return [(0.0, Normal(np.zeros((chart.dim,) * 2), np.zeros(chart.dim), 0.0))]
+            return [(0.0, Normal.flat(chart.dim))]
         within = root_and_mean(prior)
         windows = self.linear_at(chart, theta)
-        return self.explained(together([one.normal for one in windows], *within), of_ways(windows), chart)
+        # Ways err by themselves, however wrong the tracks are.
+        by_ways = reduce(add, (one.with_distance - one.normal for one in windows))
+        return self.explained(together([one.normal for one in windows], *within), by_ways, chart)
 
     def explained(self, alone: Normal, by_ways: Normal, chart: RigChart) -> list[tuple[float, Normal]]:
-        """What they may tell together, each with the logarithm of its probability: with the ways, if those are of this
-        rig; without; and nothing of depth.
-
-        Args:
-            alone: without ways.
-            by_ways: what these add.
-            chart: of the rig; ways of less than a tenth of its baseline do not count.
-        """
-        explanations = [
-            (float(np.log1p(-_OF_OTHER_THINGS)), alone),
-            (float(np.log(_OF_OTHER_THINGS)), without_depth(alone)),
-        ]
+        """What they may tell together, each with the logarithm of its probability: alone, with what ways add, if those
+        are of this rig (less than a tenth of its baseline does not count); without; and nothing of depth."""
+        of_rig, of_others = float(np.log1p(-_OF_OTHER_THINGS)), float(np.log(_OF_OTHER_THINGS))
+        explanations = [(of_rig, alone), (of_others, without_depth(alone))]
         ways = [way for way in self.ways if way is not None and far_enough(way[0], chart.rig)]
         if not ways:
             return explanations
@@ -395,11 +366,6 @@ class Windows:
         narrower = float(np.log(_ANY_LENGTH / (sigma * np.sqrt(2.0 * np.pi))))
         own = float(np.log1p(-_OF_OTHER_THINGS) + np.log1p(-_OTHER_WAYS)) + narrower
         return [(own, alone + by_ways), *((float(log + np.log(_OTHER_WAYS)), normal) for log, normal in explanations)]
-
-
-def of_ways(windows: Sequence[Window]) -> Normal:
-    """What ways add to windows: they err by themselves, however wrong the tracks are."""
-    return reduce(add, (one.with_distance - one.normal for one in windows))
 
 
 NO_WINDOWS = Windows()
@@ -414,12 +380,8 @@ def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Fl
 
 
 def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Float[np.ndarray, "n"]) -> Normal:
-    """The likelihood of all windows, their errors as much larger as the evidence says.
-
-    Args:
-        root: of the covariance of what they tell of, before, and
-        mean: its mean.
-    """
+    """The likelihood of all windows, their errors as much larger as the evidence says; `root` and `mean` are those of
+    what they tell of, before."""
     total, n = reduce(add, several), len(mean)
     counted = [one for one in several if one.a.any()]
     found = []
@@ -433,7 +395,6 @@ def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Fl
 
 def without_depth(normal: Normal) -> Normal:
     """The likelihood if the depth in all windows is not that of the rig: with a yaw of its own."""
-    n = len(normal.b)
-    axis = np.eye(n)[DRIFTING.index("yaw")]
-    to = np.column_stack([np.eye(n), axis])
-    return marginal(Normal(to.T @ normal.a @ to, to.T @ normal.b, normal.c), np.array([[_OWN_YAW]]))
+    axes = np.eye(len(normal.b))
+    both = normal.of_parameters(np.column_stack([axes, axes[DRIFTING.index("yaw")]]))
+    return marginal(both, np.array([[_OWN_YAW]]))

@@ -39,12 +39,7 @@ _ERROR = 0.5  # pixels
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Of the left camera: x later = rotation x + translation.
-
-    Attributes:
-        rotation: (3, 3).
-        translation: (3,) metres.
-    """
+    """Of the left camera: x later = rotation x + translation, in metres."""
 
     rotation: Float[np.ndarray, "3 3"]
     translation: Float[np.ndarray, "3"]

@@ -50,10 +50,7 @@ def components_of(known: Posterior) -> list[dict[str, Any]]:
 
 
 def mixture_from(components: Any, dim: int) -> Posterior:
-    """The inverse.
-
-    Args:
-        dim: n, the number of parameters.
+    """The inverse, of `dim` parameters.
 
     Raises:
         KeyError, TypeError, ValueError: if these are none.
@@ -200,30 +197,10 @@ def recentred_posterior(posterior: Posterior, used: Float[np.ndarray, "n"]) -> P
     return Posterior(np.ones(1), (posterior.mean - used)[None], covariance[None])
 
 
-def as_prior_of(known: Posterior) -> CalibrationPrior:
-    """A posterior as a prior."""
-    roots = np.stack([root(covariance) for covariance in known.covariances])
-    return CalibrationPrior(roots, known.weights, means=known.means)
-
-
 def as_mixture(prior: CalibrationPrior) -> Posterior:
     """A prior as a mixture of normal distributions."""
     covariances = prior.roots @ prior.roots.swapaxes(1, 2)
     return Posterior(prior.weights, prior.means, 0.5 * (covariances + covariances.swapaxes(1, 2)))
-
-
-def recentred_prior(prior: CalibrationPrior, used: Float[np.ndarray, "n"]) -> CalibrationPrior:
-    """The same of changes from the rig at θ = used."""
-    return CalibrationPrior(prior.roots, prior.weights, means=prior.means - used)
-
-
-def prior_without_depth(chart: RigChart) -> CalibrationPrior:
-    """Of a rig that was repaired, and nobody knows how well: with a yaw that may be off by any amount that is left."""
-    yaw = DRIFTING.index("yaw")
-    loose, prior = np.zeros((chart.dim, chart.dim)), calibration_prior(chart)
-    loose[yaw, yaw] = _YAW_UNKNOWN**2
-    roots = np.stack([root(one @ one.T + loose) for one in prior.roots])
-    return CalibrationPrior(roots, prior.weights, means=prior.means)
 
 
 def updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
@@ -311,7 +288,7 @@ def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[st
     exact = [name for name in sigmas if not prior.roots[:, chart.names.index(name)].any()]
     found = _with_sigmas(prior, chart, {name: sigma for name, sigma in sigmas.items() if name not in exact})
     own = np.diag([sigmas[name] if name in exact else 0.0 for name in chart.names])
-    return replace(found, roots=np.stack([root(one @ one.T + own**2) for one in found.roots])) if exact else found
+    return found.beside(own**2) if exact else found
 
 
 def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
@@ -323,7 +300,7 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
     if isinstance(prior, Earlier):
         original, before = rig_parameters(prior.rig), prior.prior
         found = as_prior(before, original) if isinstance(before, str | Mapping) else _known(before, original)
-        return recentred_prior(found, original.coordinates_of(chart.rig))
+        return replace(found, means=found.means - original.coordinates_of(chart.rig))
     if prior is None or prior == DEFAULT:
         return calibration_prior(chart)
     if prior == SAVED:
@@ -339,7 +316,13 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
 
 
 def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:
-    return prior_without_depth(chart) if known is None else as_prior_of(known)
+    """A posterior as a prior; of a rig that was repaired, and nobody knows how well, that of a calibration with a yaw
+    that may be off by any amount that is left."""
+    if known is None:
+        loose, yaw = np.zeros((chart.dim, chart.dim)), DRIFTING.index("yaw")
+        loose[yaw, yaw] = _YAW_UNKNOWN**2
+        return calibration_prior(chart).beside(loose)
+    return CalibrationPrior(np.stack([root(one) for one in known.covariances]), known.weights, means=known.means)
 
 
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:

@@ -77,11 +77,8 @@ def _by_point(camera: Camera, points: Float[np.ndarray, "*c 3"]) -> Float[np.nda
     """Of the pixels of points in the camera's frame."""
     by_ray, _ = pixel_slopes(camera, points, ())
     rays = points[..., :2] / points[..., 2:]
-    return (
-        by_ray
-        @ np.concatenate([np.broadcast_to(np.eye(2), by_ray.shape), -rays[..., None]], axis=-1)
-        / points[..., 2, None, None]
-    )
+    of_rays = np.concatenate([np.broadcast_to(np.eye(2), by_ray.shape), -rays[..., None]], axis=-1)
+    return by_ray @ of_rays / points[..., 2, None, None]
 
 
 def within_field(

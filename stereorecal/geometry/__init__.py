@@ -39,7 +39,7 @@ from stereorecal.geometry._rig import (
     with_unit_baseline as with_unit_baseline,
 )
 from stereorecal.geometry._rig_as_data import rig_as_data as rig_as_data, rig_from_data as rig_from_data
-from stereorecal.geometry._same_rig import same_rig as same_rig
+from stereorecal.geometry._same_rig import same_cameras as same_cameras, same_rig as same_rig
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,

@@ -170,11 +170,7 @@ class RigChart:
 
 
 def row_chart(rig: StereoRig, reach: Reach, free: Parameters | None = None) -> RigChart:
-    """The box of epipolar residuals: twice as wide as the reach, around the rig.
-
-    Args:
-        free: default the extrinsics.
-    """
+    """The box of epipolar residuals: twice as wide as the reach, around the rig; by default of the extrinsics."""
     return RigChart(rig, (free or Parameters()).of(rig, reach))
 
 

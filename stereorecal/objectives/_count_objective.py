@@ -72,10 +72,7 @@ def _count(score: StereoCount, z: Float[jax.Array, "n"]) -> jax.Array:
 @dataclass(frozen=True, eq=False)
 class StereoSoftCount:
     """The soft count as a function of a point of the unit box; compiled at its first call, differentiable in any mode.
-
-    Attributes: those of `StereoCount`, and
-        temperature: width of the gates, dimensionless.
-    """
+    Its temperature is the width of the gates, dimensionless."""
 
     data: tuple[ScoringData, ...]
     chart: Chart
@@ -144,9 +141,7 @@ def count_objective(
 ) -> Objective:
     """`objective` of images that are prepared once, and a matcher whose disparity range is known; of at most so many
     frames."""
-    whole = images.at(scale, frames)
-    data = bands(whole, rows)
-    cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
+    data, cost = _bands(images, scale, frames, rows)
     metric_chart = count_chart(images.rig, reach, free)
     chart = metric_chart.with_unit_baseline()
     traced_chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), chart)
@@ -176,9 +171,7 @@ def rig_count_objective(
     budget: Budget | None = None,
 ) -> Objective:
     """`count_objective` over a box that holds intrinsics too; on the host alone, one candidate after the other."""
-    whole = images.at(scale, frames)
-    data = bands(whole, rows)
-    cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
+    data, cost = _bands(images, scale, frames, rows)
 
     def value(rig: StereoRig) -> int:
         extrinsics = with_unit_baseline(rig.extrinsics)[None]
@@ -188,3 +181,10 @@ def rig_count_objective(
         return np.array([value(chart.rig_at(z)) for z in points], float)
 
     return Objective(Problem(chart.dim, values, cost), budget)
+
+
+def _bands(images: Pyramid, scale: float, frames: int | None, rows: float) -> tuple[tuple[ScoringData, ...], float]:
+    """What is scored, and what a candidate costs."""
+    whole = images.at(scale, frames)
+    data = bands(whole, rows)
+    return data, whole.cost * sum(band.pixels for band in data) / whole.pixels

@@ -149,11 +149,7 @@ def linear_residuals(rows: LinearRows, precision: Float[np.ndarray, "k m"], prio
 
 
 def epipolar_objective(residuals: LinearResiduals, budget: Budget | None = None) -> Objective:
-    """The objective whose value is -½ |residuals|².
-
-    Args:
-        budget: default unlimited.
-    """
+    """The objective whose value is -½ |residuals|², by default without any limit."""
     jacobian, at_centre = np.asarray(residuals.jacobian), np.asarray(residuals.at_centre)
 
     def values(points: Float[np.ndarray, "k n"]) -> Float[np.ndarray, "k"]:

@@ -167,12 +167,8 @@ class Parameters:
         return replace(self, free=(*self.names, *names))
 
     def of_all(self, rig: StereoRig, *, intrinsics: bool = True) -> "Parameters":
-        """These by name, of a rig; where `everything` is free, with every parameter of its cameras
-        for which these have a coefficient, or the usual five.
-
-        Args:
-            intrinsics: False: where everything is free, the intrinsics are not.
-        """
+        """These by name, of a rig; where `everything` is free, with every parameter of its cameras for which these have
+        a coefficient, or the usual five; without `intrinsics`, where everything is free, these are not."""
         if not self.everything:
             return self
         sides = (("left", rig.left), ("right", rig.right)) if intrinsics else ()

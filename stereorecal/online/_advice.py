@@ -196,12 +196,7 @@ def _errors(around: Sequence[_Around], good_rows_px: float) -> list[_Error]:
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """Something that could be shown.
-
-    Attributes:
-        part, distance: as `Showing` has them.
-        measures: what it would measure.
-    """
+    """Something that could be shown, as `Showing` has it, and what it would measure."""
 
     part: tuple[int, int] | None
     distance: float | None
@@ -228,11 +223,7 @@ def _looks(state: State, around: Sequence[_Around]) -> list[_Candidate]:
 
 
 def _look(state: State, rows: Float[np.ndarray, "p 5"]) -> Measurement:
-    """What row differences would measure.
-
-    Args:
-        rows: their derivatives by the offset.
-    """
+    """What row differences would measure, by their derivatives by the offset."""
     still = np.zeros(SIZE)
     information = rows.T @ rows / _NOISE**2
     return Measurement(state.frame, state.estimate.offset, information, still, synchronous=state.config.synchronous)
@@ -254,11 +245,8 @@ def _motions(state: State, chart: RigChart, around: tuple[_Around, ...]) -> list
 def _tracked(
     chart: RigChart, around: tuple[_Around, ...], covered: tuple[tuple[bool, ...], ...]
 ) -> list[tuple[float | None, Normal]]:
-    """Distances as `Showing` has them, and what the motion past them would tell of the rig.
-
-    Args:
-        covered: whether something was seen in each part of the view at each distance.
-    """
+    """Distances as `Showing` has them, and what the motion past them would tell of the rig; `covered` says whether
+    something was seen in each part of the view at each distance."""
     seen = [at.points[np.array(covered)[at.part, band_of(at.distance)]] for at in around]
     here = _after_motion(chart, np.concatenate(seen))
     if here is not None:

@@ -43,11 +43,9 @@ def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
     if not state.config.motion or state.corners is not None:
         return state
     found = corners(pair, look.matches, look.match_radius, _MOST)
-    return (
-        state.replace(corners=found, corners_frame=state.frame, corners_time=pair.time)
-        if len(found.left) >= _FEWEST
-        else state
-    )
+    if len(found.left) < _FEWEST:
+        return state
+    return state.replace(corners=found, corners_frame=state.frame, corners_time=pair.time)
 
 
 def moved(state: State, pair: Pair) -> State:
@@ -68,15 +66,12 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
     tracked = window(tracks, chart, np.zeros(chart.dim))
     lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
-    short_travel = tracked.metres[0] < AHEAD * float(state.rig.baseline)
-    tracking_gap = (
-        max(state.tracked_pairs // 2, 1)
-        if lost
-        else min(2 * state.tracked_pairs, _longest(state))
-        if short_travel
-        else state.tracked_pairs
-    )
-    state = state.replace(corners=None, tracked_pairs=tracking_gap)
+    gap = state.tracked_pairs
+    if lost:
+        gap = max(gap // 2, 1)
+    elif tracked.metres[0] < AHEAD * float(state.rig.baseline):
+        gap = min(2 * gap, max(_LONGEST - _LONGEST % state.config.every, 1))  # pairs to a look that comes soon enough
+    state = state.replace(corners=None, tracked_pairs=gap)
     if tracked.motion is None or not tracked.informative:
         return state
     turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
@@ -91,17 +86,9 @@ def _within_tracking_time(first: float | None, second: float | None, pairs: int)
     return 0.0 < second - first <= _SECONDS
 
 
-def _longest(state: State) -> int:
-    """Pairs to the last look that comes soon enough."""
-    return max(_LONGEST - _LONGEST % state.config.every, 1)
-
-
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
-    """What a window says of the offset, near the calibration in use.
-
-    Args:
-        turned: rotation vector of the rig from one pair to the next, degrees.
-    """
+    """What a window says of the offset, near the calibration in use; the rig turned by the rotation vector `turned`
+    from one pair to the next, degrees."""
     a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
     offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
     together = state.config.synchronous
@@ -116,12 +103,9 @@ def _after_window(state: State, measured: Measurement) -> State:
     from scipy.special import expit  # a third of a second to import
 
     estimate = state.estimate
-    rig_likelihood, outlier_likelihood = (
-        estimate.log_likelihood(measured),
-        estimate.turned(_OWN_YAW).log_likelihood(measured),
-    )
+    of_rig, of_others = (one.log_likelihood(measured) for one in (estimate, estimate.turned(_OWN_YAW)))
     expected = _STAY * state.others + _COME * (1.0 - state.others)
-    share = float(expit(np.log1p(-expected) - np.log(expected) + rig_likelihood - outlier_likelihood))
+    share = float(expit(np.log1p(-expected) - np.log(expected) + of_rig - of_others))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     counted = measured.weighed(share)
     state = trial_after_motion(state.measured(counted), counted)

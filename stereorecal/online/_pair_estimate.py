@@ -54,15 +54,15 @@ class RowSolution(RowResiduals):
     @property
     def normal(self) -> Float[np.ndarray, "n n"]:
         """The normal matrix with the prior's, of the curvatures of the losses."""
-        return self._normal(slice(None), self.curvature) + self._prior
+        return self._normal(slice(None)) + self._prior
 
     @property
     def _prior(self) -> Float[np.ndarray, "n n"]:
         return np.eye(len(self.z)) / self.prior**2
 
-    def _normal(self, rows, weight: Float[np.ndarray, "m"]) -> Float[np.ndarray, "n n"]:
+    def _normal(self, rows) -> Float[np.ndarray, "n n"]:
         jacobian = self.jacobian[rows]
-        return jacobian.T @ (weight[rows, None] * jacobian)
+        return jacobian.T @ (self.curvature[rows, None] * jacobian)
 
     def _pull(self, rows) -> Float[np.ndarray, "n"]:
         return self.jacobian[rows].T @ (self.weight[rows] * self.residual[rows])
@@ -79,9 +79,7 @@ class RowSolution(RowResiduals):
             return np.linalg.inv(self._prior)
         normal = self.normal
         pull = self._pull(slice(None)) + self._prior @ self.z
-        moves = np.stack(
-            [np.linalg.solve(normal - self._normal(p, self.curvature), pull - self._pull(p)) for p in left_out]
-        )
+        moves = np.stack([np.linalg.solve(normal - self._normal(p), pull - self._pull(p)) for p in left_out])
         inverse = np.linalg.inv(normal)
         shared = _SHARED / self.scale * inverse @ (self.jacobian.T @ self.curvature)
         return _jackknife(moves) + inverse @ self._prior @ inverse + np.outer(shared, shared)
@@ -126,11 +124,7 @@ class PairEstimate:
 
 
 def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatcher) -> PairEstimate:
-    """Match a pair, and solve once for the offset.
-
-    Args:
-        matcher: with its disparity range at full size.
-    """
+    """Match a pair, and solve once for the offset."""
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
@@ -176,16 +170,11 @@ def _solved_robustly(found: Correspondences, start: LinearRows, prior: float) ->
 def _jackknife(ends: Float[np.ndarray, "u n"]) -> Float[np.ndarray, "n n"]:
     """The covariance that solutions without one of u units each show (Efron & Stein 1981), wider for few units, so that
     1.96 standard deviations mean 95 % of them too."""
-    moves = ends - ends.mean(0)
-    scatter = moves.T @ moves * (len(ends) - 1) / len(ends)
-    return (_student_975(len(ends) - 1) / NormalDist().inv_cdf(0.975)) ** 2 * scatter
-
-
-def _student_975(degrees: int) -> float:
-    """The quantile of Student's t for two-sided 95 %."""
     from scipy.special import stdtrit  # a third of a second to import, for one number
 
-    return float(stdtrit(degrees, 0.975))
+    moves, degrees = ends - ends.mean(0), len(ends) - 1
+    scatter = moves.T @ moves * degrees / len(ends)
+    return (float(stdtrit(degrees, 0.975)) / NormalDist().inv_cdf(0.975)) ** 2 * scatter
 
 
 def part_of(rig: StereoRig, points: Float[np.ndarray, "p 3"]) -> Int[np.ndarray, "p"]:

@@ -39,14 +39,8 @@ _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
 def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
-    """The posterior of the rig, as changes of the calibration in use.
-
-    Args:
-        initial: the rig that was given first.
-        using: offset of the calibration in use.
-        filtered: the filter's estimate.
-        view: in which rows and depth are judged.
-    """
+    """The posterior of the rig, as changes of the calibration in use, whose offset from the initial one is `using`;
+    rows and depth are judged in a view."""
     chart, keystone = chart_and_keystone(initial, using, view)
     numbers = [*range(SIZE), KEYSTONE]
     ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])
@@ -97,12 +91,17 @@ def chart_and_keystone(
     depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
     (of a lens with distortion, principal points bend them, too)."""
     chart = rig_parameters(rig_with(initial, np.array(using)))
-    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
-    rows, depth = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1]
+    rows, depth = _rows_and_depth(chart, view)
     principal_point, way = chart.names.index(_PRINCIPAL_POINT), np.zeros(chart.dim)
     way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
     like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])
     return chart, way / like_yaw
+
+
+def _rows_and_depth(chart: RigChart, view: View) -> tuple[Float[np.ndarray, "p n"], Float[np.ndarray, "n"]]:
+    """What each parameter does to rows, and to depth over the view."""
+    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
+    return near.rows[0], near.mean_nearness[1]
 
 
 def before_looks(state: State) -> FilterEstimate:
@@ -117,8 +116,7 @@ def before_looks(state: State) -> FilterEstimate:
     if is_exact(config.prior):
         return at_start(deviations, config)
     chart = rig_parameters(state.initial)
-    consequences_at_rig = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), state.view)
-    rows, depth, own = consequences_at_rig.rows[0], consequences_at_rig.mean_nearness[1], len(EXTRINSICS)
+    (rows, depth), own = _rows_and_depth(chart, state.view), len(EXTRINSICS)
     by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
     by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
     prior = as_prior(config.prior, chart)

@@ -20,8 +20,7 @@ from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config, Event, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace
-from stereorecal.online._sequential_test import SequentialTest
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace, SequentialTest
 from stereorecal.online._state import Job, State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners

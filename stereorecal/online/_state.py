@@ -10,9 +10,8 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace, SequentialTest
 from stereorecal.online._pair_estimate import no_coverage
-from stereorecal.online._sequential_test import SequentialTest
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 

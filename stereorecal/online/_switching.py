@@ -16,10 +16,9 @@ from stereorecal.decision import chance_of_harm
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
 from stereorecal.online._config import Event, Kind
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement, SequentialTest
 from stereorecal.online._pair_estimate import PairEstimate
-from stereorecal.online._reading import Reading, filtered_by, known, prior_now, reading
-from stereorecal.online._sequential_test import SequentialTest
+from stereorecal.online._reading import filtered_by, known, prior_now, reading
 from stereorecal.online._state import Job, Offset, State
 from stereorecal.recalibration import (
     Case,
@@ -68,12 +67,9 @@ def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEs
     trial = state.trial
     if trial is None or state.frame <= trial.since:
         return state, []
-    candidate_look = look()
-    return decided(
-        state.replace(
-            trial=trial.matched(before, candidate_look.covered if candidate_look.solution is not None else 0.0)
-        )
-    )
+    of_candidate = look()
+    after = of_candidate.covered if of_candidate.solution is not None else 0.0
+    return decided(state.replace(trial=trial.matched(before, after)))
 
 
 def decided(state: State) -> Outcome:
@@ -165,11 +161,8 @@ def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
 
 
 def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
-    """What a look measures of the offset.
-
-    Args:
-        turned: rotation of the rig since the last pair [rad], None if it is not known.
-    """
+    """What a look measures of the offset; the rig turned by `turned` since the last pair [rad], None if that is not
+    known."""
     assert look.solution is not None
     units = look.chart.units
     turn = np.zeros(SIZE)
@@ -207,8 +200,10 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     state = state.replace(trial=None, ready=0)  # it was fitted to another rig
     if not reading(state.using_now(before.offset)).matters:
         return standing(state)
-    facts = {"change": dict(zip(state.chart.names, moved.tolist(), strict=True))}
-    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, _change_text(facts["change"]), facts)]
+    change = dict(zip(state.chart.names, moved.tolist(), strict=True))
+    farthest = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))[:2]
+    text = ", ".join(f"{name} {change[name]:+.2f} deg" for name in farthest)
+    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, text, {"change": change})]
 
 
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
@@ -225,34 +220,16 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
 
 def standing(state: State) -> tuple[State, list[Event]]:
     """How the rig stands: said when it changes."""
-    found = reading(state)
-    kind = _kind(found)
+    found, why = reading(state), ""
+    kind = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}.get(found.condition)
+    if found.late:
+        kind, why = Kind.LATE, f"by {found.delay.value:.2f} frames"
+    elif found.shifted:
+        kind, (y, z) = Kind.SHIFTED, (found.axes[name].value for name in "yz")
+        why = f"y {y:+.1f}, z {z:+.1f} % of the baseline"
     if kind is None or kind is state.reported or (kind is Kind.DRIFTING and state.reported is Kind.KNOCK):
         return state, []
-    return state.replace(reported=kind), [Event(state.frame, kind, _why(kind, found), found.as_dict())]
-
-
-def _why(kind: Kind, found: Reading) -> str:
-    if kind is Kind.LATE:
-        return f"by {found.delay.value:.2f} frames"
-    if kind is Kind.SHIFTED:
-        return f"y {found.axes['y'].value:+.1f}, z {found.axes['z'].value:+.1f} % of the baseline"
-    return ""
-
-
-def _kind(found: Reading) -> Kind | None:
-    if found.late:
-        return Kind.LATE
-    if found.shifted:
-        return Kind.SHIFTED
-    standing = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}
-    return standing.get(found.condition)
-
-
-def _change_text(change: dict[str, float]) -> str:
-    """The axes that moved, the farthest first."""
-    turned = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))
-    return ", ".join(f"{name} {change[name]:+.2f} deg" for name in turned[:2])
+    return state.replace(reported=kind), [Event(state.frame, kind, why, found.as_dict())]
 
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
@@ -280,7 +257,8 @@ def continued(state: State) -> tuple[State, list[Event]]:
 
 def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
     if not solution.accepted or solution.estimate is None:
-        return state, [_rejected(state, solution)]
+        kind = Kind.FRAMES_DISAGREE if solution.reason is Reason.FRAMES_DISAGREE else Kind.REJECTED
+        return state, [Event(state.frame, kind, solution.reason.value)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
@@ -291,12 +269,6 @@ def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event
 def too_far(state: State) -> bool:
     """Whether a knock was so large that looks through the calibration in use measure it badly."""
     return reading(state).rows_px.value > _BLIND
-
-
-def _rejected(state: State, solution: Solution) -> Event:
-    disagree = solution.reason is Reason.FRAMES_DISAGREE
-    kind = Kind.FRAMES_DISAGREE if disagree else Kind.REJECTED
-    return Event(state.frame, kind, solution.reason.value)
 
 
 def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:

@@ -1,7 +1,6 @@
 """Recalibration: schedules, the repair itself, uncertainty, the verdict."""
 
-from stereorecal.decision import Reason as Reason
-from stereorecal.recalibration._assessment import is_sparse as is_sparse
+from stereorecal.decision import Reason as Reason, is_sparse as is_sparse
 from stereorecal.recalibration._case import MOST_FRAMES as MOST_FRAMES, Case as Case, chosen_frames as chosen_frames
 from stereorecal.recalibration._difference import (
     DISTANCES as DISTANCES,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, reason_of
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, is_sparse, reason_of
 from stereorecal.estimation import (
     NO_RANGES,
     Estimate,
@@ -18,7 +18,7 @@ from stereorecal.estimation import (
     fitted,
     rig_parameters,
 )
-from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
+from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
@@ -45,7 +45,7 @@ def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
     """Of the tiles of all frames at full scale, under the initial calibration and a candidate."""
     data, rigs = case.images.at(1.0), (case.rig, candidate)
     extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
-    if same_camera(candidate.left, case.rig.left) and same_camera(candidate.right, case.rig.right):
+    if same_cameras(candidate, case.rig):
         return host.counts_by_tile(data, extrinsics, case.matcher)
     through = zip(rigs, extrinsics, strict=True)
     found = [host.counts_by_tile(data.through(rig), of_rig[None], case.matcher) for rig, of_rig in through]
@@ -66,12 +66,6 @@ def without_frames_of(found: Correspondences, frames: Sequence[int]) -> Correspo
         return found
     used = np.isin(np.arange(len(found.weight)), frames, invert=True)
     return replace(found, weight=np.asarray(found.weight) * used[:, None])
-
-
-def is_sparse(covered: float, texture: float) -> bool:
-    """Whether correspondences cover less of an image than those of an aligned rig would, of what has texture; both are
-    shares of the image. So many may be there by chance."""
-    return covered < ENOUGH.of_texture * texture
 
 
 def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
@@ -134,13 +128,8 @@ def run_look(case: Case, stage: Stage, cost: Cost) -> tuple[StageRun, Cost]:
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
-    """What the matches of a stage say; None if they are too few.
-
-    Args:
-        case: with all that may change free.
-        run: that found them.
-        end_rig: where the search ended, with the cameras of the case's rig.
-    """
+    """What the matches of a stage say; None if they are too few. All that may change is free in the case; `end_rig`,
+    where the search ended, has the cameras of the case's rig."""
     if run.found is None or _seen(case, run.found).few:
         return None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
@@ -183,10 +172,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
 
 
 def without_mismatch(case: Case, assessment: Assessment, covered_first: float) -> Assessment:
-    """The same, unless the images cannot be of this rig.
-
-    Args:
-        covered_first: of the stage that it is of.
+    """The same, unless the images cannot be of this rig; `covered_first` is that of the stage.
 
     Raises:
         InputError: if they are certainly no left and right image of it.

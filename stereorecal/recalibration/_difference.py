@@ -28,6 +28,7 @@ from stereorecal.geometry import (
     rectifying_rotations,
     reread,
     same_camera,
+    same_cameras,
 )
 from stereorecal.report.number_text import change, distance, offset
 
@@ -247,7 +248,7 @@ def difference(before: StereoRig, after: StereoRig, *, view: AnyView = None) -> 
         angle_deg=float(np.degrees(angle_between(before.rotation, after.rotation))),
         translation_percent={name: changes[name] for name in ("y", "z")},
         baseline_percent=float(100.0 * (after.baseline / before.baseline - 1.0)),
-        same_intrinsics=same_camera(before.left, after.left) and same_camera(before.right, after.right),
+        same_intrinsics=same_cameras(before, after),
         baseline=float(after.baseline),
         depth_error_percent=depth_errors(before, after),
         columns=columns,

@@ -60,11 +60,7 @@ class Expected:
 
 
 def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
-    """What to expect of a rig, the true one being where the estimate says.
-
-    Args:
-        rows_px: of the rig, which the decision tells.
-    """
+    """What to expect of a rig, the true one being where the estimate says; the decision tells the rows of the rig."""
     width, height = view.size
     columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
 

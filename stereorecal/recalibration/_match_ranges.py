@@ -99,10 +99,7 @@ def _turned(rig: StereoRig, pixels: Float[np.ndarray, "n 2"]) -> Float[np.ndarra
 def resolved_ranges(
     ranges: Range | Sequence[Range], recordings: Sequence[tuple[str, Sequence[Pair]]]
 ) -> tuple[Range, ...]:
-    """The ranges, each with the pair that it means.
-
-    Args:
-        recordings: names and pairs.
+    """The ranges, each with the pair that it means, of recordings with names and pairs.
 
     Raises:
         InputError: names a range that belongs to no pair, to several, or to no pixel of it.

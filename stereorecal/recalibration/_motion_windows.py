@@ -79,11 +79,8 @@ def _next(pairs: Sequence[Pair], at: int) -> int | None:
 
 
 def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:
-    """The tracks of the windows of a case, by the numbers of their pairs.
-
-    Args:
-        found: where partners of corners are looked for, with the rays that the cameras of the case's rig give.
-    """
+    """The tracks of the windows of a case, by the numbers of their pairs. Partners of corners are looked for beside
+    matches, whose rays the cameras of the case's rig give."""
     pairs = case.images.pairs
     matches = {frame: Matches.of(found, case.rig, frame) for window in case.windows for frame in window}
     radius = match_radius(found, case.rig)
@@ -92,11 +89,7 @@ def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]
 
 
 def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Sequence[int]) -> Windows:
-    """The windows of a case, but for those with an excluded pair.
-
-    Args:
-        excluded: numbers of pairs.
-    """
+    """The windows of a case, but for those with an excluded pair."""
     used_windows = [window for window in tracks if not set(window) & set(excluded)]
     times = [[case.images.pairs[frame].time for frame in window] for window in used_windows]
     seconds = [second - first for first, second in times if first is not None and second is not None]
@@ -175,22 +168,16 @@ def motion_text(estimated: Estimate) -> str:
     summary = motion_as_dict(estimated)
     if not summary["followed"]:
         return f"{summary['windows']} windows, too few points could be followed"
-    return (
+    text = (
         f"{summary['windows']} windows, {summary['fitting']} of {summary['followed']} points fit the motion of the "
         f"rig, {summary['metres']:.3g} m from one pair to the next (median)"
-        + _still(summary)
-        + (_late(summary["delay"]) if estimated.is_late else "")
     )
-
-
-def _still(summary: dict[str, Any]) -> str:
-    some = summary["without_parallax"]
-    return f"; in {some} of them the rig only turned or stood still, which tells nothing of depth" if some else ""
-
-
-def _late(delay: dict[str, Any]) -> str:
-    unit = "s" if delay["unit"] == "s" else "of the time between pairs"
-    return f"; the right shutter is late by {delay['value']:.2g} {unit}"
+    if some := summary["without_parallax"]:
+        text += f"; in {some} of them the rig only turned or stood still, which tells nothing of depth"
+    if estimated.is_late:
+        unit = "s" if summary["delay"]["unit"] == "s" else "of the time between pairs"
+        text += f"; the right shutter is late by {summary['delay']['value']:.2g} {unit}"
+    return text
 
 
 def odometer_text(estimated: Estimate) -> str:

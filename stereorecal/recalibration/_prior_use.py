@@ -26,7 +26,6 @@ from stereorecal.estimation import (
     with_deviations,
 )
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recordings import Pair
 
@@ -199,6 +198,8 @@ def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:
     Raises:
         InputError: naming the file, if it cannot be read, or belongs to other parameters than are in the calibration.
     """
+    from stereorecal.io import load_rig  # what repairs a rig in memory reads no files
+
     saved, note = saved_with(load_rig(path))
     if note is not None:
         raise InputError(f"{note}; recalibrate again.")

@@ -33,10 +33,8 @@ def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
 
 
 def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool = True) -> Case:
-    """The case of a repair, of whose strategies the extrinsics are asked.
-
-    Args:
-        learns: whether a prior is to follow: pairs that a saved one rests on do not count again then.
+    """The case of a repair, of whose strategies the extrinsics are asked. Where it learns, a prior is to follow: pairs
+    that a saved one rests on do not count again then.
 
     Raises:
         InputError: as `recalibrate`.

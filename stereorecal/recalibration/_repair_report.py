@@ -38,11 +38,8 @@ _ENOUGH = 0.5  # of the matches of the frame that has most: below that a frame i
 
 def row_map(found: Correspondences, initial: StereoRig, candidate: StereoRig, view: View) -> tuple[Rows, int]:
     """Row differences in pixels at full size, and the number of the frame that is shown: the one whose rows lie
-    farthest apart under the candidate, of those that match well.
-
-    Args:
-        found: with the rays that the cameras of `initial` give, as all stages have them.
-    """
+    farthest apart under the candidate, of those that match well; the cameras of `initial` give the rays of the
+    matches."""
     valid = np.asarray(found.weight) > 0
     read = with_rays_of(candidate, found, matched_rig=initial)
     before, after = _differences(found, initial), _differences(read, candidate)
@@ -135,7 +132,8 @@ def report_of(
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
         way = way_of(found, solution.path)
     pair = matched[solution.used[frame] if solution.used else 0]
-    expected = solution.expected
+    expected, depths = solution.expected, ", ".join(f"{error} at {error.where}" for error in solution.depth)
+    rows_said = expected and f"epipolar error {expected.rows_px:.2f} px where the images show something"
     before, after = _sights(solution, pair)
     conclusion = conclusion_of(solution.reason)
     if not solution.searched and solution.condition is Condition.CANNOT_TELL:
@@ -154,7 +152,7 @@ def report_of(
         rows=rows,
         misfit=solution.misfit.as_dict() if solution.misfit is not None and telling else None,
         expected=expected and np.abs(expected.rows) + NORMAL_95 * expected.rows_deviation,
-        expected_said=expected and _expected_text(solution, expected.rows_px),
+        expected_said=rows_said and f"{rows_said}; depth {depths}",
         axes=changed_axes(solution) if telling else (),
         intrinsics=changed_intrinsics(solution) if telling else (),
         depths=_depths(solution),
@@ -212,11 +210,6 @@ def _depths(solution: AbstractResult) -> list[Depth]:
     ]
 
 
-def _expected_text(solution: AbstractResult, rows_px: float) -> str:
-    depths = ", ".join(f"{error} at {error.where}" for error in solution.depth)
-    return f"epipolar error {rows_px:.2f} px where the images show something; depth {depths}"
-
-
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
     found = []
     for index, pair in enumerate(pairs):
@@ -260,14 +253,9 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
 
 def _calibration(rig: StereoRig) -> dict[str, Any]:
     """As a scene's calib.json has it."""
-    cameras = {
-        f"{key}_{side}": np.asarray(getattr(getattr(rig, side), name))
-        for key, name in (("K", "matrix"), ("D", "distortion"))
-        for side in ("left", "right")
-    }
-    about = {
-        "image_size": list(rig.left.size),
-        **cameras,
-        "distortion_model": "opencv" if rig.left.model == "radtan" else rig.left.model,
-    }
+    sides, lens = (("left", rig.left), ("right", rig.right)), rig.left.model
+    about: dict[str, Any] = {"image_size": list(rig.left.size)}
+    about |= {f"K_{side}": np.asarray(camera.matrix) for side, camera in sides}
+    about |= {f"D_{side}": np.asarray(camera.distortion) for side, camera in sides}
+    about["distortion_model"] = "opencv" if lens == "radtan" else lens
     return json_data({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

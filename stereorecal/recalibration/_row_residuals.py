@@ -173,11 +173,7 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
 
 
 def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
-    """The misfit of a solution.
-
-    Args:
-        late: whether one of the two shutters is, which then is the cause.
-    """
+    """The misfit of a solution; a late shutter is its cause, if there is one."""
     tiles, counts = np.unique(found.tile, return_counts=True)
     regions = []
     for tile, number in zip(tiles, counts, strict=True):

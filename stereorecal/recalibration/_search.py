@@ -226,11 +226,8 @@ def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoR
 
 
 def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
-    """All stages that the budget allows; the case comes back with the widest disparity range that was measured.
-
-    Args:
-        began: when the clock of the budget was started.
-    """
+    """All stages that the budget allows; the case comes back with the widest disparity range that was measured; the
+    clock of the budget was started when it `began`."""
     settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
@@ -268,11 +265,8 @@ class Progress:
 
 def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
-    where the one before it ended; the last one is judged with it.
-
-    Args:
-        case: with a disparity range, and a schedule whose last stage has rows.
-    """
+    where the one before it ended; the last one is judged with it. The case has a disparity range, and a schedule whose
+    last stage has rows."""
     began, schedule = time.perf_counter(), case.settings.schedule
     if at.done == 0:
         return Progress(started(case)[1], 1)
@@ -287,8 +281,5 @@ def next_slice(case: Case, at: Progress) -> Progress | Solution:
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
     """The stages, those on the rows cut into their rounds."""
-    return tuple(
-        replace(stage, rounds=1)
-        for stage in schedule.stages
-        for _ in range(stage.rounds if stage.score is ScoreKind.EPIPOLAR else 1)
-    )
+    numbers = [(one, one.rounds if one.score is ScoreKind.EPIPOLAR else 1) for one in schedule.stages]
+    return tuple(replace(stage, rounds=1) for stage, number in numbers for _ in range(number))

@@ -101,10 +101,6 @@ def _view(given: AnyView) -> AnyView:
     return checked_view_arguments(given) if isinstance(given, Mapping) else given
 
 
-def _as_given(value: Any) -> Any:
-    return value
-
-
 @dataclass(frozen=True, kw_only=True)
 class Settings:
     """What `RepairOptions` come to: values of one type each, checked, with their defaults.
@@ -125,7 +121,7 @@ class Settings:
     seed: int = field(metadata=_by(lambda seed: seed or 0))
     free: Parameters = field(metadata=_by(as_parameters))
     ranges: tuple[Range, ...] = field(metadata=_by(as_ranges))
-    motion: bool | None = field(metadata=_by(_as_given))
+    motion: bool | None = field(metadata=_by(lambda motion: motion))
     tolerances: Tolerances = field(metadata=_by(as_tolerances))
     distances: tuple[Distance, ...] = field(metadata=_by(as_distances))
     odometer: Odometer | None = field(metadata=_by(_odometer))

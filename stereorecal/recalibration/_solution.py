@@ -20,121 +20,6 @@ from stereorecal.recordings import Pairs, as_pairs
 from stereorecal.scoring.host import Score
 
 
-def solution_as_dict(solution: AbstractResult, *, expected: bool = True) -> dict[str, Any]:
-    """Lists, text and finite numbers; None where a number is missing or infinite.
-
-    Args:
-        expected: whether to say what to expect, for which a covariance is solved for.
-    """
-    baseline, telling = float(solution.initial.baseline), solution.reason not in SAYS_NOTHING
-    found = (solution.row_errors, solution.uncertainty, solution.misfit, solution.estimate, solution.decision)
-    rows, known, misfit, estimate, decision = found if telling else (None,) * 5  # of matches by chance
-    return json_data(
-        {
-            "accepted": solution.accepted,
-            "healthy": solution.healthy,
-            "condition": solution.condition.name.lower(),
-            "reason": solution.reason.name.lower(),
-            "verdict": solution.verdict,
-            "why": solution.reason.value,
-            "advice": solution.advice,
-            "status": solution.status.name,
-            "message": solution.message,
-            "doubts": list(solution.doubts),
-            "brightness": solution.shown.brightness,
-            "texture": solution.shown.texture,
-            "covered": solution.covered,
-            "score_before": score_as_dict(solution.score_before),
-            "score_after": score_as_dict(solution.score_after),
-            "row_error_px": rows and {"before": rows.before, "after": rows.after, "significance": rows.significance},
-            "extrinsics": {
-                "before": _extrinsics(solution.initial),
-                "candidate": _extrinsics(solution.candidate),
-                "used": _extrinsics(solution.rig),
-            },
-            "change": _by_axis(AXES, [*np.degrees(solution.change[:3]), *(100 * solution.change[3:] / baseline)]),
-            "main_axes": solution.main_axes if telling and solution.condition is Condition.REPAIR else (),
-            "interval_95": known and _by_axis(known.names, known.interval),
-            "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
-            "observed": known and dict(zip(known.names, known.observed, strict=True)),
-            "undetermined": known and list(known.undetermined),
-            "misfit": misfit and misfit.as_dict(),
-            "intrinsics": solution.intrinsics and solution.intrinsics.as_dict(),
-            "ranges": solution.ranges and solution.ranges.as_dict(),
-            "left_out": list(solution.left_out),
-            "disagreeing": list(solution.disagreeing),
-            "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
-            "expected": solution.expected.as_dict() if expected and solution.expected else None,
-            "depth_error_percent": dict(solution.depth_error_percent) if telling else {},
-            "depth": [
-                {"distance_m": before.distance, "before": before.as_dict(), "used": used.as_dict()}
-                for before, used in zip(solution.depth_before, solution.depth, strict=True)
-            ],
-            "estimate": estimate and _estimate(estimate),
-            "motion": motion_as_dict(estimate) if estimate and estimate.windows else None,
-            "view": solution.view.as_dict(),
-            "decision": decision and decision.as_dict(),
-            "mismatch": solution.mismatch and solution.mismatch.as_dict(),
-            "prior": solution.prior_use and solution.prior_use.as_dict(),
-            "num_disparities": solution.matcher.num_disparities,
-            "stages": [_stage(stage) for stage in solution.stages],
-            "evaluations": solution.evaluations,
-            "cost": solution.cost.budgeted,
-            "cost_total": solution.cost.total,
-            "cost_of": asdict(solution.cost),
-            "seconds": solution.seconds,
-        }
-    )
-
-
-def score_as_dict(score: Score) -> dict[str, Any]:
-    """A count, what it is out of, and the share."""
-    return {"count": score.count, "pixels": score.pixels, "fraction": score.fraction}
-
-
-def _estimate(estimate: Estimate) -> dict[str, Any]:
-    """All parameters of the rig, whatever was free: changes from the initial calibration."""
-    low, high = estimate.intervals.T
-    return {
-        "names": estimate.names,
-        "units": estimate.units,
-        "mean": estimate.theta,
-        "low_95": low,
-        "high_95": high,
-        "covariance": estimate.posterior.covariance,
-        "misfit_px": {"of_a_frame": estimate.misfit[0], "common": estimate.misfit[1]},
-        "residual_px": estimate.residual_px,
-        "groups": estimate.groups,
-    }
-
-
-def _extrinsics(rig: StereoRig) -> dict[str, Any]:
-    angles, shift = np.degrees(rig.extrinsics[:3]), rig.extrinsics[3:]
-    return {
-        "rotation_deg": dict(zip(AXES[:3], angles, strict=True)),
-        "translation_m": dict(zip(AXES[3:], shift, strict=True)),
-    }
-
-
-def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict[str, Any]:
-    """Rotations in degrees and translations in percent of the baseline, by name."""
-    named = dict(zip(names, values, strict=True))
-    return {
-        "rotation_deg": {name: value for name, value in named.items() if name in AXES[:3]},
-        "translation_percent": {name: value for name, value in named.items() if name in (*AXES[3:], BASELINE)},
-    }
-
-
-def _stage(done: StageRun) -> dict[str, Any]:
-    return {
-        "score": done.stage.score.name.lower(),
-        "strategy": done.stage.solver,
-        "scale": done.scale,
-        "evaluations": done.evaluations,
-        "cost": done.cost,
-    }
-
-
 @dataclass(frozen=True, eq=False)
 class Solution(AbstractResult):
     """What a recalibration found, or a look at the images alone (`health`): `solution.rig` is the calibration to use;
@@ -177,7 +62,66 @@ class Solution(AbstractResult):
         Args:
             expected: whether to say what to expect, for which a covariance is solved for.
         """
-        return solution_as_dict(self, expected=expected)
+        baseline, telling = float(self.initial.baseline), self.reason not in SAYS_NOTHING
+        found = (self.row_errors, self.uncertainty, self.misfit, self.estimate, self.decision)
+        rows, known, misfit, estimate, decision = found if telling else (None,) * 5  # of matches by chance
+        return json_data(
+            {
+                "accepted": self.accepted,
+                "healthy": self.healthy,
+                "condition": self.condition.name.lower(),
+                "reason": self.reason.name.lower(),
+                "verdict": self.verdict,
+                "why": self.reason.value,
+                "advice": self.advice,
+                "status": self.status.name,
+                "message": self.message,
+                "doubts": list(self.doubts),
+                "brightness": self.shown.brightness,
+                "texture": self.shown.texture,
+                "covered": self.covered,
+                "score_before": _score(self.score_before),
+                "score_after": _score(self.score_after),
+                "row_error_px": rows
+                and {"before": rows.before, "after": rows.after, "significance": rows.significance},
+                "extrinsics": {
+                    "before": _extrinsics(self.initial),
+                    "candidate": _extrinsics(self.candidate),
+                    "used": _extrinsics(self.rig),
+                },
+                "change": _by_axis(AXES, [*np.degrees(self.change[:3]), *(100 * self.change[3:] / baseline)]),
+                "main_axes": self.main_axes if telling and self.condition is Condition.REPAIR else (),
+                "interval_95": known and _by_axis(known.names, known.interval),
+                "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
+                "observed": known and dict(zip(known.names, known.observed, strict=True)),
+                "undetermined": known and list(known.undetermined),
+                "misfit": misfit and misfit.as_dict(),
+                "intrinsics": self.intrinsics and self.intrinsics.as_dict(),
+                "ranges": self.ranges and self.ranges.as_dict(),
+                "left_out": list(self.left_out),
+                "disagreeing": list(self.disagreeing),
+                "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
+                "expected": self.expected.as_dict() if expected and self.expected else None,
+                "depth_error_percent": dict(self.depth_error_percent) if telling else {},
+                "depth": [
+                    {"distance_m": before.distance, "before": before.as_dict(), "used": used.as_dict()}
+                    for before, used in zip(self.depth_before, self.depth, strict=True)
+                ],
+                "estimate": estimate and _estimate(estimate),
+                "motion": motion_as_dict(estimate) if estimate and estimate.windows else None,
+                "view": self.view.as_dict(),
+                "decision": decision and decision.as_dict(),
+                "mismatch": self.mismatch and self.mismatch.as_dict(),
+                "prior": self.prior_use and self.prior_use.as_dict(),
+                "num_disparities": self.matcher.num_disparities,
+                "stages": [_stage(stage) for stage in self.stages],
+                "evaluations": self.evaluations,
+                "cost": self.cost.budgeted,
+                "cost_total": self.cost.total,
+                "cost_of": asdict(self.cost),
+                "seconds": self.seconds,
+            }
+        )
 
     def to_html(
         self,
@@ -249,3 +193,51 @@ class Solution(AbstractResult):
 
     def __str__(self) -> str:
         return repair_text(self)
+
+
+def _score(score: Score) -> dict[str, Any]:
+    """A count, what it is out of, and the share."""
+    return {"count": score.count, "pixels": score.pixels, "fraction": score.fraction}
+
+
+def _estimate(estimate: Estimate) -> dict[str, Any]:
+    """All parameters of the rig, whatever was free: changes from the initial calibration."""
+    low, high = estimate.intervals.T
+    return {
+        "names": estimate.names,
+        "units": estimate.units,
+        "mean": estimate.theta,
+        "low_95": low,
+        "high_95": high,
+        "covariance": estimate.posterior.covariance,
+        "misfit_px": {"of_a_frame": estimate.misfit[0], "common": estimate.misfit[1]},
+        "residual_px": estimate.residual_px,
+        "groups": estimate.groups,
+    }
+
+
+def _extrinsics(rig: StereoRig) -> dict[str, Any]:
+    angles, shift = np.degrees(rig.extrinsics[:3]), rig.extrinsics[3:]
+    return {
+        "rotation_deg": dict(zip(AXES[:3], angles, strict=True)),
+        "translation_m": dict(zip(AXES[3:], shift, strict=True)),
+    }
+
+
+def _by_axis(names: Sequence[str], values: Sequence[float] | np.ndarray) -> dict[str, Any]:
+    """Rotations in degrees and translations in percent of the baseline, by name."""
+    named = dict(zip(names, values, strict=True))
+    return {
+        "rotation_deg": {name: value for name, value in named.items() if name in AXES[:3]},
+        "translation_percent": {name: value for name, value in named.items() if name in (*AXES[3:], BASELINE)},
+    }
+
+
+def _stage(done: StageRun) -> dict[str, Any]:
+    return {
+        "score": done.stage.score.name.lower(),
+        "strategy": done.stage.solver,
+        "scale": done.scale,
+        "evaluations": done.evaluations,
+        "cost": done.cost,
+    }

@@ -4,8 +4,8 @@ One unit of cost: one matcher run on one full-size frame (a candidate at scale s
 """
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import Any
 
@@ -14,9 +14,10 @@ from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
 from stereorecal.estimation import rows_of_groups
-from stereorecal.geometry import StereoRig, same_camera, with_unit_baseline
+from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
+    Chart,
     RigChart,
     count_objective,
     differences_at,
@@ -66,6 +67,19 @@ class Cost:
 
 
 @dataclass(frozen=True, eq=False)
+class Waypoint:
+    """Where a repair stood.
+
+    Attributes:
+        cost: units spent by then (one unit: one matcher run on one full-size frame).
+        extrinsics: (6,) pitch, yaw, roll [rad], x, y, z [m].
+    """
+
+    cost: float
+    extrinsics: Float[np.ndarray, "6"]
+
+
+@dataclass(frozen=True, eq=False)
 class StageRun:
     """What a stage did.
 
@@ -73,8 +87,8 @@ class StageRun:
         stage: as asked for.
         scale: at which it worked.
         began, ended: the rigs where it began and ended.
-        path: (m, 7) for a stage on the count: the cost [units] and the extrinsics of each new best.
         runs: of the strategy; several in an epipolar stage, where each fit weighs the rows anew.
+        path: of a stage on the count: each new best, its cost counted from where the stage began.
         matching_cost: units that went into finding correspondences.
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
@@ -88,17 +102,12 @@ class StageRun:
     began: StereoRig
     ended: StereoRig
     runs: tuple[Run, ...]
-    path: Float[np.ndarray, "m 7"]
+    path: tuple[Waypoint, ...] = ()
     matching_cost: float = 0.0
     found: Correspondences | None = None
     covered_first: float = 0.0
     cut: bool = False
     survey_cost: float = 0.0
-
-    @property
-    def start(self) -> Extrinsics:
-        """(6,) extrinsics [rad, m] where it began."""
-        return np.asarray(self.began.extrinsics)
 
     @property
     def end_extrinsics(self) -> Extrinsics:
@@ -147,36 +156,30 @@ def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
 
 
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
+    """Over the free extrinsics, or, where more is free, over all of that."""
     if case.free.shared:
-        return _rig_count_stage(case, stage, start, budget, seed)
-    scale, objective = case.scale_of(stage), extrinsics_count_objective(case, stage, budget)
-    chart = objective.images.chart
-    run = run_strategy(as_strategy(stage.strategy), objective, chart.inside(np.asarray(start.extrinsics)), seed)
-    ended = case.rig.with_extrinsics(chart.extrinsics(run.best))
-    return StageRun(stage, scale, start, ended, (run,), _climb(run, chart.extrinsics))
+        chart = reach_chart(case.rig, case.settings.reach, case.free)
+        objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
+        at, rig_at = np.clip(chart.coordinates_of(start), -1.0, 1.0), chart.rig_at
+    else:
+        objective = extrinsics_count_objective(case, stage, budget)
+        chart = objective.images.chart
+        at = chart.inside(np.asarray(start.extrinsics))
+
+        def rig_at(z: Float[np.ndarray, "n"]) -> StereoRig:
+            return case.rig.with_extrinsics(chart.extrinsics(z))
+
+    run = run_strategy(as_strategy(stage.strategy), objective, at, seed)
+    return StageRun(stage, case.scale_of(stage), start, rig_at(run.best), (run,), _climb(run, chart))
 
 
-def _rig_count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
-    """Over all that is free."""
-    chart = reach_chart(case.rig, case.settings.reach, case.free)
-    objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
-    run = run_strategy(as_strategy(stage.strategy), objective, np.clip(chart.coordinates_of(start), -1.0, 1.0), seed)
-
-    def extrinsics(points: Float[np.ndarray, "m n"]) -> Float[np.ndarray, "m 6"]:
-        return np.array([chart.extrinsics(z) for z in points]).reshape(-1, 6)
-
-    return StageRun(stage, case.scale_of(stage), start, chart.rig_at(run.best), (run,), _climb(run, extrinsics))
-
-
-def _climb(
-    run: Run, extrinsics: Callable[[Float[np.ndarray, "m n"]], Float[np.ndarray, "m 6"]]
-) -> Float[np.ndarray, "m 7"]:
-    """The cost and the extrinsics of each new best that was evaluated; strategies inside JAX evaluate none."""
+def _climb(run: Run, chart: Chart | RigChart) -> tuple[Waypoint, ...]:
+    """Each new best that was evaluated; strategies inside JAX evaluate none."""
     trace = run.trace
     values = np.where(np.isnan(trace.values), -np.inf, trace.values)
     best_before = np.maximum.accumulate(np.concatenate([[run.start_value], values]))[:-1]
-    better = values > best_before
-    return np.column_stack([trace.cost[better], extrinsics(trace.points[better])])
+    better = np.flatnonzero(values > best_before)
+    return tuple(Waypoint(float(trace.cost[at]), np.asarray(chart.extrinsics(trace.points[at]))) for at in better)
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
@@ -214,8 +217,8 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
         if cut or _moved(found, chart, before, at) < _SETTLED:
             break
-    ended, nothing, cost = chart.rig_at(at), np.zeros((0, 7)), rounds * data.cost
-    return StageRun(stage, scale, start, ended, tuple(runs), nothing, cost, found, covered_first, cut)
+    ended, cost = chart.rig_at(at), rounds * data.cost
+    return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, covered_first, cut)
 
 
 def _moved(
@@ -235,7 +238,7 @@ def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], match
     """The correspondences under the rig at a point of the box, with the rays that the cameras of the chart's rig
     give."""
     rig, extrinsics = chart.rig_at(z), with_unit_baseline(chart.extrinsics(z))
-    if same_camera(rig.left, chart.rig.left) and same_camera(rig.right, chart.rig.right):
+    if same_cameras(rig, chart.rig):
         return host.correspondences(data, extrinsics, matcher)
     return with_rays_of(chart.rig, host.correspondences(data.through(rig), extrinsics, matcher), matched_rig=rig)
 
@@ -249,29 +252,13 @@ def remaining(budget: Budget, cost: float, began: float) -> Budget | None:
     return Budget(units, seconds)
 
 
-@dataclass(frozen=True, eq=False)
-class Waypoint:
-    """Where a repair stood.
-
-    Attributes:
-        cost: units spent by then (one unit: one matcher run on one full-size frame).
-        extrinsics: (6,) pitch, yaw, roll [rad], x, y, z [m].
-    """
-
-    cost: float
-    extrinsics: Float[np.ndarray, "6"]
-
-
 def path_of(initial: StereoRig, before: float, stages: Sequence[StageRun]) -> tuple[Waypoint, ...]:
-    """Where a repair began, where each stage began and ended, and each new best of the stages on the count.
-
-    Args:
-        before: units spent before the first stage, on the survey and on choosing a start.
-    """
+    """Where a repair began, where each stage began and ended, and each new best of the stages on the count; `before`
+    units were spent before the first stage."""
     spent, found = before, [Waypoint(0.0, np.asarray(initial.extrinsics))]
     for stage in stages:
-        found.append(Waypoint(spent, stage.start))
-        found += [Waypoint(spent + float(row[0]), row[1:]) for row in stage.path]
+        found.append(Waypoint(spent, np.asarray(stage.began.extrinsics)))
+        found += [replace(one, cost=spent + one.cost) for one in stage.path]
         spent += stage.cost
         found.append(Waypoint(spent, stage.end_extrinsics))
         spent += stage.survey_cost

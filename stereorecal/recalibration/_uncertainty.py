@@ -86,11 +86,7 @@ def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -
 
 def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:
     """The directions that stay mostly as uncertain as the prior: their axes, the largest part first; each axis alone
-    where as many directions as axes share the same ones.
-
-    Args:
-        covariance: each axis scaled by the prior's standard deviation.
-    """
+    where as many directions as axes share the same ones; each axis is scaled by the prior's standard deviation."""
     variances, axes = np.linalg.eigh(covariance)
     found: dict[frozenset[str], list[list[str]]] = {}
     for variance, direction in zip(variances, axes.T, strict=True):
@@ -190,12 +186,8 @@ def intrinsics_of(
     outcome: IntrinsicsOutcome,
     **rows: Any,
 ) -> Intrinsics:
-    """What became of some parameters in an estimate.
-
-    Args:
-        theta: the candidate.
-        rows: the others of `Intrinsics`, by its names.
-    """
+    """What became of some parameters in an estimate, of which θ is the candidate; `rows` are the others of
+    `Intrinsics`, by its names."""
     where = [estimated.names.index(name) for name in names]
     (low, high), after = estimated.intervals[where].T, np.diag(estimated.posterior.covariance)[where]
     weak = after > OBSERVED**2 * estimated.prior_variance[where]
