@@ -179,7 +179,7 @@ def _climb(run: Run, chart: Chart | RigChart) -> tuple[Waypoint, ...]:
     values = np.where(np.isnan(trace.values), -np.inf, trace.values)
     best_before = np.maximum.accumulate(np.concatenate([[run.start_value], values]))[:-1]
     better = np.flatnonzero(values > best_before)
-    return tuple(Waypoint(float(trace.cost[at]), chart.extrinsics(trace.points[at])) for at in better)
+    return tuple(Waypoint(float(trace.cost[at]), np.asarray(chart.extrinsics(trace.points[at]))) for at in better)
 
 
 def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
