@@ -63,7 +63,7 @@ def run(options: CompareOptions) -> int:
             lambda: _save_html(comparison, options),
         )
     if comparison.interrupted:
-        say(f"interrupted; {len(comparison.trials)} trials were finished.")
+        say(f"interrupted; trials finished: {len(comparison.trials)}.")
         return INTERRUPTED
     return FAILURE if all(trial.status == FAILED for trial in comparison.trials) else 0
 

@@ -170,7 +170,7 @@ def _saving(
         how = (output, scenes[0], options)
         step(output.files, wanted, lambda found: _calibration_output.save(found, *how), output.note)
         if options.prints and wanted and output.prior_path is not None:
-            print(f"{output.prior_path}: written, what is known of it")
+            print(f"{output.prior_path}: written; keep it with the calibration, for the next repair")
 
     def save_seen(maps: str) -> None:
         how = (maps, options.force, value_of(options, "view"))

@@ -98,7 +98,7 @@ class _FixOptions:
 
     title = READS
     fix: Literal["exchanged", "turned", "scaled", "late", "early"] | None = option(
-        "correct the mistake in images or calibration that a report names", metavar="CAUSE"
+        "correct the mistake that a report names: exchanged, turned, scaled, late or early", metavar="CAUSE"
     )
 
     def check_fix(self, recordings: RecordingOptions) -> None:

@@ -13,7 +13,7 @@ from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import ScoreOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
-from stereorecal.cli._terminal import print_lines, table_console
+from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.io import about, files_read
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, Settings, Solution, as_settings, health
 from stereorecal.recordings import Scene
@@ -38,8 +38,11 @@ def run(options: ScoreOptions) -> int:
     looked: list[Solution | InputError] = []
     interrupted = False
     try:
-        for scene in scenes:
-            looked.append(_health_or_error(scene, how))
+        with progress_bar(options.quiet, "checking") as progress:
+            for scene in scenes:
+                looked.append(_health_or_error(scene, how))
+                if progress is not None:
+                    progress(len(looked), len(scenes))
         hold()
     except KeyboardInterrupt:
         interrupted = True

@@ -29,4 +29,5 @@ def doubt_of_length(metres: float, unit: str) -> str | None:
     shortest, longest = _USUAL
     if shortest <= metres <= longest:
         return None
-    return f"the baseline is {metres:.3g} m long; check that the translation is in {_WORDS[unit]}."
+    advice = f"check that the translation is in {_WORDS[unit]}, or give its unit (--unit)"
+    return f"the baseline is {metres:.3g} m long; {advice}."

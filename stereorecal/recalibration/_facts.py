@@ -43,9 +43,9 @@ def matcher_loss(rows: Float[np.ndarray, "p"], weights: Float[np.ndarray, "p"]) 
     if lost < 1.0:
         return "hardly a pixel lost"
     if weights @ np.abs(rows) > _AT[-1]:
-        return f"block matching loses most of its pixels; networks ask for less than {_NETWORKS:g} px"
-    text = f"block matching loses about {lost:.0f} % of its pixels, {wrong:.0f} % of those of SGM go wrong"
-    return text if weights @ np.abs(rows) < _NETWORKS else f"{text}; networks ask for less than {_NETWORKS:g} px"
+        return f"block matching loses most of its pixels; stereo networks need less than {_NETWORKS:g} px"
+    text = f"block matching loses about {lost:.0f} % of its pixels, SGM gets {wrong:.0f} % wrong"
+    return text if weights @ np.abs(rows) < _NETWORKS else f"{text}; stereo networks need less than {_NETWORKS:g} px"
 
 
 @dataclass(frozen=True)
@@ -110,9 +110,9 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     if solution.disagreeing:
         yield Fact("", f"these disagree with others: {', '.join(solution.disagreeing)}")
     if known is not None and known.undetermined and telling:
-        text = f"not determined by these images: {short_list(known.undetermined, '; ')}"
-        assumed = "Their values are mostly assumed: that they changed little."
-        yield Fact("", text, f"{_sentence(text)} {assumed}")
+        names = short_list(known.undetermined, "; ")
+        text = f"not determined by these images, and assumed to have changed little: {names}"
+        yield Fact("", text, _sentence(text))
     if solution.expected is not None:
         yield from _corners(solution)
     if solution.leaves_epipolar_error:

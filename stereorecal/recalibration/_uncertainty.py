@@ -171,9 +171,9 @@ class Intrinsics:
     def __str__(self) -> str:
         parts = [self.outcome.value, *([self.refused.value] if self.refused else [])]
         if any("." in name for name in self.names):
-            parts.append(
-                f"rows of matches differ by {self.fixed_px:.2f} px with those given, {self.freed_px:.2f} px with others"
-            )
+            given, other = f"{self.fixed_px:.2f} px", f"{self.freed_px:.2f} px"
+            if given != other:
+                parts.append(f"rows of matches differ by {given} with those given, {other} with others")
         lengths = zip(self.names, self.change, self.interval, strict=True)
         parts += [f"{name} {change:+.3f} ± {wide:.3f} %" for name, change, wide in lengths if "." not in name]
         return "; ".join(parts)

@@ -216,7 +216,7 @@ def _legend(data: Mapping[str, Any]) -> str:
         "".join(schedules)
         + "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
         f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
-        f"reference, also of errors: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
+        f"reference, and what errors are measured against: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
         f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
         f"yaw within {limits['yaw_deg']}°.\n" + _truth_legend(data)
     )
@@ -229,7 +229,7 @@ def _truth_legend(data: Mapping[str, Any]) -> str:
     return (
         "px: row error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
         f"harmful: trials after which the row error is larger by more than {limits['harmful_rows_px']} px, or the "
-        f"depth error at 30 baselines by more than {limits['harmful_depth_percent']:g} percentage points.\n"
+        f"depth error at 30 baselines by more than {limits['harmful_depth_percent']:g} % of the distance.\n"
     )
 
 

@@ -217,7 +217,8 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
     said = " (translation in m)" if name == "opencv" else ""
     expected = [f"{path}: written{said}; the old one is {copy}" for path, copy in zip(files, copies, strict=True)]
     assert answer.out.splitlines()[-len(files) - 1 : -1] == expected
-    assert answer.out.splitlines()[-1] == f"{files[0]}.prior.json: written, what is known of it"
+    said = f"{files[0]}.prior.json: written; keep it with the calibration, for the next repair"
+    assert answer.out.splitlines()[-1] == said
     assert [path.read_bytes() for path in files] == [path.read_bytes() for path in new]
 
 

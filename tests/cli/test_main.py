@@ -66,7 +66,8 @@ def test_units_that_look_wrong_are_one_line(command, clean_scene: Path, millimet
     answer = command("score", millimetres, "--json", "-")
     assert answer.code == 0
     assert answer.err == (
-        f"stereorecal: {millimetres}: the baseline is 356 m long; check that the translation is in metres.\n"
+        f"stereorecal: {millimetres}: the baseline is 356 m long; check that the translation is in metres, or give its "
+        "unit (--unit).\n"
     )
     assert json.loads(answer.out)["scenes"][0]["condition"] == "healthy"  # rows know no unit
     for words in ((clean_scene, millimetres), (millimetres, clean_scene)):

@@ -40,7 +40,7 @@ def test_the_second_call_begins_with_it(command, drifted_scene: Path, drifted, s
     assert (answer.code, answer.err) == (0, "")
     beside = tmp_path / f"{name}.prior.json"
     assert beside.exists() == (name == "calib.yaml")
-    assert ("what is known of it" in answer.out) == beside.exists()
+    assert ("keep it with the calibration" in answer.out) == beside.exists()
     before = path.read_bytes()
     answer, (asked, used) = again(command, sides, path, unit=name == "calib.yaml")
     assert asked == "saved"

@@ -37,7 +37,10 @@ def test_lengths(tmp_path: Path, length: float, usual: bool):
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         assert load_rig(path).baseline == pytest.approx(length)
-    said = f"{path}: the baseline is {length:.3g} m long; check that the translation is in metres."
+    said = (
+        f"{path}: the baseline is {length:.3g} m long; check that the translation is in metres, or give its unit "
+        "(--unit)."
+    )
     assert [str(one.message) for one in found] == [said] * (not usual)
 
 

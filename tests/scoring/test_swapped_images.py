@@ -19,9 +19,9 @@ from stereorecal.synthetic import KINDS, render
 
 MISTAKES = {
     "exchanged": (lambda left, right: (right, left), "look swapped"),
-    "mirrored": (lambda left, right: (left[:, ::-1], right[:, ::-1]), "both are mirrored"),
+    "mirrored": (lambda left, right: (left[:, ::-1], right[:, ::-1]), "or mirrored"),
     "right mirrored": (lambda left, right: (left, right[:, ::-1]), "one of the two images is mirrored"),
-    "both upside down": (lambda left, right: (left[::-1, ::-1], right[::-1, ::-1]), "or upside down"),
+    "both upside down": (lambda left, right: (left[::-1, ::-1], right[::-1, ::-1]), "both are upside down"),
     "left upside down": (lambda left, right: (left[::-1, ::-1], right), "one of the two images is upside down"),
     "right upside down": (lambda left, right: (left, right[::-1, ::-1]), "one of the two images is upside down"),
 }

@@ -199,7 +199,7 @@ def test_depthai_of_a_mode_that_cuts_rows(tmp_path: Path, oak: Path, scale: int,
 @pytest.mark.parametrize(
     ("size", "words"),
     [
-        ((50, 48), "crop the rig: rig.cropped"),
+        ((50, 48), "crop the rig in Python: rig.cropped"),
         ((64, 49), "calibrate for these images"),
         ((30, 20), "rig.cropped"),
         ((32, 30), "rig.cropped"),

@@ -198,8 +198,8 @@ def test_left_and_right_as_names_in_opencvs_file(tmp_path: Path):
 @pytest.mark.parametrize(
     ("size", "words"),
     [
-        ((32, 24), "leave size out, and resize the rig: rig.resized((32, 24))."),
-        ((64, 36), "crop the rig: rig.cropped((64, 36)) if the images are cut out of the middle."),
+        ((32, 24), "leave size out, and resize the rig in Python: rig.resized((32, 24))."),
+        ((64, 36), "crop the rig in Python: rig.cropped((64, 36)) if the images are cut out of the middle."),
         ((32, 18), "out of the middle, rig.resized((32, 24)).cropped((32, 18)) if they are resampled, too."),
         ((128, 60), "calibrate for these images, which are larger, and of another ratio of width to height."),
     ],
