@@ -113,17 +113,17 @@ class Assessment:
         return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
 
 
-def run_look(case: Case, stage: Stage, cost: Cost) -> tuple[StageRun, Cost]:
-    """One look at the images from the initial calibration, as a stage on the rows has it, without a strategy: matches,
-    which the extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames
-    alike, and the estimate would explain it by lenses.
+def run_look(case: Case, stage: Stage, start: StereoRig, cost: Cost) -> tuple[StageRun, Cost]:
+    """One look at the images from a start, as a stage on the rows has it, without a strategy: matches, which the
+    extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames alike, and
+    the estimate would explain it by lenses.
 
     Args:
         case: with a disparity range.
         cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
             search.
     """
-    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), case.rig, Budget(), seed=0)
+    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), start, Budget(), seed=0)
     return replace(run, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
 
 

@@ -86,7 +86,8 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
 def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
-    It looks before it searches, as `health` does; where that look sees what a search would see, it is the answer.
+    It looks before it searches, as `health` does, but from where the survey starts the search; where that look settles,
+    and sees what a search would see, it is the answer.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -101,8 +102,8 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     case, start, cost = started(case)
     to_decide = case.with_free(case.settings.free)
     if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
-        run, cost = run_look(to_decide, last, cost)
-        assessment = assessed(to_decide, run, run.ended)
+        run, cost = run_look(to_decide, last, start, cost)
+        assessment = assessed(to_decide, run, run.ended) if run.settled else None
         if assessment is not None and assessment.conclusive:
             return solution_of_assessment(to_decide, (run,), assessment, cost, began)
     case, stages = run_schedule(case, start, began)
@@ -132,6 +133,6 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, _, cost = started(prepared(rig, pairs, settings, learns=False))
     case = case.with_free(settings.free)
-    run, cost = run_look(case, look.stages[0], cost)
+    run, cost = run_look(case, look.stages[0], case.rig, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

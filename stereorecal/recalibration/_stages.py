@@ -93,6 +93,7 @@ class StageRun:
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
         covered_first: share of the image that the first correspondences cover, under the rig where it began.
+        settled: the last fit of an epipolar stage moved no rows any more, so that it would match the same again.
         cut: the budget ended an epipolar stage before a round was solved.
         survey_cost: units of the survey that measured the disparity range anew after it.
     """
@@ -106,6 +107,7 @@ class StageRun:
     matching_cost: float = 0.0
     found: Correspondences | None = None
     covered_first: float = 0.0
+    settled: bool = False
     cut: bool = False
     survey_cost: float = 0.0
 
@@ -187,7 +189,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
     began, at, runs, rounds, found = time.perf_counter(), chart.coordinates_of(start), [], 0, None
-    cut, covered_first = False, 0.0
+    settled, cut, covered_first = False, False, 0.0
 
     def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
@@ -215,10 +217,11 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
                 break
             runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), at, seed))
             at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
-        if cut or _moved(found, chart, before, at) < _SETTLED:
+        settled = not cut and _moved(found, chart, before, at) < _SETTLED
+        if settled or cut:
             break
     ended, cost = chart.rig_at(at), rounds * data.cost
-    return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, covered_first, cut)
+    return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, covered_first, settled, cut)
 
 
 def _moved(
