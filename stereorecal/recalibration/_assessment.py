@@ -34,7 +34,8 @@ from stereorecal.strategies import Budget
 
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
-_MATCHED_AGAIN = 2  # times, at most
+_LOOKED = 4  # times that a look may match until it settles
+_MATCHED_AGAIN = 2  # times that the estimate may, after it
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
@@ -123,7 +124,8 @@ def run_look(case: Case, stage: Stage, start: StereoRig, cost: Cost) -> tuple[St
         cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
             search.
     """
-    run = run_stage(case.of_extrinsics, replace(stage, strategy=None, frames=None), start, Budget(), seed=0)
+    look = replace(stage, strategy=None, frames=None, rounds=max(stage.rounds, _LOOKED))
+    run = run_stage(case.of_extrinsics, look, start, Budget(), seed=0)
     return replace(run, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
 
 
