@@ -45,15 +45,14 @@ def no_calibration(folder: Path) -> None:
 
 @each_verb
 @pytest.mark.parametrize(
-    ("spoil", "said"),
+    ("spoil", "said", "existing"),
     [
-        (no_image, "there is no image right.*"),
-        (truncated, "right.png: the image is truncated"),
-        (swapped, "look swapped"),
-        (no_calibration, "the scene has no calibration"),
+        (no_image, "there is no image right.*", True),
+        (truncated, "right.png: the image is truncated", False),
+        (swapped, "look swapped", True),
+        (no_calibration, "the scene has no calibration", False),
     ],
 )
-@pytest.mark.parametrize("existing", [False, True], ids=["", "json exists"])
 def test_scenes(
     command, folder: Path, tmp_path: Path, verb: str, spoil: Callable[[Path], None], said: str, existing: bool
 ):

@@ -90,10 +90,10 @@ def test_tolerances_are_taken_and_told(command, drifted_scene: Path):
 
 def test_a_scene_is_checked_with_another_calibration(command, clean_scene: Path, drifted_scene: Path):
     """Such as the one that a repair wrote; how its file is read can be said, too."""
-    theirs = command("score", drifted_scene, "--calibration", clean_scene / "calib.json", "--format", "stereorecal")
-    assert theirs.code == 0
     assert command("score", drifted_scene).code != 0
-    both = command("score", clean_scene, drifted_scene, "--calibration", clean_scene / "calib.json", "--json", "-")
+    theirs = ("--calibration", clean_scene / "calib.json", "--format", "stereorecal")
+    both = command("score", clean_scene, drifted_scene, *theirs, "--json", "-")
+    assert both.code == 0
     assert [scene["healthy"] for scene in json.loads(both.out)["scenes"]] == [True, True]
     assert "belong to --calibration" in command("score", drifted_scene, "--unit", "mm").err
 

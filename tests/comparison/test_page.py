@@ -106,13 +106,14 @@ def test_schedules_side_by_side(table: Comparison):
     assert "count" in drawn
 
 
-def test_a_ratio_above_the_limit_is_flagged(table: Comparison, page: str):
+def test_a_ratio_above_the_limit_and_an_end_by_the_budget_are_flagged(table: Comparison, page: str):
     mark = '<b class="flag" title="above 1.05">!</b>'
-    high = [replace(trial, ratio=1.051) if trial.ratio else trial for trial in table.trials]
+    high = [replace(trial, ratio=1.051, status="BUDGET") if trial.ratio else trial for trial in table.trials]
     assert mark not in page
     flagged = comparison_page(replace(table, trials=tuple(high)).as_dict())
     assert flagged.count(mark) == 4 + 2  # trials, and medians
     assert "2 flagged" in flagged
+    assert "<small>2 out of budget</small>" in flagged
 
 
 def test_interrupted_or_empty(table: Comparison):
@@ -215,8 +216,3 @@ def test_when_a_trial_is_solved(table: Comparison):
     assert solved_at([far, near, far, near], accepted=True) == 3.0
     assert solved_at([far, near, far, near], accepted=False) == np.inf
     assert solved_at([near, near], accepted=False) == 0.0
-
-
-def test_trials_that_the_budget_ended(table: Comparison):
-    cut = replace(table, trials=tuple(replace(t, status="BUDGET") if t.ratio else t for t in table.trials))
-    assert "<small>2 out of budget</small>" in comparison_page(cut.as_dict())

@@ -66,7 +66,7 @@ def test_wrong_yaw_is_wrong_depth(under):
         assert abs(1 / (1 + error.value / 100) - 1) == pytest.approx(1.1 * 30 * np.radians(0.5), rel=0.15)
 
 
-@pytest.mark.parametrize("pitch", [-2.0, 0.8, 2.0])
+@pytest.mark.parametrize("pitch", [-2.0, 0.8])
 def test_far_out_it_is_to_be_repaired(under, pitch):
     found = under(pitch)
     assert found.score_before.fraction > 0.15
@@ -96,7 +96,7 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0]))
     named, again = [], []
     for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
-        options = {"matcher": SAD_48, "tolerances": tolerances}
+        options = {"matcher": SAD_48, "tolerances": tolerances, "prior": "exact"}
         named.append(len(health(off, shown.pairs, **options).main_axes))
         again.append(recalibrate(off, shown.pairs, **options).cost.judging - 2.0)
     assert named[1:] == [5, 1]

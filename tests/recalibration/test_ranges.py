@@ -73,12 +73,11 @@ def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(harbour):
         sr.Range(0, (1, 2), 3.0, along="z")
 
 
-def test_ranges_of_other_things_have_no_say(harbour):
+def test_ranges_of_other_things_have_no_say(small):
     """A fifth of them belongs elsewhere."""
-    ranges = some()
-    wrong = [sr.Range(0, r.left_pixel, 3 * r.metres) if i % 5 == 0 else r for i, r in enumerate(ranges)]
-    found = sr.recalibrate(longer(RIG, -3.0), harbour.pairs, ranges=wrong)
-    assert abs(100 * (found.rig.baseline / RIG.baseline - 1)) < 1.0
+    wrong = [sr.Range(0, r.left_pixel, 3 * r.metres) if i % 5 == 0 else r for i, r in enumerate(of_small())]
+    found = sr.recalibrate(longer(SMALL, -3.0), small.pairs, ranges=wrong)
+    assert abs(100 * (found.rig.baseline / SMALL.baseline - 1)) < 1.0
 
 
 @pytest.mark.slow(after=1)

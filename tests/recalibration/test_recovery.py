@@ -47,8 +47,11 @@ def by_both_doors(rig: sr.StereoRig, pairs, **options) -> tuple[sr.Solution, sr.
     return said, done
 
 
-# An example takes several seconds, so falsifying ones are not shrunk.
-@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
+# An example takes several seconds: a quick run draws one, and falsifying ones are not shrunk.
+DRAWN = max(1, settings.default.max_examples // 25)
+
+
+@settings(max_examples=DRAWN, phases=[Phase.explicit, Phase.generate])
 @given(seed=st.integers(0, 2), drift=st.tuples(*[component] * 5))
 def test_the_count_comes_back_by_the_count_alone(scene, seed, drift):
     given_scene = scene("harbour", seed)
@@ -65,7 +68,7 @@ BLINDS = 1.5  # pixels of row error, through which no matcher finds much
 TOLERANCE = np.array([0.02, 0.1, 0.02])
 
 
-@settings(max_examples=4, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=DRAWN, phases=[Phase.explicit, Phase.generate])
 @given(
     kind=st.sampled_from([("harbour", 0), ("harbour", 1), ("coast", 1), ("street", 1), ("street", 2)]),
     size=st.sampled_from([0.0, 0.02, 0.2, 1.0]),
@@ -100,13 +103,15 @@ def test_a_drifted_rig_comes_back_and_an_undrifted_one_stays(scene, kind, size, 
 
 
 REAL = ("oak_d/desk", "oak_d/toy", "kitti2012/000000_10", "boofcv_bumblebee2/stones01", "kitti_odometry/suburb_seq")
+QUICK = (320, 240)  # whose programs are compiled already
 
 
 @pytest.mark.slow(after=1)
-@pytest.mark.parametrize("name", REAL)
-def test_real_scenes(data_dir, name):
+@pytest.mark.parametrize(("name", "size"), [(REAL[0], QUICK), *((name, None) for name in REAL)])
+def test_real_scenes(data_dir, name, size):
     given_scene = sr.io.load_scene(data_dir / name, limit=1)
-    by_both_doors(given_scene.rig, given_scene.pairs)
+    rig, (pair,) = given_scene.rig, given_scene.pairs
+    by_both_doors(*((rig.resized(size), [pair.resized(size)]) if size else (rig, [pair])))
 
 
 @pytest.mark.slow

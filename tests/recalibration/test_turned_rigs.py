@@ -30,7 +30,7 @@ def standing(rig: StereoRig, pair: Pair, turns: Turns) -> tuple[StereoRig, Pair]
     return StereoRig.from_rotation(taken.left, taken.right, taken.rotation, taken.translation), Pair(left, right)
 
 
-@pytest.mark.slow(after=2)
+@pytest.mark.slow(after=1)
 @each_stand
 def test_answers_are_the_same(plain, turns: Turns):
     (rig, pair), (other, taken) = plain, standing(*plain, turns)

@@ -34,8 +34,8 @@ HEADLINES = {
 
 
 def page(**changes) -> str:
-    """Of a made-up repair, with small pictures."""
-    return repair_page(made_up((64, 48), measured=False, **changes))
+    """Of a made-up repair, with small pictures and none of the search."""
+    return repair_page(made_up((64, 48), measured=False, climbs=[], **changes))
 
 
 def where(**changes) -> list[str]:

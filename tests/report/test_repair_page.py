@@ -63,7 +63,9 @@ HOSTILE = [EVIL, '" onload="alert(1)', "a b 'c'.png", "very-long-" * 60, "{{ 7 *
 @pytest.mark.parametrize("name", HOSTILE, ids=["script", "quotes", "spaces", "long", "template"])
 def test_names_stay_text(name: str):
     frames = [(name, "used", ""), ("other", "left out", name)]
-    page = repair_page(made_up(measured=False, name=name, frame=name, frames=frames, command=name, settings={}))
+    page = repair_page(
+        made_up(measured=False, climbs=[], name=name, frame=name, frames=frames, command=name, settings={})
+    )
     assert text_of(page).count(name) == 6
     assert not [a for _, a in Reader(page).elements if "onload" in a]
 

@@ -16,6 +16,7 @@ class TestSAD(MatcherConformance):
 
 
 pytest.mark.slow(TestSAD.test_is_smooth)  # tests/matching/test_soft.py takes less
+pytest.mark.slow(TestSAD.test_can_be_traced)  # test_twin and tests/matching hold both against NumPy
 
 
 class TestBM(MatcherConformance):

@@ -11,10 +11,12 @@ import stereorecal as sr
 SQUARE = ("--square", "0.03")
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    sr.io.save_scene(sr.synthetic.render("harbour", 1, rig=sr.synthetic.default_rig().resized((320, 240))), tmp_path)
-    return tmp_path
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Not to be changed."""
+    folder, rig = tmp_path_factory.mktemp("scene"), sr.synthetic.default_rig().resized((160, 120))
+    sr.io.save_scene(sr.synthetic.render("harbour", 1, rig=rig), folder)
+    return folder
 
 
 @pytest.mark.parametrize(

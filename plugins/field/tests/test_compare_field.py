@@ -50,6 +50,7 @@ def test_a_folder_judges(command, folder, tmp_path):
     assert command(*words, "--json", target).code == 2  # it exists
 
 
+@pytest.mark.slow
 def test_killed_and_resumed(command, folder, tmp_path, moody):
     target = tmp_path / "a.json"
     words = ("compare", "--judge", f"lidar={folder}", "--draws", 1, *MOODY, "--json", target)
@@ -130,9 +131,13 @@ def test_a_worker_that_dies_interrupts(command, folder, tmp_path, monkeypatch):
     assert "a worker was lost" in answer.err
     assert "interrupted; 1 of 4 trials were finished; the same command goes on from" in answer.err
     assert len(json.loads((tmp_path / "a.json").read_text())["trials"]) == 1
-    assert command(*words).code == 0
+    command(*words, "--seed", 5).refuses("the file exists already")
+    resumed = command(*words)
+    assert resumed.code == 0
+    assert "1 of 4 trials were finished already; going on." in resumed.err
     assert len(json.loads((tmp_path / "a.json").read_text())["trials"]) == 4
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
+    assert command(*words).code == 2  # it is complete
 
 
 def test_help_says_what_is_in_sample(command):

@@ -12,9 +12,11 @@ import stereorecal_optimistix
 
 from stereorecal.strategies import Need, Problem, Traced
 
-STRATEGIES = [
-    getattr(stereorecal_optimistix, name) for name in sorted(dir(stereorecal_optimistix)) if name[0].isupper()
-]
+_FIRST = ("BFGS", "Dogleg", "NelderMead", "Adam")  # of each kind of loop one, and the one with momentum
+STRATEGIES = sorted(
+    (getattr(stereorecal_optimistix, name) for name in sorted(dir(stereorecal_optimistix)) if name[0].isupper()),
+    key=lambda cls: cls.__name__ not in _FIRST,
+)
 CLIMBS = [cls for cls in STRATEGIES if cls.needs is not Need.HOST]
 
 

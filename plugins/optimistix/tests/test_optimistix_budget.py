@@ -30,6 +30,7 @@ def test_a_run_that_is_cut_is_the_beginning_of_the_whole_one(strategy_class, pro
         assert cut.status is Status.BUDGET
 
 
+@pytest.mark.slow(after=4)
 def test_no_time_no_work(strategy_class, problem):
     objective = Objective(problem(), Budget(seconds=1e-9))
     with pytest.raises(BudgetExhausted):
@@ -44,7 +45,8 @@ def test_it_converges_without_a_budget(strategy_class, problem):
     assert run.value > 1e-3 * run.start_value
 
 
-@pytest.mark.parametrize("steps", [1, 2])
+@pytest.mark.slow(after=4)
+@pytest.mark.parametrize("steps", [2, 1])
 def test_it_ends_after_its_steps(strategy_class, problem, steps):
     run = run_strategy(strategy_class(steps=steps), Objective(problem()), START)
     assert run.status is Status.STALLED
@@ -53,11 +55,13 @@ def test_it_ends_after_its_steps(strategy_class, problem, steps):
         assert run.trace.total_cost == (steps + 1) * (len(START) + 1)
 
 
+@pytest.mark.slow(after=3)
 def test_every_look_is_paid_when_it_is_done(climb_class, problem):
     trace = run_strategy(climb_class(), Objective(problem()), START).trace
     np.testing.assert_array_equal(trace.cost, 4.0 * np.arange(1, len(trace.cost) + 1))
 
 
+@pytest.mark.slow(after=3)
 def test_the_trace_only_ever_gets_better(climb_class, problem):
     bowl = problem()
     trace = run_strategy(climb_class(), Objective(bowl), START).trace

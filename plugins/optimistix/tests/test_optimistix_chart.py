@@ -33,13 +33,14 @@ def test_the_way_begins_at_the_start_or_a_little_inside_and_goes_as_far_as_it_is
     np.testing.assert_allclose(first_asked(start, step, 4), [inside, *aside], atol=1e-6)
 
 
-@pytest.mark.slow(after=6)
+@pytest.mark.slow(after=4)
 @pytest.mark.parametrize("corner", [(1.0, 1.0, 1.0), (-1.0, 1.0, -1.0)])
 def test_a_corner_is_left(strategy_class, problem, corner):
     run = run_strategy(strategy_class(), Objective(problem(), 1200), np.array(corner))
     assert run.value > 0.1 * run.start_value
 
 
+@pytest.mark.slow(after=4)
 def test_a_summit_on_the_border_is_reached(strategy_class, problem):
     run = run_strategy(strategy_class(), Objective(problem((1.0, 0.0, -1.0)), 1200), np.zeros(3))
     assert run.value > 0.05 * run.start_value

@@ -20,9 +20,11 @@ for point in POINTS:
     made = type(name, (StrategyConformance,), {"strategy": cls()})
     globals()[name] = pytest.mark.slow(made) if cls.__name__ in ALIKE else made
 
-# A rig by its gradients or without: stereorecal-nlopt. (Each class has test functions of its own.)
+# A rig by its gradients or without: stereorecal-nlopt. How Optimistix's solvers climb what is neither smooth nor a
+# staircase is their own. (Each class has test functions of its own.)
 for name in ("TestAdam", "TestBFGS", "TestNelderMead"):
-    pytest.mark.slow(globals()[name].test_repairs_a_stereo_rig)
+    for check in ("repairs_a_stereo_rig", "climbs_a_tilted_ridge", "climbs_a_noisy_bowl", "keeps_off_a_cliff"):
+        pytest.mark.slow(getattr(globals()[name], f"test_{check}"))
 
 
 def test_every_public_class_is_registered():

@@ -13,6 +13,7 @@ START = np.array([-0.2, 0.1, 0.3])
 BACKTRACKING = (BFGS, LBFGS, NonlinearCG, LevenbergMarquardt, Dogleg, NelderMead)
 
 
+@pytest.mark.slow(after=4)
 def test_nan_on_the_way_is_never_nominated(strategy_class, problem):
     broken = problem(instead=np.nan)
     outcome = strategy_class().run(Objective(broken), START, 0)
@@ -28,6 +29,7 @@ def test_those_that_backtrack_go_on_beside_nan(cls, problem):
     assert run.value > 0.5 * run.start_value
 
 
+@pytest.mark.slow(after=4)
 def test_nan_at_the_start_ends_the_run(strategy_class, problem):
     broken = problem(instead=np.nan)
     objective = Objective(broken)
@@ -38,6 +40,7 @@ def test_nan_at_the_start_ends_the_run(strategy_class, problem):
     assert objective.spent == 4
 
 
+@pytest.mark.slow(after=3)
 def test_a_value_without_a_slope_is_no_place_to_go_on_from(climb_class, problem):
     """Beyond z_0 = 0.1 there are values, and no slope: the others back away from there, as they do from NaN."""
 

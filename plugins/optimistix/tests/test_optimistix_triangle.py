@@ -50,6 +50,7 @@ def lines(m: int) -> Objective:
     return Objective(Problem(2, values, traced=Traced(residuals=residuals)))
 
 
+@pytest.mark.slow(after=1)
 @pytest.mark.parametrize("solver", [Dogleg, GaussNewton, LevenbergMarquardt])
 def test_any_number_of_residuals_takes_the_same_program_for_a_step(solver, compilations):
     """What is compiled for others is their evaluation alone: as much for as many as before as for more."""

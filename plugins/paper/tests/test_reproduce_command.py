@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from machine import raising
-from stereorecal_paper import EXPERIMENTS, save_calibrations, save_mission
+from stereorecal_paper import EXPERIMENTS, _command, save_calibrations, save_mission
 
 from stereorecal.recordings import Mission
 from stereorecal.synthetic import default_rig, render
@@ -27,7 +27,9 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def words(log: Path, tmp_path: Path) -> list[object]:
+def words(log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """Of a log, and of less than what --quick does."""
+    monkeypatch.setattr(_command, "QUICK", replace(_command.QUICK, points=3, iterations=2))
     return ["--log", log, "--quick", "--schedule", "count", "--output", tmp_path / "out"]
 
 
