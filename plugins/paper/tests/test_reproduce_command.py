@@ -123,14 +123,6 @@ def test_frames_without_a_log(command, tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_results_of_another_run_are_left_alone(command, words):
-    assert command("reproduce", "ex-nihilo", *words).code == 0
-    found = command("reproduce", "ex-nihilo", *words, "--seed", "1")
-    assert found.code == 2
-    assert "other settings" in found.err
-
-
-@pytest.mark.slow
 def test_without_a_log_one_is_rendered_once(command, tmp_path: Path, small_synthetic_log, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     options = ["--quick", "--schedule", "count", "--output", tmp_path / "out"]
