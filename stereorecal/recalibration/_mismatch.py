@@ -59,7 +59,7 @@ class Mismatch:
     @property
     def verdict(self) -> str:
         """In one short sentence."""
-        share = f"Wrong input: good matches in {100 * self.covered:.0f} % of the image"
+        share = f"Wrong input: {100 * self.covered:.0f} % fit"
         if self.cause is not None:
             return f"{share}; {self.cause.without} {100 * self.covered_without:.0f} %."
         like = "the images look like two moments" if self.two_moments else "not this rig, or not these images"
