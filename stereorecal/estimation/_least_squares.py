@@ -77,6 +77,15 @@ class Recording:
     windows: Windows = NO_WINDOWS
     view: View | None = None
 
+    @property
+    def measured(self) -> Measured:
+        """What tells of its rig besides rows."""
+        return Measured(self.ranges, self.windows)
+
+    def begun(self, chart: RigChart) -> Float[np.ndarray, "n"]:
+        """θ to begin at."""
+        return np.zeros(chart.dim) if self.start is None else self.start
+
 
 @one_blas_thread()
 def estimate(
@@ -112,14 +121,12 @@ class Fit:
     Attributes:
         recording: that it is of.
         chart: from θ to rigs.
-        measured: of the recording.
         rows: linear near the most probable θ; None, where there are too few.
         misfit: the most probable one.
     """
 
     recording: Recording
     chart: RigChart
-    measured: Measured
     rows: LinearGroups | None
     misfit: tuple[float, float]
 
@@ -157,9 +164,8 @@ class Fit:
         recording, chart, prior = self.recording, self.chart, self.recording.prior
         several = [one for some in hypotheses for one in some.several]
         if rows is None:
-            start = np.zeros(chart.dim) if recording.start is None else recording.start
             flat = Normal.flat(chart.dim)
-            likelihoods = self.measured.likelihoods(chart, start, prior)
+            likelihoods = recording.measured.likelihoods(chart, recording.begun(chart), prior)
             several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
         best, posterior = best_of(several)[0], mixture(several)
         estimated = Estimate(
@@ -192,9 +198,9 @@ class Fit:
 @one_blas_thread()
 def fitted(recording: Recording) -> Fit:
     """The fit of a recording: a prior and a misfit for a round are the evidence's best."""
-    chart, measured = rig_parameters(recording.rig), Measured(recording.ranges, recording.windows)
-    start = np.zeros(chart.dim) if recording.start is None else recording.start
-    return Fit(recording, chart, measured, *_settled(recording.found, chart, recording.prior, start, measured))
+    chart = rig_parameters(recording.rig)
+    begun, measured = recording.begun(chart), recording.measured
+    return Fit(recording, chart, *_settled(recording.found, chart, recording.prior, begun, measured))
 
 
 def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> Float[np.ndarray, "n"]:

@@ -140,16 +140,17 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     fit_of, weighed = _fitter(case, found, end_rig), False
     excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
     while True:
-        estimated = (fit.weighed()[0] if weighed else fit.alone).judged_by(case.settings.tolerances.matters)
-        likely, enough = estimated.with_free(case.free.names), (1.0 - ENOUGH.lost) * found.covered
-        anew, moved = None, not disagree and estimated.effect(likely - at) >= _SETTLED
-        if moved and again < _MATCHED_AGAIN:
+        last = disagree or again == _MATCHED_AGAIN  # no candidate is asked where it would be matched anew
+        estimated = (fit.weighed()[0] if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
+        likely = at if last else estimated.with_free(case.free.names)
+        anew = None
+        if not last and estimated.effect(likely - at) >= _SETTLED:
             anew = _matched(case, run, chart, likely)
             again += 1
-        if anew is not None and anew.covered >= enough:
+        if anew is not None and anew.covered >= (1.0 - ENOUGH.lost) * found.covered:
             found, at, weighed = anew, likely, False
             excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
-        elif weighed:
+        elif weighed or last:
             break
         else:
             weighed = True

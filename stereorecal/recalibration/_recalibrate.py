@@ -115,7 +115,8 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     """Match the pairs under the rig's calibration, and estimate once the correction that they ask for:
     `solution.condition` says whether the calibration is good, `solution.change` what would mend it.
 
-    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
+    `recalibrate` begins with such a look, and where a rig is far off, from where its survey starts: what is healthy
+    here stays there, what is to be repaired here is repaired.
 
     Args:
         options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
