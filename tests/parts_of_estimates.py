@@ -5,13 +5,6 @@ What is private, tests import by this and `parts_of_repairs` alone.
 
 from stereorecal.estimation import _calibration_prior as _calibration_prior
 from stereorecal.estimation._calibration_prior import SIZES as SIZES, drift_sizes as drift_sizes, widest as widest
-from stereorecal.estimation._confounders import (
-    Offsets as Offsets,
-    _rectangle as _rectangle,
-    _squares as _squares,
-    _sums as _sums,
-    outlines as outlines,
-)
 from stereorecal.estimation._estimate import parts_of as parts_of
 from stereorecal.estimation._evidence import (
     Explained as Explained,
@@ -40,6 +33,13 @@ from stereorecal.estimation._motion_residuals import (
     by_theta as by_theta,
     residuals as residuals,
     track_readings as track_readings,
+)
+from stereorecal.estimation._outlines import (
+    Offsets as Offsets,
+    _rectangle as _rectangle,
+    _squares as _squares,
+    _sums as _sums,
+    outlines as outlines,
 )
 from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_choice import updated as updated

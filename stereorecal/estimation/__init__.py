@@ -2,11 +2,12 @@
 squares; `docs/estimate.md` explains it.
 
 `_rig_parameters` names θ; `_calibration_prior` is its prior, a drift included, `_prior_choice` what users may choose
-instead, `_saved_prior` what the next call begins with. `_groups` has the rows as data, `_linear_groups` their misfit,
+instead, and what the next call begins with. `_groups` has the rows as data, `_linear_groups` their misfit,
 `_matched_ranges` measured ranges, `_motion` the rig's own motion (`_motion_residuals`: what tracks should do),
-`_confounders` what else may be behind rows. `_evidence` integrates in closed form, `_explanations` compares,
-`_least_squares` solves one recording or several of one rig; `_posterior` is the answer, `_consequences` what errors of
-a rig do to rows and depth, `_losses` what they cost, and the rigs that may be written.
+`_confounders` (`_outlines`: of regions) and `_late_shutter` what else may be behind rows. `_evidence` integrates in
+closed form, `_explanations` compares, `_least_squares` solves one recording or several of one rig; `_posterior` is the
+answer, `_consequences` what errors of a rig do to rows and depth, `_losses` what they cost, and the rigs that may be
+written.
 """
 
 from stereorecal.estimation._calibration_prior import (

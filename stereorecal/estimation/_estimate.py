@@ -16,10 +16,10 @@ from jaxtyping import Bool, Float
 
 from stereorecal._errors import checked_choice
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._confounders import Delay
 from stereorecal.estimation._consequences import DISTANCES, SampleReadings
 from stereorecal.estimation._explanations import Hypothesis, mixture
 from stereorecal.estimation._groups import PLACES, Groups
+from stereorecal.estimation._late_shutter import Delay
 from stereorecal.estimation._linear_groups import OtherRig
 from stereorecal.estimation._losses import (
     USUAL,

@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
-from stereorecal.estimation._confounders import Delay, delay_of, hypotheses_with_confounders, hypothesis_with_delay
+from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._explanations import (
@@ -32,6 +32,7 @@ from stereorecal.estimation._explanations import (
     mixture,
 )
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
+from stereorecal.estimation._late_shutter import Delay, delay_of, hypothesis_with_delay
 from stereorecal.estimation._linear_groups import (
     COMMON,
     DEVIATIONS,

@@ -1,0 +1,142 @@
+"""The outline of a part of the view that moved as a whole.
+
+All rectangles are tried, and what grows of the best. Evidence is of the outline alone, everything else integrated, so
+parameters and outline need not take turns. Half of the probability is for rectangles, all alike: images are cut along
+their rows and columns, and what moves is often as wide as high. The other half has a price for each edge, what a closed
+walk on a lattice takes to be told.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from stereorecal.estimation._groups import PLACES
+
+_EDGE = 1.0  # nats: closed walks of n steps on a square lattice are about 2.64ⁿ many
+_FEWEST = 4  # places inside, and outside: fewer are outliers
+_RARER = 4  # power of the share that stood still: what moves covers a sixth of an image on average, hardly ever most
+_STEPS = 60  # of single places that change sides
+_ALIKE = 0.1  # of the places: outlines that differ by less are one
+_KEPT = 2  # outlines: a region, and its rival
+
+
+@dataclass(frozen=True, eq=False)
+class Offsets:
+    """The log likelihood of row offsets o of all places of a frame: -½ (oᵀ a o - 2 bᵀ o).
+
+    Attributes:
+        a: (p, p).
+        b: (p,).
+        size: standard deviation of the offset of a region, pixels.
+    """
+
+    a: Float[np.ndarray, "p p"]
+    b: Float[np.ndarray, "p"]
+    size: float
+
+    def gain(self, pull: Float[np.ndarray, "s"], stiff: Float[np.ndarray, "s"]) -> Float[np.ndarray, "s"]:
+        """Log evidence of an offset of the places l over that of none, for bᵀl and lᵀ a l."""
+        return 0.5 * pull**2 / (stiff + 1.0 / self.size**2) - 0.5 * np.log1p(self.size**2 * np.maximum(stiff, 0.0))
+
+
+def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
+    """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
+    prior probability of each: rows alone cannot tell which side of an outline stood still; by likelihoods of offsets
+    under priors of θ, of the places that have rows."""
+    found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
+    chosen = []
+    for _, log_prior, label in found:
+        difference = [(label != one)[present].mean() for one, _ in chosen]
+        if all(_ALIKE < share < 1.0 - _ALIKE for share in difference):
+            chosen.append((label, log_prior))
+    return [
+        (side, log_prior + _RARER * float(np.log1p(-side.sum() / present.sum())))
+        for label, log_prior in chosen[:_KEPT]
+        for side in (label, present & ~label)
+    ]
+
+
+def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
+    """Log evidence, log prior and outline: the best rectangle, the best one that the rest moved around, and what grows
+    of both."""
+    whole = present.astype(float)
+    of_whole = offsets.a @ whole
+    pull, stiff = _sums(offsets.b), _squares(offsets.a)
+    log_prior = -float(np.log(2.0 * 2.0 * len(pull)))
+    rest_pull, rest_stiff = offsets.b @ whole - pull, whole @ of_whole - 2.0 * _sums(of_whole) + stiff
+    number = _sums(whole)
+    fits = (number >= _FEWEST) & (number <= whole.sum() - _FEWEST)
+    if not fits.any():
+        return
+    for gains, around in ((offsets.gain(pull, stiff), False), (offsets.gain(rest_pull, rest_stiff), True)):
+        index = int(np.where(fits, gains, -np.inf).argmax())
+        label = present & (_rectangle(index) != around)
+        yield float(gains[index]) + log_prior, log_prior, label
+        yield _grown(offsets, label, present)
+
+
+def _grown(
+    offsets: Offsets, label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]
+) -> tuple[float, float, Bool[np.ndarray, "p"]]:
+    """Single places change sides, the one that gains most first, while that helps."""
+    side, adjacency = label.astype(float), _neighbours() * present * present[:, None]
+    degree, own = adjacency.sum(axis=1), np.diag(offsets.a)
+    al, neighbours_inside = offsets.a @ side, adjacency @ side
+    pull, stiff, edges = float(offsets.b @ side), float(side @ al), float(side @ (degree - neighbours_inside))
+    log_evidence = -np.inf
+    for _ in range(_STEPS):
+        sign = 1.0 - 2.0 * side
+        more = sign * (degree - 2.0 * neighbours_inside)
+        gains = offsets.gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
+        number = side.sum() + sign
+        gains[~present | (number < _FEWEST) | (number > present.sum() - _FEWEST)] = -np.inf
+        p = int(gains.argmax())
+        if not gains[p] > log_evidence:
+            break
+        log_evidence = float(gains[p])
+        pull, stiff, edges = pull + sign[p] * offsets.b[p], stiff + 2.0 * sign[p] * al[p] + own[p], edges + more[p]
+        al, neighbours_inside = al + sign[p] * offsets.a[:, p], neighbours_inside + sign[p] * adjacency[:, p]
+        side[p] += sign[p]
+    log_prior = -_EDGE * float(edges) - float(np.log(2.0))
+    return log_evidence - float(np.log(2.0)), log_prior, side > 0.5
+
+
+# All rectangles: of each span of rows, all spans of columns.
+
+
+@cache
+def _spans(n: int) -> Float[np.ndarray, "m n"]:
+    """All intervals of n numbers, 1 inside."""
+    ends = [(i, j) for i in range(n) for j in range(i + 1, n + 1)]
+    return np.array([(np.arange(n) >= i) & (np.arange(n) < j) for i, j in ends]).astype(float)
+
+
+def _sums(values: Float[np.ndarray, "p"]) -> Float[np.ndarray, "s"]:
+    """Of values inside of each rectangle."""
+    across, down = map(_spans, PLACES)
+    return (down @ values.reshape(len(down[0]), -1) @ across.T).ravel()
+
+
+def _squares(a: Float[np.ndarray, "p p"]) -> Float[np.ndarray, "s"]:
+    """lᵀ a l for each rectangle l."""
+    (columns, rows), (across, down) = PLACES, map(_spans, PLACES)
+    of_columns = a.reshape(rows, columns, rows, columns) @ across.T  # (rows, columns, rows, spans of columns)
+    of_columns = np.einsum("yxzc,cx->cyz", of_columns, across)
+    return np.einsum("cyd,dy->dc", of_columns @ down.T, down).ravel()
+
+
+def _rectangle(index: int) -> Bool[np.ndarray, "p"]:
+    """Which places are inside."""
+    across, down = map(_spans, PLACES)
+    of_rows, of_columns = divmod(index, len(across))
+    return np.outer(down[of_rows], across[of_columns]).ravel() > 0.0
+
+
+@cache
+def _neighbours() -> Float[np.ndarray, "p p"]:
+    """1 where two places share an edge."""
+    row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
+    return (np.abs(row[:, None] - row) + np.abs(column[:, None] - column) == 1).astype(float)

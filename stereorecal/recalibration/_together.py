@@ -1,0 +1,340 @@
+"""What recordings of the same cameras share, intrinsics and the length of the baseline, solved for together.
+
+From repairs of the extrinsics to one estimate of all parameters: recordings are matched, ranged and counted in workers,
+each solved beside the others, matched again and solved again; then one decision is taken for all.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide_together, reason_of
+from stereorecal.estimation import (
+    NO_RANGES,
+    NO_WINDOWS,
+    CalibrationPrior,
+    Each,
+    Earlier,
+    Estimate,
+    MatchedRanges,
+    Recording,
+    SavedPrior,
+    Windows,
+    as_prior,
+    estimate_together,
+    rig_parameters,
+    with_free_together,
+)
+from stereorecal.geometry import StereoRig, View, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
+from stereorecal.objectives import BASELINE, Parameters, RigChart, row_chart
+from stereorecal.recalibration._assessment import MOST_EXCLUDED, share_lost, turned_by
+from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
+from stereorecal.recalibration._prior_use import prior_of
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, misfit, places_of, row_residuals
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
+from stereorecal.recordings import Pair, Range
+from stereorecal.scoring import Correspondences, ScoringData, pyramid, with_rays_of
+from stereorecal.scoring.host import Score, correspondences, counts_by_tile
+
+_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
+
+
+@dataclass(frozen=True, eq=False)
+class MatchTask:
+    """Pairs to look at through rigs: no more than a worker needs travels to it, and the scale at which they are
+    matched."""
+
+    rigs: tuple[StereoRig, ...]
+    pairs: tuple[Pair, ...]
+    view: View
+    matcher: AbstractMatcher
+    scale: float
+    ranges: tuple[Range, ...] = ()
+
+
+def _data(task: MatchTask, rig: StereoRig, scale: float) -> ScoringData:
+    return pyramid(rig, task.pairs, task.view).at(scale)
+
+
+def matched(task: MatchTask) -> Correspondences:
+    """The correspondences under the first rig."""
+    rig = task.rigs[0]
+    return correspondences(_data(task, rig, task.scale), with_unit_baseline(rig.extrinsics), task.matcher)
+
+
+def range_matches(task: MatchTask) -> MatchedRanges:
+    """The ranges, matched under the first rig."""
+    rig = task.rigs[0]
+    return match_ranges(_data(task, rig, task.scale), rig, task.matcher, task.pairs, task.ranges)
+
+
+def counted(task: MatchTask) -> Int[np.ndarray, "rigs k tiles"]:
+    """Counts of the tiles of all frames at full scale, under each rig."""
+    several = ((_data(task, rig, 1.0), with_unit_baseline(rig.extrinsics)[None]) for rig in task.rigs)
+    return np.concatenate([counts_by_tile(data, extrinsics, task.matcher) for data, extrinsics in several])
+
+
+@dataclass(frozen=True, eq=False)
+class RepairedRecording:
+    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show; the
+    frames that the repair left out take no part.
+    """
+
+    pairs: tuple[Pair, ...]
+    repair: Solution
+    ranges: tuple[Range, ...] = ()
+
+    @property
+    def found(self) -> Correspondences:
+        """The last correspondences of the repair.
+
+        Raises:
+            ValueError: if it is not usable.
+        """
+        if self.repair.found is None:
+            raise ValueError("a recording without correspondences has no part in a joint solution")
+        return self.repair.found
+
+    @property
+    def kept(self) -> tuple[Pair, ...]:
+        """The pairs that it rests on."""
+        return tuple(self.pairs[index] for index in self.repair.used)
+
+    @property
+    def windows(self) -> Windows:
+        """Of the kept pairs that follow each other, numbered as these."""
+        estimate = self.repair.estimate
+        return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.used)
+
+    def usable(self, *, intrinsics_free: bool) -> bool:
+        """Whether it can take part. Frames may disagree by intrinsics that are free; that is judged at the end."""
+        found, reason = self.repair.found, self.repair.reason
+        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not intrinsics_free):
+            return False
+        return found is not None and found.found >= ENOUGH.matches
+
+    def theta_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
+        """Where a rig lies, counted from the initial one."""
+        return rig_parameters(self.repair.initial).coordinates_of(rig)
+
+    def task(self, *rigs: StereoRig, ranges: bool = False) -> MatchTask:
+        """To look at the kept pairs through rigs, as the repair looked at them."""
+        repair, own = self.repair, self.ranges if ranges else ()
+        return MatchTask(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """What a recording says beside the others.
+
+    Attributes:
+        found: the matches that the estimate rests on.
+        decision: of all recordings together; candidates have the same shared parameters.
+    """
+
+    recording: RepairedRecording
+    found: Correspondences
+    estimate: Estimate
+    decision: Decision
+
+    @property
+    def rig(self) -> StereoRig:
+        """The rig that the recording gets: the candidate."""
+        return self.estimate.chart.rig_at(self.decision.theta)
+
+    def rows(self, free: Parameters, rig: StereoRig) -> RowResiduals:
+        """What a rig leaves, and the initial one."""
+        return row_residuals(self.chart(free), self.found, rig)
+
+    def chart(self, free: Parameters) -> RigChart:
+        """The box of own and shared parameters around the initial rig."""
+        return row_chart(self.recording.repair.initial, self.recording.repair.settings.reach, free)
+
+    def ranges(self, used: StereoRig, reason: Reason) -> RangesSeen | None:
+        """What became of its ranges, with the rig to use."""
+        found = self.estimate.matched_ranges
+        report = RangesSeen.of(len(self.recording.ranges), found, self.estimate.chart.rig, self.rig, reason)
+        return report and replace(report, contradict=int(found.contradict(used).sum()))
+
+
+def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
+    """The joint estimate of recordings: solved, matched again, solved again; and the decision on it; `each` runs a task
+    for each recording."""
+    ranges = (NO_RANGES,) * len(recordings)
+    if any(r.ranges for r in recordings):
+        ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+    estimated_from = [
+        Recording(r.found, r.repair.initial, prior, r.theta_of(r.repair.candidate), some, r.windows, r.repair.view)
+        for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
+    ]
+    tolerances = recordings[0].repair.settings.tolerances
+    estimates = [one.judged_by(tolerances.matters) for one in estimate_together(estimated_from, each=each)]
+    likely = with_free_together(estimates, free.names)
+    rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
+    again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
+    for index, (r, found, rig) in enumerate(zip(recordings, again, rigs, strict=True)):
+        enough = found.found >= ENOUGH.matches
+        read = with_rays_of(r.repair.initial, found, matched_rig=rig) if enough else r.found
+        estimated_from[index] = replace(estimated_from[index], found=read, start=r.theta_of(rig))
+    estimates = [one.judged_by(tolerances.matters) for one in estimate_together(estimated_from, each=each)]
+    decisions = decide_together(estimates, free.names, tolerances)
+    several = zip(recordings, estimated_from, estimates, decisions, strict=True)
+    return [Member(r, data.found, estimated, decision) for r, data, estimated, decision in several]
+
+
+def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
+    """The prior of each recording of a joint estimate: the saved one of its calibration, or the common one."""
+    ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
+    for repair in (recording.repair for recording in recordings):
+        prior = None if repair.prior_use is None else repair.prior_use.prior
+        known = common
+        if known is None or isinstance(prior, SavedPrior | Earlier):
+            known = prior_of(prior, free, repair.initial, repair.settings.reach, ranges=ranges)
+            known = as_prior(known, rig_parameters(repair.initial))
+        if not isinstance(prior, SavedPrior | Earlier):
+            common = known
+        found.append(known)
+    return found
+
+
+def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> tuple[Solution, ...]:
+    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
+    how long the baseline is, whether intrinsics are taken or not; `each` runs a task for each recording."""
+    part = [recording for recording in recordings if recording.usable(intrinsics_free=bool(free.intrinsics))]
+    if not part:
+        return tuple(_unsolved(recording, free) for recording in recordings)
+    members = joint_estimate(part, free, each)
+    answers, intrinsics = _answers(members, free, each), None
+    if free.intrinsics:
+        intrinsics = _intrinsics(members, answers, free)
+        if not intrinsics.taken:
+            held = free.without_intrinsics
+            alone = solve_jointly(recordings, held, each) if held.shared else [one.repair for one in recordings]
+            return tuple(replace(solution, intrinsics=intrinsics) for solution in alone)
+    results = iter(_solutions(members, answers, intrinsics, free))
+    return tuple(
+        next(results)
+        if any(r is one for one in part)
+        else replace(r.repair, intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r))
+        for r in recordings
+    )
+
+
+def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
+    """With the shared parameters taken, or found and not taken."""
+    counts = each(counted, [one.recording.task(one.recording.repair.initial, one.rig) for one in members])
+    answers = []
+    for member, tiles in zip(members, counts, strict=True):
+        repair, estimated, found, rig = member.recording.repair, member.estimate, member.found, member.rig
+        seen = replace(
+            repair.seen or Seen(),
+            matches=found.found,
+            covered=found.covered,
+            places=len(places_of(found)),
+            frames_disagree=len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight),
+            late=estimated.is_late,
+            misfit_px=max(estimated.misfit),
+            lost=share_lost(tiles),
+            away=turned_by(repair.initial, rig, repair.settings.reach),
+        )
+        reason, rows = reason_of(member.decision, seen), member.rows(free, rig)
+        of_others = (one.recording.repair.used_images for one in members if one is not member)
+        answer = replace(
+            repair,
+            candidate=rig,
+            reason=reason,
+            score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
+            row_errors=rows.errors,
+            misfit=misfit(rows, late=estimated.is_late),
+            uncertainty=uncertainty_of(estimated, rig, member.chart(free)),
+            estimate=estimated,
+            decision=member.decision,
+            ranges=member.ranges(rig, reason),
+            disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
+            settings=replace(repair.settings, free=free),
+            prior_use=repair.prior_use and replace(repair.prior_use, other_images=tuple(chain(*of_others))),
+        )
+        answers.append(answer)
+    return answers
+
+
+def _intrinsics(members: Sequence[Member], answers: Sequence[Solution], free: Parameters) -> Intrinsics:
+    """The shared parameters, and whether they are taken."""
+    outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
+    held = with_free_together([one.estimate for one in members], free.without_intrinsics.names)
+    rigs_held = [one.estimate.chart.rig_at(theta) for one, theta in zip(members, held, strict=True)]
+    fixed, freed = (
+        float(np.mean([one.rows(free, rig).errors.after for one, rig in zip(members, rigs, strict=True)]))
+        for rigs in (rigs_held, [one.rig for one in members])
+    )
+    return intrinsics_of(
+        members[0].estimate,
+        members[0].decision.theta,
+        free.shared,
+        outcome,
+        fixed_px=fixed,
+        freed_px=freed,
+        shown=len(np.unique(np.concatenate([places_of(one.found) for one in members]))) / TILES_OF_A_FRAME,
+        expected_px=min(one.estimate.row_error_px(one.decision.theta)[10][0] for one in members),
+        refused=answers[0].reason if outcome is IntrinsicsOutcome.REFUSED else None,
+    )
+
+
+def _solutions(
+    members: Sequence[Member], answers: Sequence[Solution], intrinsics: Intrinsics | None, free: Parameters
+) -> list[Solution]:
+    """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
+    that the ranges of others tell."""
+    baseline_measured = BASELINE in free.names and any(
+        answer.accepted and (one.estimate.matched_ranges.agree(answer.rig) or one.recording.windows.measured)
+        for answer, one in zip(answers, members, strict=True)
+    )
+    found = []
+    for member, answer in zip(members, answers, strict=True):
+        if answer.accepted or not free.shared:
+            found.append(replace(answer, intrinsics=intrinsics))
+            continue
+        own = member.recording.repair
+        if baseline_measured and own.reason.healthy and not member.estimate.matched_ranges:
+            own = _scaled(own, answer)
+        own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
+        found.append(replace(own, intrinsics=own_intrinsics, ranges=member.ranges(own.rig, answer.reason)))
+    return found
+
+
+def _scaled(solution: Solution, found: Solution) -> Solution:
+    """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
+    are the same."""
+    extrinsics = np.array(solution.rig.extrinsics, float)
+    before, after = (abs(float(rig.extrinsics[3])) for rig in (found.initial, found.candidate))
+    extrinsics[3:] *= after / before  # what only a change of the length moves
+    return replace(
+        solution,
+        uncertainty=found.uncertainty,
+        estimate=found.estimate,
+        candidate=solution.rig.with_extrinsics(extrinsics),
+        reason=Reason.IMPROVED,
+        settings=replace(solution.settings, free=found.settings.free),
+    )
+
+
+def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
+    """What became of the ranges of a recording that took no part."""
+    return RangesSeen(len(recording.ranges), 0, 0) if recording.ranges else None
+
+
+def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
+    """The repair of a recording where nothing that is shared could be solved for."""
+    repair, intrinsics = recording.repair, None
+    if free.intrinsics:
+        parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
+        names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
+        missing, nan = np.full(len(parameters), np.nan), float("nan")
+        outcome = IntrinsicsOutcome.NOT_SOLVED
+        intrinsics = Intrinsics(outcome, names, units, missing, missing, names, nan, nan, 0.0, nan)
+    return replace(repair, intrinsics=intrinsics, ranges=_unmatched(recording))
