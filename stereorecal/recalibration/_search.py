@@ -13,6 +13,7 @@ from jaxtyping import Int
 from stereorecal.decision import ENOUGH, Reason, Seen, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate
 from stereorecal.geometry import StereoRig
+from stereorecal.objectives import count_chart
 from stereorecal.recalibration._assessment import Assessment, assessed, counts, without_mismatch
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen
@@ -22,9 +23,7 @@ from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import (
     Cost,
-    Extrinsics,
     StageRun,
-    extrinsics_count_objective,
     last_matched,
     remaining,
     run_stage,
@@ -78,6 +77,8 @@ def _ending(stages: tuple[StageRun, ...]) -> tuple[Status, str]:
         return last.runs[-1].status, last.runs[-1].message
     if last is None or last.found is None or last.found.found < ENOUGH.matches:
         return Status.NO_SIGNAL, Status.NO_SIGNAL.value
+    if not last.settled:
+        return Status.STALLED, "the rounds ended before matches and fit had settled"
     return Status.CONVERGED, "matches and fit have settled"
 
 
@@ -191,16 +192,17 @@ def _solution(
 
 def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
-    schedule = case.settings.schedule
-    matcher, offset, of_survey = case.matcher, np.zeros(6), 0.0
-    _compile_in_background(case, schedule.stages[-1:])  # the look's
-    if schedule.survey or matcher.num_disparities is None:
-        radians = float(np.radians(case.settings.reach.degrees))
+    settings, start, cost = case.settings, case.rig, Cost()
+    _compile_in_background(case, settings.schedule.stages[-1:])  # the look's
+    if settings.schedule.survey or case.matcher.num_disparities is None:
+        radians = float(np.radians(settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
-        case, of_survey = case.with_matcher(surveyed.with_range(matcher, radians)), surveyed.cost
-        offset = surveyed.offset if schedule.survey else offset
-    start, of_starts = _better_start(case, schedule.stages[0], offset)
-    return case, start, Cost(survey=of_survey, starts=of_starts)
+        case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
+        if settings.schedule.survey and surveyed.offset.any():
+            chart = count_chart(case.rig, settings.reach, case.free.axes)
+            moved = chart.inside(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
+            start = case.rig.with_extrinsics(chart.extrinsics(moved))
+    return case, start, cost
 
 
 def _compile_in_background(case: Case, stages: Sequence[Stage]) -> None:
@@ -208,21 +210,6 @@ def _compile_in_background(case: Case, stages: Sequence[Stage]) -> None:
     for stage in stages:
         if stage.score is ScoreKind.EPIPOLAR:
             host.compile_in_background(case.images.sample(case.scale_of(stage)))
-
-
-def _better_start(case: Case, stage: Stage, offset: Extrinsics) -> tuple[StereoRig, float]:
-    """The initial rig, or one with `offset` where the count at the scale of `stage` is higher; and what asking cost, in
-    units."""
-    initial = np.asarray(case.rig.extrinsics, float)
-    if not offset.any():
-        return case.rig, 0.0
-    objective = extrinsics_count_objective(case, stage, Budget())
-    chart = objective.images.chart
-    moved = chart.inside(initial + offset)
-    initial_count, moved_count = objective.problem.values(np.stack([chart.inside(initial), moved]))
-    return (
-        case.rig.with_extrinsics(chart.extrinsics(moved)) if moved_count > initial_count else case.rig
-    ), 2 * objective.cost
 
 
 def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:

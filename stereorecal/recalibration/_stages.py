@@ -29,7 +29,7 @@ from stereorecal.objectives import (
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
 from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
-from stereorecal.strategies import Budget, Objective, Run, Status, run_strategy
+from stereorecal.strategies import Budget, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
@@ -43,7 +43,7 @@ class Cost:
 
     Attributes:
         survey: coarse matches that find a start and the disparity range.
-        starts: a look at the images through the initial calibration, and counts that choose between starts.
+        starts: a look at the images from there.
         search: what strategies asked; with `correspondences`, what a budget pays for.
         correspondences: matches that found correspondences.
         judging: counts that nominations and the end of the schedule were judged by, and matches at vertical offsets.
@@ -147,12 +147,6 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
     return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
 
 
-def extrinsics_count_objective(case: Case, stage: Stage, budget: Budget) -> Objective:
-    """The count of a stage, over the free extrinsics."""
-    options = _options(case, stage, budget)
-    return count_objective(case.images, case.matcher, case.settings.reach, free=case.free.axes, **options)
-
-
 def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
     return {"scale": case.scale_of(stage), "rows": stage.rows, "frames": stage.frames, "budget": budget}
 
@@ -164,7 +158,8 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
         objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
         at, rig_at = np.clip(chart.coordinates_of(start), -1.0, 1.0), chart.rig_at
     else:
-        objective = extrinsics_count_objective(case, stage, budget)
+        options = _options(case, stage, budget)
+        objective = count_objective(case.images, case.matcher, case.settings.reach, free=case.free.axes, **options)
         chart = objective.images.chart
         at = chart.inside(np.asarray(start.extrinsics))
 

@@ -11,10 +11,9 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._correspondences import TILES
 from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring.host._cores import map_candidates, on_all_cores
+from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import disparities
 
-_SMALL = 2**16  # pixels of a frame: its programs are then so short that candidates share a call of one
 _AT_ONCE = 64  # candidates in one call of a GPU, at most
 _PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
 
@@ -23,14 +22,11 @@ def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: Abstr
     """The count of each candidate, (n,) int64, for any matcher with `num_disparities` (in full-size pixels).
 
     A count never depends on how a batch was split. On a CPU each candidate is scored alone, on one core if there are
-    several: on small frames many in a call of one program, on large ones by the programs of `disparities`. Elsewhere
-    many are scored together, in batches of at most four sizes.
+    several. Elsewhere many are scored together, in batches of at most four sizes.
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
-    if not matcher.traceable or data.view.size[0] * data.view.size[1] > _SMALL:
-        return counts_one_by_one(data, candidates, matcher)
-    return map_candidates(count_scaled, data.frames, candidates, matcher.scaled(data.scale)).sum(axis=0, dtype=np.int64)
+    return counts_one_by_one(data, candidates, matcher)
 
 
 def counts_one_by_one(

@@ -1,20 +1,19 @@
 """A survey of the images at a coarse scale: a rough rotation of the rig, and the disparity range."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from stereorecal._arrays import Extrinsics, refuse_tracers
 from stereorecal.geometry import AnyView, StereoRig, View, checked_rig, with_unit_baseline
-from stereorecal.matching import SAD, AbstractMatcher, as_matcher
+from stereorecal.matching import SAD, AbstractMatcher, Disparity, as_matcher
 from stereorecal.recordings import Pairs
-from stereorecal.scoring._prepare import Pyramid, ScoringData, pyramid
-from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
-from stereorecal.scoring.host._cores import map_candidates
+from stereorecal.scoring._prepare import Pyramid, pyramid
+from stereorecal.scoring.host._counts import counts
+from stereorecal.scoring.host._disparities import disparities
 from stereorecal.scoring.host._swapped_images import refuse_swapped_images
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, within the window of the matcher
@@ -81,15 +80,15 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
     data = images.at(scale, _FRAMES)
-    coarse = SAD(num_disparities=data.view.size[0] // 2, block_size=7)  # at the scale of the data
+    coarse = SAD(num_disparities=size[0] // 2, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
     runs, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
     if not aligned:
-        matched = map_candidates(_disparity_of_frame, data.frames, candidates, coarse, _matched).sum(axis=0)
+        matched = counts(data, candidates, coarse)
         runs += len(candidates)
     winner = int(np.argmax(matched))
-    surveyed = map_candidates(_disparity_of_frame, data.frames, candidates[winner], coarse)[:, 0]
+    surveyed = disparities(data, candidates[winner], coarse)
     if matched[winner] < _SURELY_RIGHT * data.pixels:
         refuse_swapped_images(images)
     return Survey(offsets[winner], _surfaces(surveyed), data.view, scale, runs * data.cost)
@@ -133,11 +132,12 @@ def with_disparity_range(
 
 
 def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
-    """Offsets of the extrinsics, so dense that the coarse matcher finds matches at one of them."""
+    """Offsets of the extrinsics, so dense that the coarse matcher finds matches at one of them. The nearest come first:
+    of those that match as much, the first is taken."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
     roll_steps = max(1, round(reach / _DEFAULT_REACH))
     yaw_steps = min(roll_steps - 1, 2)  # within the default reach, enough pixels match despite a wrong yaw
-    return np.array(
+    grid = np.array(
         [
             (pitch, yaw, roll, 0.0, 0.0, 0.0)
             for pitch in _either_way(reach, max(1, int(np.ceil(reach / pitch_step))))
@@ -145,6 +145,7 @@ def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
             for roll in _either_way(_INSIDE * reach, roll_steps)
         ]
     )
+    return grid[np.argsort(np.abs(grid).max(axis=1), kind="stable")]
 
 
 def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
@@ -152,27 +153,12 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _disparity_of_frame(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Float[jax.Array, "h w"]:
-    """The disparity of the one frame under one set of extrinsics, NaN where none is valid."""
-
-    def disparity(frame: Rectified) -> Float[jax.Array, "h w"]:
-        found = match_frame(matcher, frame)
-        return jnp.where(found.valid, found.values, jnp.nan)
-
-    return rectify_frames(data, extrinsics, disparity)[0]
-
-
-def _matched(disparities: Float[np.ndarray, "n h w"]) -> Int[np.ndarray, "n"]:
-    """How many pixels match under each candidate."""
-    return np.isfinite(disparities).sum(axis=(1, 2))
-
-
-def _surfaces(disparities: Float[np.ndarray, "k h w"]) -> Float[np.ndarray, "n"]:
+def _surfaces(surveyed: Sequence[Disparity]) -> Float[np.ndarray, "n"]:
     """The disparities that form patches, without the isolated pixels of false matches."""
     patches = []
-    for values in disparities:
-        valid = np.isfinite(values)
-        fixed_point = np.where(valid, 16 * np.where(valid, values, 0), -16).astype(np.int16)
+    for found in surveyed:
+        values = np.asarray(found.values)
+        fixed_point = np.where(found.valid, 16 * values, -16).astype(np.int16)
         cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
         patches.append(values[fixed_point >= 0])
     return np.concatenate(patches)
