@@ -57,3 +57,4 @@ from stereorecal.scoring._correspondences import _means_of_cells as _means_of_ce
 from stereorecal.scoring._count import _soft_area as _soft_area
 from stereorecal.scoring._rectify import Rectified as Rectified
 from stereorecal.scoring._subpixel import refine as refine
+from stereorecal.scoring.host import _survey as _survey

@@ -72,7 +72,7 @@ class Schedule:
     Attributes:
         name: what tables call it.
         stages: at least one.
-        survey: whether the first stage may start where a coarse survey of the rotation finds more matches than at the
+        survey: whether the first stage starts where a coarse survey of the rotation finds more matches than at the
             initial calibration.
     """
 

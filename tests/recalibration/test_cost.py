@@ -32,13 +32,16 @@ def runs():
 def looks(monkeypatch):
     """Looks of surveys, each at one frame at the survey's own scale."""
     seen = []
-    map_candidates = _survey.map_candidates
 
-    def counted(score, frames, candidates, *more):
-        seen.append(np.atleast_2d(candidates).shape[0] * sum(frame.cost for frame in frames))
-        return map_candidates(score, frames, candidates, *more)
+    def metered(function):
+        def counted(data, candidates, matcher):
+            seen.append(np.atleast_2d(candidates).shape[0] * data.cost)
+            return function(data, candidates, matcher)
 
-    monkeypatch.setattr(_survey, "map_candidates", counted)
+        return counted
+
+    for name in ("counts", "disparities"):
+        monkeypatch.setattr(_survey, name, metered(getattr(_survey, name)))
     return lambda: sum(seen)
 
 
