@@ -86,8 +86,8 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
 def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
-    It looks before it searches, as `health` does, but from where the survey starts the search; where that look settles,
-    and sees what a search would see, it is the answer.
+    It looks before it searches, as `health` does, from where the survey starts the search; where that look settles, and
+    sees what a search would see, it is the answer.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -112,11 +112,10 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
 
 @one_blas_thread()
 def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Solution:
-    """Match the pairs under the rig's calibration, and estimate once the correction that they ask for:
-    `solution.condition` says whether the calibration is good, `solution.change` what would mend it.
+    """Look at the pairs, and estimate the correction that they ask for: `solution.condition` says whether the
+    calibration is good, `solution.change` what would mend it.
 
-    `recalibrate` begins with such a look, and where a rig is far off, from where its survey starts: what is healthy
-    here stays there, what is to be repaired here is repaired.
+    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
 
     Args:
         options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
@@ -130,10 +129,10 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    look = replace(settings.schedule, stages=settings.schedule.stages[-1:], survey=False)
+    look = replace(settings.schedule, stages=settings.schedule.stages[-1:])
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
-    case, _, cost = started(prepared(rig, pairs, settings, learns=False))
+    case, start, cost = started(prepared(rig, pairs, settings, learns=False))
     case = case.with_free(settings.free)
-    run, cost = run_look(case, look.stages[0], case.rig, cost)
+    run, cost = run_look(case, look.stages[0], start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

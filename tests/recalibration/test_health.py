@@ -67,14 +67,14 @@ def test_wrong_yaw_is_wrong_depth(under):
 
 
 @pytest.mark.parametrize("pitch", [-2.0, 0.8])
-def test_far_out_it_is_to_be_repaired(under, pitch):
+def test_what_would_mend_a_rig_that_is_degrees_off_is_told(under, pitch):
+    """It looks from where a survey of the rotation ends, and says by how much the given one is off."""
     found = under(pitch)
     assert found.score_before.fraction > 0.15
     assert found.condition is Condition.REPAIR
-    assert not found.accepted
-    assert found.rig is found.initial
-    assert found.main_axes == ()
-    assert "depth" not in str(found)
+    assert "pitch" in found.main_axes
+    at = found.uncertainty.names.index("pitch")
+    assert corrections(found)[at] == pytest.approx(-pitch, abs=0.02 + found.uncertainty.interval[at])
 
 
 def test_images_of_few_grey_levels_are_not_called_good(scene):

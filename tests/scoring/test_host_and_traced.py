@@ -55,8 +55,7 @@ def disparities_of(name):
 @on_a_cpu
 @pytest.mark.parametrize("kind", KINDS)
 def test_equal_on_rendered_scenes(scene, kind):
-    """Small frames are counted by one program in `host.counts`, by two in `counts_one_by_one`; a user's jit knows the
-    cameras as constants."""
+    """A user's jit knows the cameras as constants."""
     check_scene(scene(kind, 0, (160, 120)), sr.SAD(num_disparities=24), within=kind == "harbour")
 
 
