@@ -25,7 +25,7 @@ from stereorecal.estimation._explanations import (
     with_common_field,
 )
 from stereorecal.estimation._groups import PLACES
-from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups, linear_groups
+from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups, linear_groups, neighbours
 from stereorecal.estimation._outlines import Offsets, outlines
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -122,18 +122,17 @@ def _hypothesis_with(
     rows = linear_groups(rows.groups, chart, theta, prior, rows.measured)
     moved = replace(rows, at_zero=rows.at_zero + confounder.columns(rows) @ values)
     rows = replace(rows, deviation=moved.robust(sum(best_beside.misfit), theta))
-    at, common = DEVIATIONS.index(best_beside.misfit[0]), best_beside.misfit[1]
+    deviation, common = best_beside.misfit
     beside = rows.with_columns(confounder.columns(rows))
 
     def under(deviations: Sequence[float], which: Sequence[int]) -> list[Explanation]:
         misfits = [(deviation, common) for deviation in deviations]
         return explanations(beside, prior, which, misfits, *confounder.prior)
 
-    found = under([DEVIATIONS[at]], range(len(prior.roots)))
+    found = under([deviation], range(len(prior.roots)))
     least = _log_evidence(best_of(found)[0]) - NEGLIGIBLE
     some = [one.prior for one in found if _log_evidence(one) > least]
-    neighbouring = {max(at - 1, 0), min(at + 1, len(DEVIATIONS) - 1)} - {at}
-    found += under([DEVIATIONS[index] for index in sorted(neighbouring)], some)
+    found += under([one for one in neighbours(deviation, DEVIATIONS) if one != deviation], some)
     return Hypothesis(beside, found, best_of(found)[0].misfit, *confounder.prior)
 
 

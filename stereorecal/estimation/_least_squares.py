@@ -40,6 +40,7 @@ from stereorecal.estimation._linear_groups import (
     Measured,
     OtherRig,
     linear_groups,
+    neighbours,
     other_rigs,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -274,11 +275,6 @@ def _searched(
 
 def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tuple[float, float]]:
     """The misfits whose fits are mixed: the best one and its neighbours."""
-
-    def neighbours(value: float, grid: tuple[float, ...]) -> tuple[float, ...]:
-        at = grid.index(value)
-        return grid[max(at - 1, 0) : at + 2]
-
     common = neighbours(misfit[1], COMMON) if several else (0.0,)
     return list(product(neighbours(misfit[0], DEVIATIONS), common))
 

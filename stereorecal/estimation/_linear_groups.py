@@ -33,6 +33,12 @@ _OWN = np.array([0.5, 0.5, 0.5, 0.5, 0.5])  # degrees and percent: how far the r
 ROWS_MATTER = 0.1  # pixels: frames that differ by less agree well enough
 
 
+def neighbours(value: float, grid: tuple[float, ...]) -> tuple[float, ...]:
+    """A value of a grid, and those beside it."""
+    at = grid.index(value)
+    return grid[max(at - 1, 0) : at + 2]
+
+
 def correlation(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
     """The correlation of the field at places."""
     return _correlation_of_places()[np.ix_(place, place)]
