@@ -1,7 +1,9 @@
 """Images that are not as the calibration has them: turned by an EXIF orientation, or of two sizes."""
 
 import pickle
+import struct
 import warnings
+import zlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +11,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from oriented import stored, tagged
 from refusals import refused
 
 import stereorecal as sr
@@ -22,6 +23,33 @@ _LENS = np.array([-0.2, 0.05, 0.0, 0.0])
 _RIG = sr.synthetic.default_rig().resized(SMALL)
 RIG = replace(_RIG, left=replace(_RIG.left, distortion=_LENS), right=replace(_RIG.right, distortion=_LENS))
 TWO = replace(RIG, right=RIG.right.resized(LARGE))
+
+
+def exif(tag: int, order: str = "<") -> bytes:
+    head = b"II" if order == "<" else b"MM"
+    return head + struct.pack(f"{order}HIHHHIHHI", 42, 8, 1, 0x0112, 3, 1, tag, 0, 0)
+
+
+def tagged(image: np.ndarray, tag: int, ending: str = ".jpg", order: str = "<") -> bytes:
+    """An image file with an EXIF orientation."""
+    data, facts = cv2.imencode(ending, image)[1].tobytes(), exif(tag, order)
+    match ending:
+        case ".jpg":
+            body = b"Exif\0\0" + facts
+            return data[:2] + b"\xff\xe1" + (len(body) + 2).to_bytes(2, "big") + body + data[2:]
+        case ".png":
+            chunk = b"eXIf" + facts
+            return data[:33] + struct.pack(">I", len(facts)) + chunk + struct.pack(">I", zlib.crc32(chunk)) + data[33:]
+        case _:
+            kinds, facts = [cv2.IMAGE_METADATA_EXIF], [np.frombuffer(facts, np.uint8)]
+            return cv2.imencodeWithMetadata(ending, image, kinds, facts)[1].tobytes()
+
+
+def stored(image: np.ndarray, tag: int) -> np.ndarray:
+    """The pixels that an orientation turns to an image."""
+    shown = [lambda i: i, np.fliplr, lambda i: np.rot90(i, 2), np.flipud]
+    shown += [np.transpose, lambda i: np.rot90(i, 1), lambda i: np.rot90(i.T, 2), lambda i: np.rot90(i, -1)]
+    return np.ascontiguousarray(shown[tag - 1](image))
 
 
 def picture(seed: int, size: tuple[int, int] = SMALL) -> np.ndarray:
