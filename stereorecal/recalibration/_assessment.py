@@ -126,7 +126,9 @@ def run_look(case: Case, stage: Stage, start: StereoRig, cost: Cost) -> tuple[St
     """
     look = replace(stage, strategy=None, frames=None, rounds=max(stage.rounds, _LOOKED))
     run = run_stage(case.of_extrinsics, look, start, Budget(), seed=0)
-    return replace(run, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
+    few = run.found is None or run.found.found < ENOUGH.matches  # nothing speaks for the start either
+    ended = case.rig if few else run.ended
+    return replace(run, ended=ended, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:

@@ -86,7 +86,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
 def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """The repair of what is prepared.
 
-    It looks before it searches, as `health` does, from where the survey starts the search; where that look settles, and
+    It looks before it searches, as `health` does, from the start that the survey found; where that look settles, and
     sees what a search would see, it is the answer.
 
     Args:
@@ -112,10 +112,10 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
 
 @one_blas_thread()
 def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> Solution:
-    """Look at the pairs, and estimate the correction that they ask for: `solution.condition` says whether the
-    calibration is good, `solution.change` what would mend it.
+    """Look at the pairs, from the start that a survey of the rotation found, and estimate the correction that they ask
+    for: `solution.condition` says whether the calibration is good, `solution.rig` is what a repair would come to.
 
-    `recalibrate` begins with the same look: what is healthy here stays there, what is to be repaired here is repaired.
+    `recalibrate` begins with the same look, and searches where it does not settle.
 
     Args:
         options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a

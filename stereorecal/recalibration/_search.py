@@ -200,8 +200,10 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
         case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
         if settings.schedule.survey and surveyed.offset.any():
             chart = count_chart(case.rig, settings.reach, case.free.axes)
-            moved = chart.inside(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
-            start = case.rig.with_extrinsics(chart.extrinsics(moved))
+            moved = np.asarray(case.rig.extrinsics, float) + surveyed.offset
+            inside = chart.extrinsics(chart.inside(moved))
+            if np.allclose(inside, moved, rtol=0.0, atol=1e-9):  # else an axis is held, and a part of it is no start
+                start = case.rig.with_extrinsics(inside)
     return case, start, cost
 
 

@@ -43,7 +43,7 @@ class Cost:
 
     Attributes:
         survey: coarse matches that find a start and the disparity range.
-        starts: a look at the images from there.
+        starts: the look at the images, from the start that the survey found.
         search: what strategies asked; with `correspondences`, what a budget pays for.
         correspondences: matches that found correspondences.
         judging: counts that nominations and the end of the schedule were judged by, and matches at vertical offsets.

@@ -72,6 +72,7 @@ def test_what_would_mend_a_rig_that_is_degrees_off_is_told(under, pitch):
     found = under(pitch)
     assert found.score_before.fraction > 0.15
     assert found.condition is Condition.REPAIR
+    assert found.accepted
     assert "pitch" in found.main_axes
     at = found.uncertainty.names.index("pitch")
     assert corrections(found)[at] == pytest.approx(-pitch, abs=0.02 + found.uncertainty.interval[at])

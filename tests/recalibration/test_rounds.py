@@ -101,3 +101,12 @@ def test_a_schedule_may_be_the_fit_alone(scene):
     assert solution.status is Status.CONVERGED
     assert solution.trace is None
     json.dumps(solution.to_dict())
+
+
+def test_what_has_not_settled_is_said(scene):
+    """A pitch that is held leaves rows that no roll explains: matches and fit go on moving each other."""
+    given = scene("harbour", 0, (320, 240))
+    off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([1.0, 0.0, 0.2, 0, 0, 0]))
+    options = {"matcher": SAD(num_disparities=48), "prior": "exact", "free": ("roll",)}
+    assert recalibrate(off, given.pairs, **options).status is Status.STALLED
+    assert recalibrate(off, given.pairs, **{**options, "free": ("pitch", "roll")}).status is Status.CONVERGED

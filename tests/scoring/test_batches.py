@@ -21,9 +21,11 @@ candidates = st.lists(st.tuples(angles, angles, angles, st.just(0.0), shifts, sh
 
 
 @settings(max_examples=max(4, settings.default.max_examples // 5))
-@given(offsets=candidates, data=st.data())
-def test_batch_size_and_order_do_not_matter(scene, offsets, data):
-    matcher, given_scene = SAD_24, scene("harbour", 0, (160, 120))
+@given(offsets=candidates, asked=st.sampled_from([((160, 120), SAD_24), ((320, 240), SAD_48)]), data=st.data())
+def test_batch_size_and_order_do_not_matter(scene, offsets, asked, data):
+    """Of frames that are matched whole, and in blocks."""
+    size, matcher = asked
+    given_scene = scene("harbour", 0, size)
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
     points = with_unit_baseline(given_scene.rig.extrinsics) + np.array(offsets)
     order = np.array(data.draw(st.permutations(range(len(points)))))

@@ -5,6 +5,8 @@ import pytest
 
 from stereorecal.geometry import view
 from stereorecal.matching import SAD
+from stereorecal.recalibration import health
+from stereorecal.recordings import Pair
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score, survey
 
@@ -50,3 +52,13 @@ def test_a_rig_that_is_right_is_left_alone(scene):
     assert found.with_range(SAD(), 0.0).num_disparities < found.with_range(SAD(), REACH).num_disparities
     assert found.with_range(SAD(num_disparities=7), REACH).num_disparities == 7
     assert found.with_range(SAD(min_disparity=90), 0.0).num_disparities == 16  # never negative
+
+
+def test_where_nothing_matches_more_it_begins_at_the_given_rig(scene):
+    shown = scene()
+    noise = np.random.default_rng(0).uniform(0, 255, (2, *np.shape(shown.pairs[0].left))).astype(np.float32)
+    grey = np.full_like(noise, 128.0)
+    grey[:, 0, :2] = [(0.0, 255.0), (255.0, 0.0)]  # no constant images, and nothing to match
+    assert not survey(pyramid(shown.rig, [Pair(*grey)]), shown.rig.extrinsics, REACH).offset.any()
+    found = health(shown.rig, [Pair(*noise)], matcher=SAD(num_disparities=48))
+    assert found.candidate is found.initial

@@ -145,7 +145,7 @@ def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
             for roll in _either_way(_INSIDE * reach, roll_steps)
         ]
     )
-    return grid[np.argsort(np.abs(grid).max(axis=1), kind="stable")]
+    return grid[np.argsort(np.linalg.norm(grid, axis=1), kind="stable")]
 
 
 def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
