@@ -77,11 +77,12 @@ _FIRST = (
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Long files first, so that no worker is left alone with one; and those that compile what many others use.
+    """Long files first, documents among them, so that no worker is left alone with one; and those that compile what
+    many others use.
 
     Without --slow, tests of the mark `slow` are left out; of `slow(after=n)` all but the first n cases.
     """
-    items.sort(key=lambda item: item.path.stem not in _FIRST)
+    items.sort(key=lambda item: item.path.suffix != ".md" and item.path.stem not in _FIRST)
     if config.option.slow:
         return
     cases: Counter[str] = Counter()
