@@ -126,8 +126,7 @@ def run_look(case: Case, stage: Stage, start: StereoRig, cost: Cost) -> tuple[St
     """
     look = replace(stage, strategy=None, frames=None, rounds=max(stage.rounds, _LOOKED))
     run = run_stage(case.of_extrinsics, look, start, Budget(), seed=0)
-    few = run.found is None or run.found.found < ENOUGH.matches  # nothing speaks for the start either
-    ended = case.rig if few else run.ended
+    ended = run.ended if run.matches_enough else case.rig  # else nothing speaks for the start either
     return replace(run, ended=ended, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
 
 

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int
 
-from stereorecal.decision import ENOUGH, Reason, Seen, reason_of
+from stereorecal.decision import Reason, Seen, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate
-from stereorecal.geometry import StereoRig
-from stereorecal.objectives import count_chart
+from stereorecal.geometry import AXES, StereoRig
 from stereorecal.recalibration._assessment import Assessment, assessed, counts, without_mismatch
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen
@@ -75,7 +74,7 @@ def _ending(stages: tuple[StageRun, ...]) -> tuple[Status, str]:
     last = stages[-1] if stages else None
     if last is not None and last.runs:
         return last.runs[-1].status, last.runs[-1].message
-    if last is None or last.found is None or last.found.found < ENOUGH.matches:
+    if last is None or not last.matches_enough:
         return Status.NO_SIGNAL, Status.NO_SIGNAL.value
     if not last.settled:
         return Status.STALLED, "the rounds ended before matches and fit had settled"
@@ -198,12 +197,9 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
         radians = float(np.radians(settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
         case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
-        if settings.schedule.survey and surveyed.offset.any():
-            chart = count_chart(case.rig, settings.reach, case.free.axes)
-            moved = np.asarray(case.rig.extrinsics, float) + surveyed.offset
-            inside = chart.extrinsics(chart.inside(moved))
-            if np.allclose(inside, moved, rtol=0.0, atol=1e-9):  # else an axis is held, and a part of it is no start
-                start = case.rig.with_extrinsics(inside)
+        moved = {AXES[axis] for axis in np.flatnonzero(surveyed.offset)}
+        if settings.schedule.survey and moved and moved <= set(case.free.axes):  # a part of an offset is no start
+            start = case.rig.with_extrinsics(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
     return case, start, cost
 
 

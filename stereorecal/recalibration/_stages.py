@@ -112,6 +112,11 @@ class StageRun:
     survey_cost: float = 0.0
 
     @property
+    def matches_enough(self) -> bool:
+        """Whether its last correspondences are so many that a rig can be fitted to them."""
+        return self.found is not None and self.found.found >= ENOUGH.matches
+
+    @property
     def end_extrinsics(self) -> Extrinsics:
         """(6,) extrinsics [rad, m] where it ended."""
         return np.asarray(self.ended.extrinsics)

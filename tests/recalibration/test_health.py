@@ -67,7 +67,7 @@ def test_wrong_yaw_is_wrong_depth(under):
 
 
 @pytest.mark.parametrize("pitch", [-2.0, 0.8])
-def test_what_would_mend_a_rig_that_is_degrees_off_is_told(under, pitch):
+def test_the_correction_of_a_rig_that_is_degrees_off_is_told(under, pitch):
     """It looks from where a survey of the rotation ends, and says by how much the given one is off."""
     found = under(pitch)
     assert found.score_before.fraction > 0.15
