@@ -45,10 +45,8 @@ from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_choice import updated as updated
 from stereorecal.estimation._rig_parameters import within_field as within_field
 from stereorecal.online._filter import (
-    OF_LENSES as OF_LENSES,
     FilterEstimate as FilterEstimate,
     Measurement as Measurement,
-    SequentialTest as SequentialTest,
     at_start as at_start,
 )
 from stereorecal.online._moving import small as small, turn as turn

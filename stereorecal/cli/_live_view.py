@@ -51,7 +51,7 @@ def next_step(found: Advice, baseline: float) -> str:
         return _showing(found.show, baseline)
     if any(one.error == "depth" for one in found.undetermined):
         return "nothing to be seen here would tell more of depth; measured distances would (recalibrate --ranges)"
-    return "nothing: the answer stands" if found.stands else "go on: later pairs decide"
+    return "nothing: the answer stands" if found.stands else "go on"
 
 
 def _showing(show: Showing, baseline: float) -> str:

@@ -151,8 +151,6 @@ def _reason(found: Reading, state: State) -> str:
         return ""
     if found.late:
         return f" (the right shutter is late by {found.delay.value:.2f} of a frame)"
-    if found.change is not None:
-        return " (another calibration is better on average; later pairs decide)"
     low, high = max(found.rows_px.low, 0.0), found.rows_px.high
     step = next_step(advice(state), float(state.initial.baseline))
     return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; next: {step})"

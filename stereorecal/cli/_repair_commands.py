@@ -241,8 +241,8 @@ class MonitorOptions(
     CommonOptions,
 ):
     """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
-    shutters. Repair it, and switch to a repair that is better on later pairs. Say what to show it next. A terminal
-    shows a live view, other outputs get lines. The calibration file stays as it is.
+    shutters. Repair it. Say what to show it next. A terminal shows a live view, other outputs get lines. The
+    calibration file stays as it is.
 
     Exit code, for the calibration in use at the end: 0 healthy; 1 repair it; 2 bad input; 3 internal failure; 4 cannot
     tell, or with --until-sure not yet; 130 interrupted."""

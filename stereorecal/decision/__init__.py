@@ -16,7 +16,6 @@ from stereorecal.decision._rule import (
     Criterion as Criterion,
     Decision as Decision,
     Verdict as Verdict,
-    chance_of_harm as chance_of_harm,
     decide as decide,
     decide_together as decide_together,
 )

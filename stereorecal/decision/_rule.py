@@ -127,13 +127,6 @@ def decide_together(
     return [_decision(one, free, theta, share, kept, limits) for one, theta in zip(several, thetas, strict=True)]
 
 
-def chance_of_harm(estimate: Estimate, theta: Float[np.ndarray, "n"], tolerances: Tolerances | None = None) -> float:
-    """Probability that a change makes rows or depth worse."""
-    limits = DEFAULT if tolerances is None else tolerances
-    estimate = estimate.judged_by(limits.matters)
-    return _harm(estimate.losses(np.zeros_like(theta)), estimate.losses(theta), limits)
-
-
 def _candidate(
     several: Sequence[Estimate], free: Sequence[str], harmless: Callable[[list[Float[np.ndarray, "n"]]], bool]
 ) -> tuple[list[Float[np.ndarray, "n"]], float, float]:

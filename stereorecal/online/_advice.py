@@ -74,7 +74,7 @@ class Advice:
             for it.
         show: what to show next; None where nothing is missing, or nothing that could be shown would tell much more.
         blind: whether the last pair showed too little: light and texture come first.
-        stands: whether the verdict stands: nothing is undetermined, and no repair is due or on trial.
+        stands: whether the verdict stands: nothing is undetermined, and no repair is due.
     """
 
     undetermined: tuple[Undetermined, ...]
@@ -103,14 +103,14 @@ def advice(state: State) -> Advice:
 
 
 def _settled(state: State, found: Reading) -> bool:
-    """Whether nothing is under way that would change the verdict, such as a repair that is due, or on trial."""
-    if not state.seen or state.trial is not None or state.job is not None or state.outlier is not None:
+    """Whether nothing is under way that would change the verdict, such as a repair that is due."""
+    if not state.seen or state.job is not None or state.outlier is not None:
         return False
     if state.unmatched_in_a_row or state.reported is Kind.BAD_FRAME:
         return False
     if found.condition is Condition.REPAIR:
         return found.shifted or not state.config.repair
-    return found.condition is Condition.HEALTHY
+    return found.condition is Condition.HEALTHY and state.reported is Kind.HEALTHY  # seen through since a switch
 
 
 def _distances(state: State) -> tuple[float, ...]:
@@ -224,9 +224,7 @@ def _looks(state: State, around: Sequence[_Around]) -> list[_Candidate]:
 
 def _look(state: State, rows: Float[np.ndarray, "p 5"]) -> Measurement:
     """What row differences would measure, by their derivatives by the offset."""
-    still = np.zeros(SIZE)
-    information = rows.T @ rows / _NOISE**2
-    return Measurement(state.frame, state.estimate.offset, information, still, synchronous=state.config.synchronous)
+    return Measurement(state.estimate.offset, rows.T @ rows / _NOISE**2, np.zeros(SIZE))
 
 
 def _motions(state: State, chart: RigChart, around: tuple[_Around, ...]) -> list[_Candidate]:

@@ -2,7 +2,7 @@
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Any
 
@@ -42,10 +42,10 @@ class Config:
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
-        switch: chance that one calibration wins against another that is as good.
-        harm: chance that a switch makes rows or depth worse, at most, by what is known when it is made.
-        rest: pairs between two switches, at least.
-        keep: calibrations that can be returned to.
+        harm: chance that a switch does harm, at most, and that it does not gain: more than in a recording, since later
+            pairs can correct it.
+        rest: pairs from one switch to the next, at least: each costs, such as new rectification maps. A knock ends it.
+        keep: calibrations that can be returned to: the first, and the last ones.
         tolerances: of the decision that a calibration is to be repaired; also some of their values by name.
         repair: False watches alone, and switches nothing: the freeze switch. What moved a rig of which hardly anything
             matches is still searched for, to say it.
@@ -64,7 +64,6 @@ class Config:
     motion: bool = True
     together: int = 8
     knock: float = 1e-6
-    switch: float = 1e-3
     harm: float = 0.2
     rest: int = 10
     keep: int = 8
@@ -82,7 +81,7 @@ class Config:
             number = getattr(self, name)
             if not isinstance(number, Real) or not float(number).is_integer() or number < least:
                 raise InputError(f"{name} is {number!r}; give a whole number, at least {least}.")
-        for name in ("shift", "lasting", "knock", "switch", "harm"):
+        for name in ("shift", "lasting", "knock", "harm"):
             if not isinstance(getattr(self, name), Real):
                 raise InputError(f"{name} is {getattr(self, name)!r}; give a number.")
         if not 1.0 <= self.lasting < np.inf:
@@ -97,9 +96,14 @@ class Config:
                 values = np.array(np.nan)
             if not np.all((values >= 0) & np.isfinite(values)):
                 raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
-        for name in ("knock", "switch", "harm"):
+        for name in ("knock", "harm"):
             if not 0.0 < getattr(self, name) < 1.0:
                 raise InputError(f"{name} is {getattr(self, name)}; give a chance within 0 and 1.")
+
+    @property
+    def limits(self) -> Tolerances:
+        """Tolerances of what may be switched: those of a recording where nothing is, and so nothing taken back."""
+        return replace(self.tolerances, harm=self.harm, better=1.0 - self.harm) if self.repair else self.tolerances
 
     @property
     def view(self) -> dict[str, str | float | None]:
@@ -116,9 +120,9 @@ class Kind(enum.Enum):
     LATE = "one shutter is late: the offset between the cameras follows the rig's own motion; nothing is switched"
     SHIFTED = "the right camera has shifted, or its shutter is late in straight travel; the calibration stays"
     REPAIRING = "a repair has begun"
-    REPAIRED = "a better calibration is in use: it wins on pairs that came later than those it was fitted to"
+    REPAIRED = "a better calibration is in use"
     RECALIBRATED = "recalibrated on request: the accepted candidate is in use"
-    REJECTED = "a candidate was rejected"
+    REJECTED = "a repair was rejected"
     ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"
     NOT_SAVED = "the state cannot be saved; the rig is watched on, and saving is tried again"

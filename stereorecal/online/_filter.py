@@ -14,16 +14,10 @@ random walk alone would lag behind, and not know it.
 The speed at which a rig drifts is learnt while it drives. Multiple-model estimation (Magill 1965): several filters
 differ only in how far the angles may move from one pair to the next. A filter whose predictions fit the measurements
 gets more weight. Old measurements are forgotten.
-
-And a candidate against the calibration in use, on looks that came after those it was fitted to: Wald's sequential test
-of two hypotheses (Wald 1945). The logarithm of their likelihood ratio over all looks, until it leaves one of two
-bounds. One look counts for so much and no more, or a single one that is wrong would decide. A shutter may be late
-throughout a trial, and its delay is integrated out of all looks at once: on a rig that turns evenly it says the same in
-each, which is no more proof than once.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -32,27 +26,19 @@ from stereorecal.estimation import is_exact
 from stereorecal.online._config import Config
 
 SIZE = 5
-POSES = 4  # ways in which something else poses as an offset
 _DELAY = 0.5  # frames: standard deviation before anything is known
-_LATE = 0.3  # frames: a delay that is thought possible before one is named
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _RATES = slice(SIZE + 1, SIZE + 4)
 KEYSTONE = SIZE + 4
-OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
+_OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
 _YAW = np.eye(SIZE)[1]
 # Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
 _PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
 _USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
 _MEMORY = 100.0  # measurements
 _FARTHEST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
-_MOST_OF_ONE = 4.0  # of the logarithm
-_LOST = -3.0
-_LONGEST = 60  # looks
-_FEWEST = 3  # likewise
-_BLIND_TOO = 0.5  # of the logarithm: neither sees anything
-_MATCHES = 2.0  # times as many correspondences: it sees where the other is blind
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,36 +46,23 @@ class Measurement:
     """What one look says of the offset, in directions that do not depend on each other.
 
     Attributes:
-        frame: number of the pair.
         offset: (5,) measured.
         information: (5, 5) inverse covariance; singular where the look says nothing.
         turn: (5,) by which a delay of one frame would move it.
         keystone: whether it is measured by rows, which what the calibration left bends like a yaw; else by the rig's
             motion, of which it leaves something as well.
-        doubt: standard deviation of a yaw that several such measurements have in common [deg].
-        synchronous: whether the shutters are known to open at once; `turn` is 0 then.
     """
 
-    frame: int
     offset: Float[np.ndarray, "5"]
     information: Float[np.ndarray, "5 5"]
     turn: Float[np.ndarray, "5"]
     keystone: bool = True
-    doubt: float = 0.0
-    synchronous: bool = False
 
     @property
     def design(self) -> Float[np.ndarray, "5 11"]:
         """What is measured of an estimate."""
         of_lenses = np.outer(_YAW, [self.keystone, not self.keystone])
         return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3)), of_lenses])
-
-    @property
-    def poses(self) -> Float[np.ndarray, "5 4"]:
-        """What poses as an offset in all looks alike, a standard deviation each: by a late shutter, the rig's turn, and
-        its travel along y and z; and a yaw in common."""
-        travel = 0.0 if self.synchronous else _TRAVEL
-        return np.column_stack([_LATE * self.turn, travel * np.eye(SIZE)[:, 3:], self.doubt * _YAW])
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""
@@ -128,13 +101,6 @@ class FilterEstimate:
     def keystone(self) -> float:
         """The yaw that rows show beyond that of depth, degrees."""
         return float(self.mean[KEYSTONE])
-
-    def of_rig(self, measured: Measurement) -> Measurement:
-        """What is measured of the rig alone, the keystone as it is known."""
-        if not measured.keystone:
-            return measured
-        doubt = float(np.sqrt(max(self.covariance[KEYSTONE, KEYSTONE], 0.0)))
-        return replace(measured, offset=measured.offset - self.keystone * _YAW, keystone=False, doubt=doubt)
 
     def later(self, config: Config) -> "FilterEstimate":
         """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
@@ -247,7 +213,7 @@ class FilterEstimate:
 def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> FilterEstimate:
     """The rig that was given, and how far it may be off, standard deviations; of the keystone, degrees."""
     delay = 0.0 if config.synchronous else _DELAY
-    lenses = 0.0 if is_exact(config.prior) else OF_LENSES
+    lenses = 0.0 if is_exact(config.prior) else _OF_LENSES
     spread = np.array([*prior, delay, *config.heating, keystone, lenses])
     return FilterEstimate(np.zeros(len(spread)), np.diag(spread**2))
 
@@ -296,98 +262,3 @@ def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:
         for factor, some in zip(times, (config.wander, config.heating), strict=True)
     )
     return replace(config, wander=wander, heating=heating)
-
-
-@dataclass(frozen=True, eq=False)
-class SequentialTest:
-    """A candidate on trial.
-
-    Attributes:
-        offset: (5,) of the candidate.
-        by: what it was fitted by: "looks" or "repair".
-        since: the last frame that it was fitted to.
-        looks: that came later.
-        rows_before, rows_after: sums over these looks of the row error in use, and of the candidate, pixels.
-        compared: looks that both could measure.
-        matches: the logarithm of the likelihood ratio from looks in which the one in use is blind.
-        misses: (2,) of the calibration in use and of the candidate: how far off the other looks measure them, squared,
-            in standard deviations, summed.
-        pulls: (2, 4) towards a delay, a travel along y and z, and a yaw in common that would explain these.
-        known: (4, 4) the information that these looks hold on the four.
-    """
-
-    offset: Float[np.ndarray, "5"]
-    by: str
-    since: int
-    looks: int = 0
-    rows_before: float = 0.0
-    rows_after: float = 0.0
-    compared: int = 0
-    matches: float = 0.0
-    misses: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
-    pulls: Float[np.ndarray, "2 4"] = field(default_factory=lambda: np.zeros((2, POSES)))
-    known: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.zeros((POSES, POSES)))
-
-    def measured(
-        self, using: Float[np.ndarray, "5"], measurement: Measurement, before: float, after: float
-    ) -> "SequentialTest":
-        """With a look that both share, and their row errors in it."""
-        return replace(
-            self.moved(using, measurement),
-            looks=self.looks + 1,
-            rows_before=self.rows_before + before,
-            rows_after=self.rows_after + after,
-            compared=self.compared + 1,
-        )
-
-    def moved(self, using: Float[np.ndarray, "5"], measurement: Measurement) -> "SequentialTest":
-        """With what the rig's motion tells, which shows no rows."""
-        added = self._with(using, measurement)
-        while abs(added.evidence - self.evidence) > _MOST_OF_ONE:
-            measurement = measurement.weighed(0.5)
-            added = self._with(using, measurement)
-        return added
-
-    def _with(self, using: Float[np.ndarray, "5"], measurement: Measurement) -> "SequentialTest":
-        off = measurement.offset - np.stack([using, self.offset])
-        pulled = measurement.information @ measurement.poses
-        return replace(
-            self,
-            misses=self.misses + np.einsum("hi,ij,hj->h", off, measurement.information, off),
-            pulls=self.pulls + off @ pulled,
-            known=self.known + measurement.poses.T @ pulled,
-        )
-
-    @property
-    def evidence(self) -> float:
-        """The logarithm of the likelihood ratio against the calibration in use."""
-        explained = np.einsum("hp,hp->h", self.pulls, np.linalg.solve(np.eye(POSES) + self.known, self.pulls.T).T)
-        using, candidate = (self.misses - explained).tolist()
-        return self.matches + 0.5 * (using - candidate)
-
-    def matched(self, before: float, after: float) -> "SequentialTest":
-        """With a look in which the one in use is blind: shares of the image in which matches were found."""
-        gain = _MOST_OF_ONE if after > _MATCHES * before else -_BLIND_TOO
-        return replace(self, matches=self.matches + gain, looks=self.looks + 1)
-
-    def won(self, chance: float) -> bool:
-        """Whether it is better, at this chance that it is not."""
-        sure = self.looks >= _FEWEST and self.evidence > -np.log(chance)
-        return bool(sure and self.rows_after <= self.rows_before)
-
-    @property
-    def lost(self) -> bool:
-        """Whether it is no better, or has had its time."""
-        return self.evidence < _LOST or self.looks >= _LONGEST
-
-    def as_dict(self) -> dict[str, float | int | str | None]:
-        """The proof, as plain data."""
-        mean = 1.0 / self.compared if self.compared else None
-        return {
-            "by": self.by,
-            "fitted_until": self.since,
-            "later_looks": self.looks,
-            "log_likelihood_ratio": self.evidence,
-            "row_error_before_px": mean and mean * self.rows_before,
-            "row_error_after_px": mean and mean * self.rows_after,
-        }

@@ -227,7 +227,7 @@ def _set(state: State, fresh: State) -> State:
     if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
         first, estimate = init(state.initial, config), state.estimate
         wide = first.estimate.moved(estimate.offset, estimate.of_offset + first.estimate.of_offset)
-        state = state.standing_at(wide).replace(view=first.view, trial=None, outlier=None)
+        state = state.standing_at(wide).replace(view=first.view, outlier=None)
     return state
 
 

@@ -8,12 +8,11 @@ import cv2
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from stereorecal.estimation import Normal, is_exact, rig_parameters, window
+from stereorecal.estimation import Normal, rig_parameters, window
 from stereorecal.geometry import Camera, vector_from_rotation
-from stereorecal.online._filter import OF_LENSES, SIZE, Measurement
+from stereorecal.online._filter import SIZE, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
-from stereorecal.online._switching import trial_after_motion
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners, corner_tracks, corners
 
@@ -91,10 +90,8 @@ def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "
     from one pair to the next, degrees."""
     a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
     offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
-    together = state.config.synchronous
-    turn = np.zeros(SIZE) if together else np.concatenate([turned, np.zeros(SIZE - len(turned))])
-    doubt = 0.0 if is_exact(state.config.prior) else OF_LENSES  # in all windows alike
-    return Measurement(state.corners_frame, offset, a / _WORSE**2, turn, False, doubt, together)
+    turn = np.zeros(SIZE) if state.config.synchronous else np.pad(turned, (0, SIZE - len(turned)))
+    return Measurement(offset, a / _WORSE**2, turn, keystone=False)
 
 
 def _after_window(state: State, measured: Measurement) -> State:
@@ -107,8 +104,7 @@ def _after_window(state: State, measured: Measurement) -> State:
     expected = _STAY * state.others + _COME * (1.0 - state.others)
     share = float(expit(np.log1p(-expected) - np.log(expected) + of_rig - of_others))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
-    counted = measured.weighed(share)
-    state = trial_after_motion(state.measured(counted), counted)
+    state = state.measured(measured.weighed(share))
     if share >= 0.5:
         return state
     state = state.replace(outlier_motion=measured)
@@ -120,7 +116,7 @@ def _after_window(state: State, measured: Measurement) -> State:
     turned = turned.updated(measured)
     if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
         return state
-    return state.standing_at(turned).replace(outlier_motion=None, trial=None, others=_COME)
+    return state.standing_at(turned).replace(outlier_motion=None, others=_COME)
 
 
 def small(image: Float[np.ndarray, "h w"]) -> Small:

@@ -91,14 +91,12 @@ class PairEstimate:
 
     Attributes:
         chart: around the calibration that was looked through.
-        covered: share of the image in which correspondences were found.
         solution: what they say, at the offset `solution.z` to the true rig, in half widths of the chart's box; None if
             too little matches, or what matches does so by chance.
         found: the correspondences that they rest on.
     """
 
     chart: RigChart
-    covered: float
     solution: RowSolution | None = None
     found: Correspondences | None = None
 
@@ -114,11 +112,10 @@ class PairEstimate:
         assert self.found is not None
         return host.Matches.of(self.found, self.chart.rig)
 
-    def rows(self, rig: StereoRig) -> float:
+    def row_error(self, rig: StereoRig) -> float:
         """|Row difference| under a rig, pixels at full size: the mean over the tiles of a tile's median."""
         solution = self.solution
-        if solution is None:
-            return float("nan")
+        assert solution is not None
         way = self.chart.coordinates(np.asarray(rig.extrinsics))
         return float(np.mean(solution.medians(solution.start_residual + solution.jacobian @ way)))
 
@@ -129,15 +126,15 @@ def estimate_pair(rig: StereoRig, pair: Pair, view: View, matcher: AbstractMatch
     chart = row_chart(rig, Reach())
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
     if found.found < ENOUGH.matches or found.covered < ENOUGH.covered:
-        return PairEstimate(chart, found.covered)
+        return PairEstimate(chart)
     start = linearised(found, chart, np.zeros(chart.dim))
     solution = _row_solution(found, start, chart.prior)
     if solution.places < ENOUGH.places or (
         np.mean(solution.medians(solution.residual)) * solution.scale > _FALSE
         and is_sparse(found.covered, image_quality(pair).texture)
     ):
-        return PairEstimate(chart, found.covered)
-    return PairEstimate(chart, found.covered, solution, found)
+        return PairEstimate(chart)
+    return PairEstimate(chart, solution, found)
 
 
 def _row_solution(found: Correspondences, start: LinearRows, prior: float) -> RowSolution:

@@ -138,8 +138,6 @@ class Reading:
             holds what is no number.
         shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
             too; a shutter that is late on a rig that travels straight on looks like a shift.
-        change: (5,) of pitch, yaw, roll [deg], y, z [percent], which the decision asks for, or which is better on
-            average by what is noticed and harms as seldom as it may; None where none is.
         estimate: of changes of the calibration in use; None without a decision.
     """
 
@@ -149,7 +147,6 @@ class Reading:
     delay: Interval
     decision: Decision | None
     shifted: bool
-    change: Float[np.ndarray, "5"] | None = None
     estimate: Estimate | None = None
 
     @cached_property
@@ -163,19 +160,18 @@ class Reading:
 
     @property
     def condition(self) -> Condition:
-        """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late, or another
-        one is better on average, and goes on trial."""
+        """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late."""
         if self.decision is None:
             return Condition.CANNOT_TELL
-        if self.repairs or self.shifted:
+        if self.change is not None or self.shifted:
             return Condition.REPAIR
-        good = self.decision.verdict is Verdict.GOOD and self.change is None and not self.late
+        good = self.decision.verdict is Verdict.GOOD and not self.late
         return Condition.HEALTHY if good else Condition.CANNOT_TELL
 
     @property
-    def repairs(self) -> bool:
-        """Whether another calibration is better for sure."""
-        return self.decision is not None and not self.decision.refused
+    def change(self) -> Float[np.ndarray, "5"] | None:
+        """Of pitch, yaw, roll [deg], y, z [percent], that the decision asks for; None where it asks for none."""
+        return None if self.decision is None or self.decision.refused else self.decision.theta[:SIZE]
 
     @property
     def matters(self) -> bool:
@@ -221,11 +217,11 @@ def reading(state: State) -> Reading:
         return Reading(axes, state.row_error, _UNKNOWN, late, None, shifted=False)
     config = state.config
     using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
-    estimate, decision, shifted, change = _decided(
-        state.initial, using, state.estimate, state.view, free, config.tolerances, config.harm
+    estimate, decision, shifted = _decided(
+        state.initial, using, state.estimate, state.view, free, config.limits, config.tolerances
     )
     rows = Interval(*decision.rows_px[0].tolist())
-    return Reading(axes, state.row_error, rows, late, decision, shifted, change, estimate)
+    return Reading(axes, state.row_error, rows, late, decision, shifted, estimate)
 
 
 @lru_cache(maxsize=4)  # a step asks several times
@@ -236,20 +232,16 @@ def _decided(
     view: View,
     free: tuple[str, ...],
     limits: Tolerances,
-    harm: float,
-) -> tuple[Estimate, Decision, bool, Float[np.ndarray, "5"] | None]:
-    """Of a calibration in use what is known, the decision on what may be switched, whether it is shifted, and which
-    change is better."""
+    of_recordings: Tolerances,
+) -> tuple[Estimate, Decision, bool]:
+    """Of a calibration in use what is known, the decision on what may be switched, and whether it is shifted, as a
+    recording would tell: no switch corrects that."""
     estimate = known(initial, using, filtered, view)
     found = decide(estimate, free, limits)
-    change = found.theta
-    if found.refused:  # better on average, and not for sure: later pairs may prove it, and one can go back
-        trial = decide(estimate, free, replace(limits, harm=harm))
-        change = trial.theta if trial.loss[1] < trial.loss[0] - 1.0 and trial.worse <= harm else None
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)
     posterior = estimate.posterior
     if not found.refused:  # what the rotation alone repairs is no shift
         posterior = replace(posterior, means=posterior.means - found.theta)
-    shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, limits).refused
-    return replace(estimate), found, shifted, None if change is None else change[:SIZE]
+    shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, of_recordings).refused
+    return replace(estimate), found, shifted

@@ -20,12 +20,12 @@ from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config, Event, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace, SequentialTest
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace
 from stereorecal.online._state import Job, State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/12"
+SCHEMA = "stereorecal.state/13"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -37,7 +37,6 @@ _KNOWN: dict[str, Any] = {
         Pace,
         Corners,
         Job,
-        SequentialTest,
         StereoRig,
         Camera,
         View,
@@ -71,7 +70,7 @@ def save(state: State, path: str | Path) -> None:
 
 
 def load(path: str | Path, rig: StereoRig | None = None) -> State:
-    """The state in a file that `save` wrote; steps go on from it, with a trial or a repair under way. What the pairs
+    """The state in a file that `save` wrote; steps go on from it, with a repair under way. What the pairs
     before the break show is not compared with those after it: how the rig turned and moved meanwhile is not known.
 
     Args:

@@ -10,7 +10,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach, RigChart, row_chart
 from stereorecal.online._config import Config, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace, SequentialTest
+from stereorecal.online._filter import FilterEstimate, Measurement, Pace
 from stereorecal.online._pair_estimate import no_coverage
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
@@ -66,8 +66,7 @@ class State:
         unmatched_in_a_row: how many pairs hardly matched, one after the other.
         attempt: at how many of them the next repair is tried.
         job: the repair under way.
-        trial: the candidate on trial.
-        ready: the pair from which on a candidate may be nominated.
+        ready: the pair from which on the calibration may be switched again.
         previous: offsets of calibrations that were in use before, the last one last.
         reported: the last standing event, so that each is said once.
         coverage: looks so far that showed each part of the view (by rows) at each of the distances where depth is read.
@@ -96,7 +95,6 @@ class State:
     unmatched_in_a_row: int = 0
     attempt: int = 2
     job: Job | None = None
-    trial: SequentialTest | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()
     reported: Kind | None = None
@@ -155,7 +153,7 @@ class State:
         if config.synchronous == self.config.synchronous:
             return state
         state = state.standing_at(self.estimate.of_shutters(config.synchronous))
-        return replace(state, trial=None, outlier=None, reported=None)
+        return replace(state, outlier=None, reported=None)
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""

@@ -15,20 +15,18 @@ from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import SIZE, Pace, at_start
 from stereorecal.online._moving import Small, anchored, moved, small, turn
-from stereorecal.online._pair_estimate import PairEstimate, covered_by, estimate_pair
+from stereorecal.online._pair_estimate import covered_by, estimate_pair
 from stereorecal.online._reading import before_looks
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import (
     Outcome,
     begun,
     continued,
+    decided,
     followed,
     measurement,
-    nominated,
     switched,
     too_far,
-    trial_after_look,
-    trial_after_unmatched,
 )
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
@@ -90,7 +88,7 @@ def without_pair(state: State, error: InputError) -> tuple[State, tuple[Event, .
 
 def freeze(state: State, frozen: bool = True) -> State:
     """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
-    return state.replace(config=replace(state.config, repair=not frozen), job=None, trial=None)
+    return state.replace(config=replace(state.config, repair=not frozen), job=None)
 
 
 def rollback(state: State, to: Offset | None = None) -> State:
@@ -134,17 +132,18 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         state = state.replace(matcher=matcher)
     look = estimate_pair(state.rig, pair, state.view, matcher)
     if look.solution is None:
-        return _unmatched_pair(state, pair, look)
+        return _unmatched_pair(state, pair)
     turned = _turn(state, before, current)
     measured = measurement(state, look, turned)
     state = state.replace(
         seen=state.seen + 1,
-        row_error=look.rows(state.rig),
+        row_error=look.row_error(state.rig),
         coverage=state.coverage + covered_by(look, state.view),
         unmatched_in_a_row=0,
         attempt=_FIRST,
     )
     state = anchored(state, pair, look)
+    told = state.reported in (Kind.DRIFTING, Kind.KNOCK)
     state, events = followed(state, measured)
     knocked = any(event.kind is Kind.KNOCK for event in events)
     state = state.with_repair_pair(pair) if knocked or state.outlier is not None else state.replace(repair_pairs=())
@@ -153,10 +152,9 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     if knocked and too_far(state):
         state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
-    # How far a shutter could explain a look is not known where the rig's turn is not.
-    state, more = (state, []) if turned is None else trial_after_look(state, state.estimate.of_rig(measured), look)
-    state, put_up = nominated(state)
-    return state, [*events, *more, *put_up]
+    # One look is no proof; and how far a late shutter could explain it is not known where the rig's turn is not.
+    state, more = decided(state, look) if told and turned is not None else (state, [])
+    return state, [*events, *more]
 
 
 def _turn(state: State, before: Small | None, current: Small) -> Float[np.ndarray, "3"] | None:
@@ -166,19 +164,11 @@ def _turn(state: State, before: Small | None, current: Small) -> Float[np.ndarra
     return None if before is None else turn(state.initial.left, before, current)
 
 
-def _unmatched_pair(state: State, pair: Pair, look: PairEstimate) -> Outcome:
+def _unmatched_pair(state: State, pair: Pair) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
     state = state.with_repair_pair(pair).replace(unmatched_in_a_row=state.unmatched_in_a_row + 1)
-    if state.trial is not None and state.trial.by == "looks":
-        state = state.replace(trial=None)  # what it was fitted to is no longer to be seen
-    if state.trial is not None:
-        offset, matcher = state.trial.offset, state.matcher
-        assert matcher is not None
-        return trial_after_unmatched(
-            state, look.covered, lambda: estimate_pair(state.rig_at(offset), pair, state.view, matcher)
-        )
     if state.unmatched_in_a_row < state.attempt:
         return state, []
     return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row), state.repair_pairs)

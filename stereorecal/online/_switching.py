@@ -1,24 +1,24 @@
-"""From one look to what is known, and which calibration is in use: the estimate is followed, and what does not fit is
-named; candidates, their trials, the switch, and the way back.
+"""From one look to what is known, and which calibration is in use: the estimate is followed, what does not fit is
+named, and the calibration is switched when the decision asks for it.
 
 What the looks cannot follow is repaired: rigs so far off that hardly anything matches. And a recalibration on request,
 in place of waiting until looks ask for one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.decision import chance_of_harm
+from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
 from stereorecal.online._config import Event, Kind
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement, SequentialTest
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
-from stereorecal.online._reading import filtered_by, known, prior_now, reading
+from stereorecal.online._reading import filtered_by, prior_now, reading
 from stereorecal.online._state import Job, Offset, State
 from stereorecal.recalibration import (
     Case,
@@ -41,109 +41,55 @@ _DISAGREEING = 4  # looks that fit nothing, until it is said
 _BLIND = 1.5  # pixels of row error: beyond, windows show other things
 
 
-def trial_after_look(state: State, measured: Measurement, look: PairEstimate) -> Outcome:
-    """The trial after a look through the calibration in use; one that does not fit what is known takes no part."""
-    trial = state.trial
-    if trial is None or measured.frame <= trial.since or state.outlier is not None:
-        return state, []
-    found = reading(state)
-    if found.late or (found.shifted and trial.by == "looks"):  # what was measured may be the shutter's
-        return state.replace(trial=None), []
-    after = look.rows(state.rig_at(trial.offset))
-    state = state.replace(trial=trial.measured(state.using, measured, state.row_error, after))
-    return decided(state)
-
-
-def trial_after_motion(state: State, measured: Measurement) -> State:
-    """The trial after what the rig's motion told, which alone decides nothing: it shows no rows."""
-    trial = state.trial
-    if trial is None or measured.frame <= trial.since or state.outlier is not None:
-        return state
-    return state.replace(trial=trial.moved(state.using, measured))
-
-
-def trial_after_unmatched(state: State, before: float, look: Callable[[], PairEstimate]) -> Outcome:
-    """The trial after a look through the calibration in use that showed hardly anything: `before` of the image."""
-    trial = state.trial
-    if trial is None or state.frame <= trial.since:
-        return state, []
-    of_candidate = look()
-    after = of_candidate.covered if of_candidate.solution is not None else 0.0
-    return decided(state.replace(trial=trial.matched(before, after)))
-
-
-def decided(state: State) -> Outcome:
-    """The switch, if the candidate has won and hardly harms by what the filter knows by now; else it is dropped, once
-    it has won or lost.
-
-    Looks of one place err together, and a trial of them alone would take the error of all for the rig's.
-    """
-    trial = state.trial
-    assert trial is not None
-    won = trial.won(state.config.switch)
-    if not won and not trial.lost:
-        return state, []
-    harm = _chance_of_harm(state, trial.offset)
-    proof = {**trial.as_dict(), "chance_of_harm": harm}
-    if won and harm <= state.config.harm:
-        facts = {
-            "old": calibration_data(state, state.using),
-            "new": calibration_data(state, trial.offset),
-            "proof": proof,
-        }
-        state = switched(state, trial.offset)
-        return state, [Event(state.frame, Kind.REPAIRED, "", facts)]
-    facts = {"candidate": calibration_data(state, trial.offset), "proof": proof}
-    state = state.replace(trial=None, ready=state.frame + state.config.rest)
-    why = "it may harm" if won else "no better on later pairs"
-    return state, [Event(state.frame, Kind.REJECTED, f"fitted by {trial.by}; {why}", facts)]
-
-
-def _chance_of_harm(state: State, offset: Offset) -> float:
-    """Of a switch, by what the filter knows; 1 if that is no number."""
-    if not state.estimate.is_finite:
-        return 1.0
-    estimate = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view)
-    change = estimate.chart.coordinates(np.asarray(state.rig_at(offset).extrinsics, float))
-    return chance_of_harm(estimate, change, state.config.tolerances)
-
-
 def switched(state: State, offset: Offset) -> State:
-    """Another calibration in use; the one before it is kept."""
-    previous = (*state.previous, state.using)[-state.config.keep :]
+    """Another calibration in use; the first and the last ones before it are kept."""
+    previous, keep = (*state.previous, state.using), state.config.keep
+    if len(previous) > keep:
+        previous = (previous[0], *previous[len(previous) - keep + 1 :])
     return state.using_now(offset).replace(
         previous=previous,
         ready=state.frame + state.config.rest,
+        reported=None,
         job=None,
-        trial=None,
         repair_pairs=(),
         unmatched_in_a_row=0,
         attempt=2,
     )
 
 
-def nominated(state: State) -> Outcome:
-    """The change that the decision asks for as a candidate, or one that is better on average: later looks must bear
-    out either, and a calibration in use can be replaced again.
+def decided(state: State, look: PairEstimate) -> Outcome:
+    """The state with the change in use that the decision asks for, and against which the look does not speak.
 
     y and z stay, unless a trigger opens both shutters: one that is late on a rig that travels straight on poses as a
     shift, and no look tells them apart. A repair of pairs that hardly match, which is judged by its own misfit, may
     change them.
     """
-    if not state.config.repair or state.trial is not None or state.outlier is not None:
-        return state, []
-    if state.frame < state.ready:
+    if not state.config.repair or state.outlier is not None or state.frame < state.ready:
         return state, []
     found = reading(state)
-    if found.late or found.shifted or found.change is None:
+    if found.late or found.shifted or found.decision is None or found.change is None:
         return state, []
-    return state.replace(trial=SequentialTest(state.using + found.change, "looks", state.frame)), []
+    offset = state.using + found.change
+    if look.row_error(state.rig_at(offset)) > state.row_error:
+        return state, []
+    return _switched_by(state, offset, Kind.REPAIRED, found.decision, "looks")
 
 
-def after_repair(state: State, offset: Offset, estimate: Estimate) -> State:
-    """A candidate of a repair on trial, unless nothing is to be switched."""
-    trial = SequentialTest(offset, "repair", state.frame) if state.config.repair else None
-    return told_by(state, estimate).replace(trial=trial, outlier=None)
+def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, by: str) -> Outcome:
+    """Another calibration in use, and the event that says so; `by` says what the decision rests on."""
+    before, after = decision.rows_px[:, 0].tolist()
+    facts = {
+        "old": _calibration_data(state, state.using),
+        "new": _calibration_data(state, offset),
+        "proof": {
+            "by": by,
+            "row_error_before_px": before,
+            "row_error_after_px": after,
+            "probability_better": decision.better,
+            "probability_worse": decision.worse,
+        },
+    }
+    return switched(state, offset), [Event(state.frame, kind, "", facts)]
 
 
 def told_by(state: State, estimate: Estimate) -> State:
@@ -152,7 +98,7 @@ def told_by(state: State, estimate: Estimate) -> State:
     return state.standing_at(filtered_by(state, estimate, _TRUSTED))
 
 
-def calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
+def _calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
     """A calibration, as plain data."""
     return {
         "offset": [float(value) for value in offset],
@@ -170,7 +116,7 @@ def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"]
         turn[:3] = np.degrees(turned)
     offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.solution.z)))
     information = _information(look.chart, look.solution.covariance()) / np.outer(units, units)
-    return Measurement(state.frame, offset, information, turn, synchronous=state.config.synchronous)
+    return Measurement(offset, information, turn)
 
 
 def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
@@ -197,7 +143,7 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     moved = estimate.offset - before.offset
     if not knocked:
         return standing(state)
-    state = state.replace(trial=None, ready=0)  # it was fitted to another rig
+    state = state.replace(ready=0)
     if not reading(state.using_now(before.offset)).matters:
         return standing(state)
     change = dict(zip(state.chart.names, moved.tolist(), strict=True))
@@ -239,7 +185,7 @@ def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
 
 
 def continued(state: State) -> tuple[State, list[Event]]:
-    """The state after one more slice of its repair; after the last one a candidate on trial, if it was accepted."""
+    """The state after one more slice of its repair; after the last one what it found in use, if it was accepted."""
     job, matcher = state.job, state.matcher
     assert job is not None
     assert matcher is not None
@@ -255,15 +201,19 @@ def continued(state: State) -> tuple[State, list[Event]]:
     return _after_solution(state.replace(job=None), ended)
 
 
-def _after_solution(state: State, solution: Solution) -> tuple[State, list[Event]]:
-    if not solution.accepted or solution.estimate is None:
+def _after_solution(state: State, solution: Solution) -> Outcome:
+    if not solution.accepted or solution.estimate is None or solution.decision is None:
         kind = Kind.FRAMES_DISAGREE if solution.reason is Reason.FRAMES_DISAGREE else Kind.REJECTED
         return state, [Event(state.frame, kind, solution.reason.value)]
     offset = state.offset_of(solution.rig)
     change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.reported is Kind.KNOCK else [knock]
-    return after_repair(state.replace(reported=Kind.KNOCK, ready=0), offset, solution.estimate), events
+    state = told_by(state, solution.estimate).replace(reported=Kind.KNOCK, ready=0, outlier=None)
+    if not state.config.repair or reading(state).late:
+        return state, events
+    state, more = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
+    return state, [*events, *more]
 
 
 def too_far(state: State) -> bool:
@@ -294,17 +244,9 @@ def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
         )
     except InputError as error:
         return state, (Event(state.frame, Kind.REJECTED, str(error)),)
-    if not solution.accepted or solution.estimate is None:
+    if not solution.accepted or solution.estimate is None or solution.decision is None:
         return state, (Event(state.frame, Kind.REJECTED, solution.reason.value),)
-    offset, rows = state.offset_of(solution.rig), solution.row_errors
-    proof = {
-        "by": "recalibration",
-        "pairs": len(pairs),
-        "reason": solution.reason.name.lower(),
-        "row_error_before_px": None if rows is None else float(rows.before),
-        "row_error_after_px": None if rows is None else float(rows.after),
-    }
-    facts = {"old": calibration_data(state, state.using), "new": calibration_data(state, offset), "proof": proof}
-    state = told_by(state, solution.estimate).replace(outlier=None, outliers_in_a_row=0, reported=None)
-    state = switched(state, offset)
-    return state, (Event(state.frame, Kind.RECALIBRATED, "", facts),)
+    offset = state.offset_of(solution.rig)
+    state = told_by(state, solution.estimate).replace(outlier=None, outliers_in_a_row=0)
+    state, events = _switched_by(state, offset, Kind.RECALIBRATED, solution.decision, "recalibration")
+    return state, tuple(events)

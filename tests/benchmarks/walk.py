@@ -19,7 +19,7 @@ from stereorecal.synthetic import Drive, photographs
 
 STEP = 0.01  # degrees a pair
 TOURS = ("street", "harbour")
-WALKS = Config(prior="exact", synchronous=True, wander=(STEP / np.sqrt(3.0),) * 3, heating=(0.0, 0.0, 0.0))
+WALKS = Config(prior="exact", synchronous=True, wander=(STEP / np.sqrt(3.0),) * 3, heating=(0.0, 0.0, 0.0), rest=0)
 
 
 def followed(drive: Drive) -> tuple[np.ndarray, list[float]]:

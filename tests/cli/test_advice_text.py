@@ -31,7 +31,7 @@ def advised(show: Showing | None = None, *missing: Undetermined, blind: bool = F
         (advised(Showing(ROWS, 0.1, None, None, True)), "drive on"),
         (advised(NEAR, ROWS, blind=True), "turn the rig towards something with texture, in good light"),
         (advised(None, DEPTH, ROWS), "nothing to be seen here would tell more of depth"),
-        (advised(), "go on: later pairs decide"),
+        (advised(), "go on"),
         (advised(stands=True), "nothing: the answer stands"),
     ],
 )

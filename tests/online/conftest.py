@@ -20,4 +20,4 @@ def ride(tmp_path_factory: pytest.TempPathFactory) -> Ride:
 @pytest.fixture(scope="session")
 def ridden(ride: Ride) -> list[Stepped]:
     """All steps of the ride."""
-    return list(run(ride.rig, ride.pairs, Config(rest=0)))
+    return list(run(ride.rig, ride.pairs, Config()))

@@ -1,11 +1,11 @@
-"""The recursive estimate and the trial, on measurements that are drawn."""
+"""The recursive estimate, on measurements that are drawn."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from parts_of_estimates import FilterEstimate, Measurement, SequentialTest, at_start
+from parts_of_estimates import FilterEstimate, Measurement, at_start
 
 from stereorecal.online import Config, init
 from stereorecal.synthetic import default_rig
@@ -15,17 +15,17 @@ PRIOR = np.ones(5)
 STILL = Config(wander=(0.0, 0.0, 0.0), shift=0.0, heating=(0.0, 0.0, 0.0))
 
 
-def measured(frame: int, offset: np.ndarray, draw: np.random.Generator, turn: float = 0.0, late: float = 0.0):
+def measured(offset: np.ndarray, draw: np.random.Generator, turn: float = 0.0, late: float = 0.0):
     turned = np.array([0.0, turn, 0.0, 0.0, 0.0])
     noise = SIGMA * draw.standard_normal(5)
-    return Measurement(frame, offset + late * turned + noise, np.diag(SIGMA**-2.0), turned)
+    return Measurement(offset + late * turned + noise, np.diag(SIGMA**-2.0), turned)
 
 
 def fused(frames: int, offset: np.ndarray, draw: np.random.Generator, late: float = 0.0) -> FilterEstimate:
     estimate = at_start(PRIOR, STILL)
     for frame in range(frames):
         turn = float(np.sin(0.2 * frame))
-        estimate = estimate.later(STILL).updated(measured(frame, offset, draw, turn, late))
+        estimate = estimate.later(STILL).updated(measured(offset, draw, turn, late))
     return estimate
 
 
@@ -52,31 +52,19 @@ def test_shutters_that_open_at_once_leave_the_yaw_of_a_rig_that_turns_evenly():
     for together in (True, False):
         config, draw = replace(STILL, synchronous=together), np.random.default_rng(1)
         estimate = at_start(PRIOR, config)
-        for frame in range(30):
-            estimate = estimate.later(config).updated(measured(frame, np.zeros(5), draw, turn=0.5))
+        for _ in range(30):
+            estimate = estimate.later(config).updated(measured(np.zeros(5), draw, turn=0.5))
         spread[together] = float(np.sqrt(estimate.of_offset[1, 1]))
         assert bool(estimate.covariance[5, 5] == 0.0) is together
         assert (estimate.delay == 0.0) is together
     assert spread[True] < 0.1 * spread[False]
 
 
-def test_of_cameras_with_a_trigger_a_shift_is_no_travel():
-    """Of others, what the rig travels during a delay poses as a shift in all looks alike."""
-    looks = [measured(frame, np.array([0, 0, 0, 2.0, 0]), np.random.default_rng(frame)) for frame in range(20)]
-    evidence = {}
-    for together in (True, False):
-        trial = SequentialTest(np.array([0, 0, 0, 2.0, 0]), "repair", -1)
-        for look in looks:
-            trial = trial.moved(np.zeros(5), replace(look, synchronous=together))
-        evidence[together] = trial.evidence
-    assert evidence[True] > 10.0 * evidence[False]
-
-
 def test_false_alarms_are_as_rare_as_said():
     shaking = Config(wander=(0.001, 0.001, 0.001), shift=0.001, heating=(0.0, 0.0, 0.0))
     draw, estimate, rare = np.random.default_rng(2), at_start(PRIOR, shaking), []
-    for frame in range(3000):
-        look = measured(frame, np.zeros(5), draw)
+    for _ in range(3000):
+        look = measured(np.zeros(5), draw)
         estimate = estimate.later(shaking)
         rare.append(estimate.chance_of(look) < 0.01)
         estimate = estimate.updated(look)
@@ -91,7 +79,7 @@ def test_heat_is_followed_and_the_intervals_know_it():
         estimate = at_start(PRIOR, config)
         for frame, hot in enumerate(ramp):
             truth = np.array([2e-4, 8e-4, 2e-4, 0.0, 0.0]) * sides * hot
-            estimate = estimate.later(config).updated(measured(frame, truth, draw))
+            estimate = estimate.later(config).updated(measured(truth, draw))
             if frame >= 50:
                 far.append(np.abs(estimate.offset - truth)[:3])
                 inside.append(far[-1] < 1.96 * np.sqrt(np.diag(estimate.of_offset))[:3])
@@ -102,7 +90,7 @@ def test_heat_is_followed_and_the_intervals_know_it():
 def test_a_turn_that_is_badly_known_says_less_while_a_shutter_is_late():
     """A tenth of a third of a degree of turn, times a delay of 0.3 frames: a hundredth of a degree."""
     late = fused(60, np.zeros(5), np.random.default_rng(1), late=0.3)
-    look = Measurement(0, np.zeros(5), np.diag([1e6, 1e6, 1e6, 1.0, 1.0]), np.array([0.0, 1 / 3, 0.0, 0.0, 0.0]))
+    look = Measurement(np.zeros(5), np.diag([1e6, 1e6, 1e6, 1.0, 1.0]), np.array([0.0, 1 / 3, 0.0, 0.0, 0.0]))
     spread = np.sqrt(np.diag(np.linalg.inv(late.doubted(look).information)))
     np.testing.assert_allclose(spread[:3], 0.01, rtol=0.3)
     np.testing.assert_allclose(spread[3:], 1.0)
@@ -116,7 +104,7 @@ def test_a_covariance_stays_one(seed, events):
     """Whatever comes after whatever, with darkness of a thousand pairs in between."""
     draw, config = np.random.default_rng(seed), Config()
     estimate = at_start(PRIOR, config, keystone=0.3)
-    for frame, event in enumerate(events):
+    for event in events:
         for _ in range(1000 if event == "dark" else 1):
             estimate = estimate.later(config)
         if event == "late":
@@ -125,69 +113,18 @@ def test_a_covariance_stays_one(seed, events):
             estimate = estimate.after_knock(PRIOR)
         elif event == "look":
             for _ in range(5):
-                look = measured(frame, np.zeros(5), draw, draw.uniform(0.5, 1.0), 0.3).weighed(0.125)
+                look = measured(np.zeros(5), draw, draw.uniform(0.5, 1.0), 0.3).weighed(0.125)
                 estimate = estimate.updated(estimate.doubted(look))
         spread = np.sqrt(np.diag(estimate.covariance))
         assert np.linalg.eigvalsh(estimate.covariance / np.outer(spread, spread))[0] > -1e-9
         assert estimate.later(config).covariance[5, 5] <= 0.25 + 1e-9
 
 
-def trial_over(looks: int, truth: np.ndarray, candidate: np.ndarray, draw: np.random.Generator) -> SequentialTest:
-    trial = SequentialTest(candidate, "looks", 0)
-    for frame in range(looks):
-        trial = trial.measured(np.zeros(5), measured(frame, truth, draw), 0.2, 0.2)
-        if trial.won(1e-3) or trial.lost:
-            break
-    return trial
-
-
-def test_a_trial_is_won_by_what_is_better():
-    draw, truth = np.random.default_rng(3), np.array([0.05, 0.0, 0.0, 0.0, 0.0])
-    assert all(trial_over(60, truth, truth, draw).won(1e-3) for _ in range(100))
-    assert not any(trial_over(60, np.zeros(5), truth, draw).won(1e-3) for _ in range(1000))
-
-
-def test_a_trial_is_not_won_by_one_look_nor_by_worse_rows():
-    trial = SequentialTest(np.ones(5), "looks", 0)
-    look = Measurement(1, np.ones(5), 1e6 * np.eye(5), np.zeros(5))
-    assert not trial.measured(np.zeros(5), look, 1.0, 0.1).won(1e-3)
-    for _ in range(10):
-        trial = trial.measured(np.zeros(5), look, 0.1, 0.2)
-    assert not trial.won(1e-3)
-
-
-@pytest.mark.parametrize("late", [True, False])
-def test_an_even_turn_is_no_proof_however_long(late):
-    """A shutter that is late by 0.2 frames on a rig that turns evenly looks like a yaw in every look. A rig that is
-    off by that yaw shows it when it no longer turns."""
-    draw, yaw = np.random.default_rng(4), np.array([0.0, 0.2, 0.0, 0.0, 0.0])
-    trial, won = SequentialTest(yaw, "looks", 0), []
-    for frame in range(50):
-        turn = 1.0 if frame < 40 else 0.0  # degrees a frame
-        look = measured(frame, 0.0 * yaw if late else yaw, draw, turn, 0.2 if late else 0.0)
-        trial = trial.measured(np.zeros(5), look, 0.2, 0.2)
-        won.append(trial.won(1e-3))
-    assert not any(won[:40])
-    assert won[-1] is not late
-
-
-def test_one_look_counts_for_so_much_and_no_more():
-    """Whatever the rig's turn would explain of it."""
-    draw = np.random.default_rng(5)
-    for _ in range(200):
-        trial = SequentialTest(np.append(0.0, [draw.uniform(-0.3, 0.3), 0.0, 0.0, 0.0]), "looks", 0)
-        for frame in range(6):
-            sharp = measured(frame, draw.uniform(-0.5, 0.5, 5), draw, draw.uniform(-1.0, 1.0)).weighed(25.0)
-            after = trial.measured(np.zeros(5), sharp, 0.2, 0.2)
-            assert abs(after.evidence - trial.evidence) <= 4.0 + 1e-9
-            trial = after
-
-
-def by_motion(frame: int, yaw: float, draw: np.random.Generator, sigma: float = 0.03) -> Measurement:
+def by_motion(yaw: float, draw: np.random.Generator, sigma: float = 0.03) -> Measurement:
     """What a window tells: the yaw, and nothing else."""
     offset, information = np.zeros(5), np.zeros((5, 5))
     offset[1], information[1, 1] = yaw + sigma * draw.standard_normal(), sigma**-2.0
-    return Measurement(frame, offset, information, np.zeros(5), keystone=False)
+    return Measurement(offset, information, np.zeros(5), keystone=False)
 
 
 def test_a_keystone_of_the_lenses_is_no_yaw():
@@ -195,12 +132,12 @@ def test_a_keystone_of_the_lenses_is_no_yaw():
     draw = np.random.default_rng(4)
     bent = np.array([0.0, 0.5, 0.0, 0.0, 0.0])
     rows = at_start(np.array([1.0, 0.05, 1.0, 1.0, 1.0]), STILL, keystone=0.3)
-    for frame in range(40):
-        rows = rows.later(STILL).updated(measured(frame, bent, draw))
+    for _ in range(40):
+        rows = rows.later(STILL).updated(measured(bent, draw))
     assert abs(rows.offset[1]) < 0.1 < 0.4 < rows.keystone
     told = rows
-    for frame in range(40, 80):
-        told = told.later(STILL).updated(by_motion(frame, 0.0, draw)).updated(measured(frame, bent, draw))
+    for _ in range(40, 80):
+        told = told.later(STILL).updated(by_motion(0.0, draw)).updated(measured(bent, draw))
     assert abs(told.offset[1]) < 0.02
     assert told.of_offset[1, 1] > 0.01**2
     assert told.keystone == pytest.approx(0.5, abs=0.05)
@@ -212,8 +149,8 @@ def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
     draw = np.random.default_rng(8)
     for config, least in ((STILL, 0.02), (replace(STILL, prior="exact"), 0.0)):
         estimate = at_start(PRIOR, config)
-        for frame in range(400):
-            estimate = estimate.later(config).updated(by_motion(frame, 0.0, draw))
+        for _ in range(400):
+            estimate = estimate.later(config).updated(by_motion(0.0, draw))
         spread = float(np.sqrt(estimate.of_offset[1, 1]))
         assert spread == pytest.approx(np.hypot(least, 0.03 / np.sqrt(400)), rel=0.02)
 
@@ -222,9 +159,9 @@ def test_what_the_lenses_leave_of_the_yaw_does_not_average_away():
 def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)
     state = init(default_rig(), config)
-    for frame in range(80):
+    for _ in range(80):
         truth[:3] += step * draw.standard_normal(3)
-        state = state.later().measured(measured(frame, truth, draw))
+        state = state.later().measured(measured(truth, draw))
     learnt = state.pace.config(config)
     assert (learnt.wander[0] > 5.0 * config.wander[0]) is faster
     again = state.standing_at(at_start(PRIOR, config))

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from parts_of_repairs import _switching
 from rides import Ride
 
-from stereorecal.decision import Tolerances
 from stereorecal.estimation import points_of_view, readings
-from stereorecal.online import FAR, Event, Kind, State, Stepped, init, reading, step
+from stereorecal.online import FAR, Event, Kind, State, Stepped, freeze, init, reading, step
 from stereorecal.recalibration import Condition
 from stereorecal.synthetic import default_rig
 
@@ -20,7 +20,7 @@ SIGMA = np.array([0.005, 0.02, 0.005, 0.2, 0.5])
 
 @pytest.fixture
 def healthy(ridden: list[Stepped]) -> State:
-    return ridden[-1].state.replace(trial=None, ready=0)
+    return ridden[-1].state.replace(ready=0)
 
 
 def off_by(state: State, *offset: float) -> State:
@@ -73,19 +73,12 @@ def test_what_is_not_known_is_neither_repaired_nor_healthy(healthy):
     assert found.change is None
 
 
-def test_what_is_better_on_average_goes_on_trial(healthy):
-    """It is not said to be a repair: later looks must bear it out."""
-    found = reading(unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), yaw=0.09))
-    assert not found.repairs
-    assert found.change is not None
-    assert found.change[1] == pytest.approx(0.2, abs=0.03)
-
-
-def test_what_is_better_on_average_and_may_well_harm_does_not(healthy):
-    state = unsure_of(healthy, (0.0, 0.1, 0.0, 0.0, 0.0), yaw=0.1)
-    assert reading(state).change is None
-    braver = state.replace(config=replace(state.config, harm=0.4))
-    assert reading(braver).change is not None
+@pytest.mark.parametrize(("yaw", "changes"), [(0.2, True), (0.1, False)])
+def test_a_change_may_do_harm_with_a_chance_of_a_fifth(healthy, yaw, changes):
+    """It can be taken back; where nothing is switched, neither is asked for, as of a recording."""
+    state = unsure_of(healthy, (0.0, yaw, 0.0, 0.0, 0.0), yaw=0.09)
+    assert (reading(state).change is not None) is changes
+    assert reading(freeze(state)).change is None
 
 
 def test_depth_is_kept_where_the_yaw_is_not_known(healthy):
@@ -96,7 +89,7 @@ def test_depth_is_kept_where_the_yaw_is_not_known(healthy):
     assert found.change[0] == pytest.approx(0.2, abs=0.02)
 
 
-def test_a_yaw_that_motion_tells_goes_on_trial(healthy):
+def test_a_yaw_that_motion_tells_is_repaired(healthy):
     """Its rows are those of a good calibration; depth is ten percent off at 30 baselines. What of the rows is keystone
     is not known, so another yaw may cost rows."""
     state = unsure_of(healthy, (0.0, 0.2, 0.0, 0.0, 0.0), pitch=1e-3, yaw=0.01, roll=1e-3, y=0.01, z=0.05)
@@ -118,7 +111,7 @@ def expected_loss(state: State) -> float:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_is_on_trial(healthy, seed):
+def test_what_is_changed(healthy, seed):
     """What is to be repaired is; y and z stay, and what is expected to be lost is less."""
     rng = np.random.default_rng(seed)
     widths = np.array([0.1, 0.3, 0.1, 1.0, 2.0]) * rng.uniform(0.01, 1.0, 5)
@@ -126,7 +119,6 @@ def test_what_is_on_trial(healthy, seed):
     state = unsure_of(healthy, tuple(offset.tolist()), **dict(zip(healthy.chart.names, widths.tolist(), strict=True)))
     found = reading(state)
     change = None if found.shifted else found.change
-    assert change is not None or found.shifted or not found.repairs
     assert change is None or found.condition is not Condition.HEALTHY
     if change is not None:
         np.testing.assert_array_equal(change[3:], 0.0)
@@ -150,7 +142,7 @@ def test_a_keystone_bends_rows_and_leaves_depth(healthy):
 
 def test_what_is_no_number_is_not_healthy(healthy):
     broken = healthy.replace(estimate=replace(healthy.estimate, mean=healthy.estimate.mean * np.nan))
-    assert reading(broken).condition is Condition.CANNOT_TELL
+    assert (reading(broken).condition, reading(broken).change) == (Condition.CANNOT_TELL, None)
 
 
 def test_what_a_turn_alone_repairs_is_no_shift():
@@ -161,7 +153,7 @@ def test_what_a_turn_alone_repairs_is_no_shift():
     estimate = replace(state.estimate, mean=np.eye(len(deviations))[1], covariance=np.diag(deviations**2))
     found = reading(state.replace(estimate=estimate))
     assert found.decision.rows_px[1, 0] > found.decision.tolerances.good_rows_px
-    assert (found.repairs, found.shifted) == (True, False)
+    assert (found.change is not None, found.shifted) == (True, False)
 
 
 def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):
@@ -177,23 +169,19 @@ def test_a_repair_keeps_what_is_known_of_the_shutter(healthy):
 
 
 @pytest.fixture
-def begun(ridden: list[Stepped]):
-    """A trial without any look yet."""
-    return next(one.state.trial for one in ridden if one.state.trial is not None)
+def looked(healthy: State, ride: Ride) -> Callable[..., tuple[State, list[Event]]]:
+    """looked(*offset, changes, **config): the state after two looks, and what happened, where the calibration in use is
+    off by so much; two looks more tell the filter next to nothing."""
 
-
-@pytest.fixture
-def looked(healthy: State, begun, ride: Ride) -> Callable[..., tuple[State, tuple[Event, ...]]]:
-    """looked(*offset, trial, config, axis=sigma...): the state after a look at the last pair, and what happened, where
-    the calibration in use is off by so much; one look more tells the filter next to nothing."""
-
-    def look(*offset: float, trial: dict[str, Any] | None = None, config: dict[str, Any] | None = None, **sigmas):
-        state = healthy.configured(replace(healthy.config, together=10**9, **(config or {})))
+    def look(*offset: float, changes: dict[str, Any] | None = None, **config: Any):
+        state = healthy.configured(replace(healthy.config, together=10**9, **config))
         truth = state.estimate.offset
-        state = unsure_of(state.using_now(truth), (0.0,) * 5, **sigmas).using_now(truth - offset)
-        if trial is not None:
-            state = state.replace(trial=replace(begun, offset=truth, since=state.frame - 1, **trial))
-        return step(state, ride.pairs[-1])
+        state = unsure_of(state.using_now(truth), (0.0,) * 5).using_now(truth - offset).replace(**(changes or {}))
+        events: list[Event] = []
+        for pair in ride.pairs[-2:]:
+            state, more = step(state, pair)
+            events += more
+        return state, events
 
     return look
 
@@ -202,76 +190,59 @@ SHIFT = (0.02, 0.0, 0.0, 4.0, -5.0)
 
 
 @pytest.mark.parametrize(
-    ("offset", "config", "kind", "change"),
+    ("offset", "config", "kinds", "left"),
     [
-        (TURNED, {}, Kind.DRIFTING, TURNED),
-        (TURNED, {"repair": False}, Kind.DRIFTING, None),
-        (SHIFT, {}, Kind.SHIFTED, None),
-        (SHIFT, {"synchronous": True}, Kind.DRIFTING, SHIFT),
+        (TURNED, {}, [Kind.DRIFTING, Kind.REPAIRED], (0.0,) * 5),
+        (TURNED, {"repair": False}, [Kind.DRIFTING], TURNED),
+        (SHIFT, {}, [Kind.SHIFTED], SHIFT),
+        (SHIFT, {"synchronous": True}, [Kind.DRIFTING, Kind.REPAIRED], (0.0,) * 5),
     ],
     ids=["turn", "frozen", "shift", "shift with a trigger"],
 )
-def test_what_a_look_puts_on_trial(looked, offset, config, kind, change):
+def test_what_two_looks_switch(looked, offset, config, kinds, left):
     """The change that the reading asks for; a shift that may be a late shutter's is only said."""
-    state, events = looked(*offset, config=config)
-    assert [event.kind for event in events] == [kind]
-    assert (state.trial is not None) is (change is not None)
-    if change is not None:
-        assert (state.trial.by, state.trial.since) == ("looks", state.frame - 1)
-        np.testing.assert_allclose(state.trial.offset - state.using, change, atol=0.05)
+    state, events = looked(*offset, **config)
+    assert [event.kind for event in events] == kinds
+    np.testing.assert_allclose(state.estimate.offset - state.using, left, atol=0.05)
+    for event in events:
+        if event.kind is Kind.REPAIRED:
+            assert event.facts["proof"]["by"] == "looks"
+            assert state.ready == event.frame + state.config.rest
 
 
-@pytest.mark.parametrize("by", ["looks", "repair"])
-def test_a_repair_may_move_y_and_z(looked, by):
-    """It was judged by its own misfit; a candidate of looks is dropped."""
-    state, _ = looked(0.0, 0.0, 0.0, 4.0, -5.0, trial={"by": by})
-    assert (state.trial is not None) is (by == "repair")
+def test_a_switch_waits_for_the_rest_and_for_a_turn_that_is_known(looked, healthy):
+    """Without the image before, a late shutter could explain all of a look."""
+    _, events = looked(*TURNED, changes={"ready": healthy.frame + 2})
+    assert [event.kind for event in events] == [Kind.DRIFTING]
+    _, (event,) = looked(*TURNED, changes={"last": None, "reported": Kind.DRIFTING})
+    assert (event.kind, event.frame) == (Kind.REPAIRED, healthy.frame + 1)
 
 
-WON = {"looks": 9, "matches": 20.0, "rows_before": 1.0}
+def test_nothing_is_switched_while_a_shutter_is_late(looked, healthy):
+    mean, known = healthy.estimate.mean.copy(), healthy.estimate.covariance.copy()
+    mean[5], known[5], known[:, 5], known[5, 5] = 0.1, 0.0, 0.0, 1e-4
+    late = replace(healthy.estimate, mean=mean, covariance=known)
+    _, events = looked(*TURNED, changes={"estimate": late, "reported": Kind.DRIFTING})
+    assert [event.kind for event in events] == [Kind.LATE]
 
 
-@pytest.mark.parametrize(("sigma", "switches"), [(0.1, False), (0.02, True)])
-def test_a_trial_that_is_won_needs_what_the_filter_knows(looked, sigma, switches):
-    """Looks of one place err together: by themselves they are surer than all of them are."""
-    state, events = looked(0.0, 0.1, 0.0, 0.0, 0.0, trial={"by": "looks", **WON}, yaw=sigma)
-    (event,) = (one for one in events if "proof" in one.facts)
-    proof = event.facts["proof"]
-    assert proof["log_likelihood_ratio"] > 10.0
-    assert proof["row_error_after_px"] < proof["row_error_before_px"]
-    assert event.kind is (Kind.REPAIRED if switches else Kind.REJECTED)
-    assert (proof["chance_of_harm"] <= state.config.harm) is switches
-    left = -0.1 * np.eye(5)[1] if not switches else np.zeros(5)
-    np.testing.assert_allclose(state.using - state.estimate.offset, left, atol=1e-3)
-
-
-def test_a_trial_on_what_is_no_number_switches_nothing(healthy, begun, ride):
-    """Where nothing matches any more, it is won by what was seen before."""
-    won = replace(begun, offset=healthy.using + 0.1, since=healthy.frame - 1, **WON)
-    unknown = healthy.standing_at(replace(healthy.estimate, mean=np.full_like(healthy.estimate.mean, np.nan)))
-    pair = ride.pairs[-1]
-    after, events = step(unknown.replace(trial=won), replace(pair, right=np.roll(pair.right, 60, axis=0)))
-    assert [event.kind for event in events] == [Kind.REJECTED]
-    assert events[0].facts["proof"]["log_likelihood_ratio"] > 10.0
-    assert np.array_equal(after.using, healthy.using)
-
-
-@pytest.mark.parametrize("good_rows_px", [0.05, 50.0])
-def test_after_a_knock_nothing_that_came_before_is_on_trial(ridden, begun, ride, good_rows_px):
-    """Not even where it is too small to be told."""
-    before = ridden[-3].state
-    state = before.configured(
-        replace(before.config, synchronous=True, tolerances=Tolerances(good_rows_px=good_rows_px))
-    )
+def test_a_knock_is_repaired_without_a_rest(ridden, ride):
+    before = ridden[-4].state
+    state = before.configured(replace(before.config, synchronous=True))
     offset = state.estimate.offset - [0.1, 0.0, 0.0, 0.0, 0.0]
-    state = state.standing_at(state.estimate.moved(offset, np.diag(SIGMA**2))).using_now(offset)
-    state, told = state.replace(trial=replace(begun, offset=offset + 0.01, since=0), ready=99), []
-    for pair in ride.pairs[-2:]:
+    state = state.standing_at(state.estimate.moved(offset, np.diag(SIGMA**2))).using_now(offset).replace(ready=99)
+    told = []
+    for pair in ride.pairs[-3:]:
         state, events = step(state, pair)
         told += [event.kind for event in events]
-    assert (Kind.KNOCK in told) is (good_rows_px < 1.0)
-    assert state.ready == 0
-    assert state.trial is None or state.trial.since == state.frame - 1
+    assert told == [Kind.KNOCK, Kind.REPAIRED]
+
+
+def test_the_first_calibration_and_the_last_ones_are_kept(healthy):
+    state = healthy.replace(previous=())
+    for number in range(1, 12):
+        state = _switching.switched(state, np.full(5, float(number)))
+    assert [one[0] for one in state.previous] == [healthy.using[0], *range(4, 11)]
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 from parts_of_repairs import _switching
 from rides import BEFORE, Ride, error
 
+from stereorecal.decision import decide
 from stereorecal.estimation import (
     Estimate,
     Posterior,
@@ -16,8 +17,9 @@ from stereorecal.estimation import (
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig
+from stereorecal.objectives import EXTRINSICS
 from stereorecal.online import Config, Kind, freeze, init, reading, recalibrate, rollback, step
-from stereorecal.recalibration import Reason, RowErrors
+from stereorecal.recalibration import Reason
 
 
 @pytest.mark.slow
@@ -27,7 +29,7 @@ def test_a_knock(ride: Ride):
     assert event.kind is Kind.RECALIBRATED
     assert error(after, ride.knocked)[0] < 0.03 < 0.4 < error(state, ride.knocked)[0]
     assert event.facts["proof"]["row_error_after_px"] < event.facts["proof"]["row_error_before_px"]
-    assert not reading(after).repairs  # the estimate goes with it
+    assert reading(after).change is None  # the estimate goes with it
     same, (event,) = recalibrate(state, ride.pairs[:2])
     assert (same, event.kind, event.why) == (state, Kind.REJECTED, Reason.ALREADY_GOOD.value)
 
@@ -36,12 +38,13 @@ def test_a_knock(ride: Ride):
 def test_only_what_the_decision_accepts_is_in_use(ride: Ride, monkeypatch: pytest.MonkeyPatch, reason: Reason):
     chart = rig_parameters(ride.rig)
     posterior = Posterior(np.ones(1), chart.coordinates_of(ride.knocked)[None], 1e-4 * np.eye(chart.dim)[None])
+    estimate = Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.ones(chart.dim))
     found = SimpleNamespace(
         accepted=reason.accepted,
         reason=reason,
         rig=ride.knocked if reason.accepted else ride.rig,
-        estimate=Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.ones(chart.dim)),
-        row_errors=RowErrors(3.0, 0.1, 9.0),
+        estimate=estimate,
+        decision=decide(estimate, EXTRINSICS),
     )
     monkeypatch.setattr(_switching, "recalibrated", lambda *given, **options: found)
     state = freeze(init(ride.rig, Config()))

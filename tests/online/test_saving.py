@@ -22,17 +22,17 @@ def content(state: sr.online.State, folder: Path) -> bytes:
 
 @pytest.mark.slow
 def test_the_same_pairs_give_the_same_states(ride: Ride, ridden: list[Stepped], tmp_path: Path):
-    again = list(run(ride.rig, ride.pairs[: BEFORE + 3], Config(rest=0)))
+    again = list(run(ride.rig, ride.pairs[: BEFORE + 3], Config()))
     assert content(again[-1].state, tmp_path) == content(ridden[BEFORE + 2].state, tmp_path)
 
 
 def test_a_loaded_state_goes_on(ride: Ride, ridden: list[Stepped], tmp_path: Path):
-    """From the middle of a trial, which the repair comes out of."""
-    on_trial = next(i for i, stepped in enumerate(ridden) if stepped.state.trial is not None and i >= BEFORE)
-    save(ridden[on_trial].state, tmp_path / "state")
+    """From the first sign of a knock, which is then told and repaired."""
+    sign = next(i for i, stepped in enumerate(ridden) if stepped.state.repair_pairs)
+    save(ridden[sign].state, tmp_path / "state")
     state, kinds = load(tmp_path / "state"), []
-    again = ridden[on_trial].state.alone()
-    for pair in ride.pairs[on_trial + 1 :]:
+    again = ridden[sign].state.alone()
+    for pair in ride.pairs[sign + 1 :]:
         state, events = step(state, pair)
         again, _ = step(again, pair)
         kinds += [event.kind for event in events]

@@ -1,4 +1,4 @@
-"""A ride with a knock: it is noticed, repaired, judged on later pairs; and what may never happen."""
+"""A ride with a knock: it is noticed, and repaired; and what may never happen."""
 
 from dataclasses import replace
 from typing import Any
@@ -20,10 +20,9 @@ def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
     assert knock.frame <= BEFORE + 3
     assert abs(knock.facts["change"]["pitch"] - 0.5) < 0.05
     repairs = [event for event in events if event.kind is Kind.REPAIRED]
-    assert repairs[0].frame > knock.frame
+    assert knock.frame <= repairs[0].frame <= knock.frame + 2
     for repair in repairs:
-        assert repair.facts["proof"]["fitted_until"] + repair.facts["proof"]["later_looks"] <= repair.frame
-        assert repair.facts["proof"]["later_looks"] >= 3
+        assert repair.facts["proof"]["row_error_after_px"] < repair.facts["proof"]["row_error_before_px"]
     end = ridden[-1].state
     assert (error(end, ride.knocked) < [0.02, 0.1, 0.02]).all()
     assert error(ridden[BEFORE].state, ride.knocked)[0] > 0.4
@@ -31,13 +30,11 @@ def test_a_knock_is_noticed_and_repaired(ride: Ride, ridden: list[Stepped]):
 
 
 def test_events_and_readings_are_those_of_the_page(ridden: list[Stepped]):
-    """Those of other kinds have no keys of their own, but for a candidate that loses and a request to recalibrate."""
+    """Those of other kinds have no keys of their own."""
     events = [event.as_dict() for stepped in ridden for event in stepped.events]
     (repaired, *_) = [event for event in events if event["event"] == "repaired"]
-    lost = {"schema": repaired["schema"], "candidate": repaired["new"], "proof": repaired["proof"]}
     told = {"schema": repaired["schema"], **reading(ridden[-1].state).as_dict()}
-    asked = {"schema": repaired["schema"], "proof": {"by": "recalibration", "pairs": 3, "reason": "improved"}}
-    unlisted, unwritten = differences([*events, lost, told, asked])
+    unlisted, unwritten = differences([*events, told])
     assert unlisted == set()
     assert unwritten == {"versions.*"}
 
@@ -49,14 +46,6 @@ def test_frozen_it_says_so_and_switches_nothing(ride: Ride):
     assert "REPAIRED" not in kinds(steps)
     assert not steps[-1].state.using.any()
     assert reading(steps[-1].state).condition is sr.recalibration.Condition.REPAIR
-
-
-@pytest.mark.slow
-def test_switches_are_limited_in_rate(ride: Ride, ridden: list[Stepped]):
-    """However many there are without the limit."""
-    assert kinds(ridden).count("REPAIRED") >= 1
-    limited = list(run(ride.rig, ride.pairs, Config(rest=1000)))
-    assert kinds(limited).count("REPAIRED") == 1
 
 
 @pytest.mark.slow
@@ -131,7 +120,7 @@ def test_shutters_that_a_trigger_opens_are_never_late(ride: Ride):
 
 
 def test_a_state_that_is_gone_on_with_a_trigger_knows_no_delay(ride: Ride):
-    """Else a delay that was measured would stay for good, and every trial be refused for it."""
+    """Else a delay that was measured would stay for good, and every switch be refused for it."""
     *_, last = run(ride.rig, ride.pairs[:3])
     mean = last.state.estimate.mean.copy()
     mean[5] = 0.3
@@ -164,14 +153,14 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
     assert told == [[Kind.LATE], [Kind.KNOCK]]
 
 
-WRONG = (
+WRONG: tuple[dict[str, Any], ...] = (
+    {"harm": "much"},
     {"heating": (0.0, -1.0, 0.0)},
     {"shift": np.inf},
     {"lasting": 0.5},
     {"every": 0},
     {"together": 0},
     {"knock": 0.0},
-    {"switch": 1.0},
     {"wander": (0.0, -1.0, 0.0)},
     {"rest": -1},
     {"rest": 1.5},
@@ -179,7 +168,6 @@ WRONG = (
     {"repair": "no"},
     {"synchronous": 1},
     {"motion": None},
-    {"harm": "much"},
 )
 
 

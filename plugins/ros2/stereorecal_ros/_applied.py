@@ -62,7 +62,8 @@ class Applied:
 
     def apply(self, state: State) -> "Applied":
         """What the decision has accepted is published from now on."""
-        return replace(self, offsets=(*self.offsets, state.using)[-_KEPT:]) if self.waits(state) else self
+        first, *later = (*self.offsets, state.using)
+        return replace(self, offsets=(first, *later[1 - _KEPT :])) if self.waits(state) else self
 
     def roll_back(self) -> "Applied":
         """The calibration before it again, and frozen.

@@ -82,7 +82,7 @@ class Work:
         save(self.state, self.keep)
 
     def accept(self, offset: np.ndarray) -> None:
-        """As `stereorecal.online` does when a candidate has won."""
+        """As `stereorecal.online` does when it switches."""
         state = self.state.using_now(offset)
         self.state = state.replace(previous=(*self.state.previous, self.state.using), frame=self.state.frame + 1)
         self.events.append(Event(self.state.frame, Kind.REPAIRED))
