@@ -5,16 +5,17 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fixtures import at_once as at_once, clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
-from rides import BEFORE, Ride
+from rides import Ride, ride_of
 from spoiled import turned
 
 from stereorecal.io import save_scene
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.synthetic import Knock, default_rig, photographs, plan_drive, render
+from stereorecal.synthetic import default_rig, render
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,6 @@ def unworked(moody) -> tuple[str, ...]:
 
 
 @pytest.fixture(scope="session")
-def drive(tmp_path_factory: pytest.TempPathFactory) -> Ride:
+def drive(once: Callable[..., Any]) -> Ride:
     """A recording with a knock of 0.3 degrees of pitch, and eight pairs after it."""
-    made = plan_drive("harbour", 2, BEFORE + 8, knocks=(Knock(BEFORE, (0.3, 0.0, 0.0)),), weather=False)
-    return Ride(made.rig, made.truth(BEFORE), list(photographs(made, folder=tmp_path_factory.mktemp("drive"))))
+    return once("drive", lambda: ride_of(0.3, 8))
