@@ -20,7 +20,7 @@ VERBS = {
     "score": ("score", "{0}"),
     "diff": ("diff", "{0}", "{0}"),
     "recalibrate": ("recalibrate", "{0}", *COUNT),
-    "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
+    "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1, *COUNT),
     "monitor": ("monitor", "{0}", "--once"),
 }
 OPTIONS = [(verb, "--json") for verb in VERBS] + [
