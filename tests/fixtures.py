@@ -143,10 +143,10 @@ def at_once() -> Callable[..., tuple[Answer, set[str]]]:
 
 
 @pytest.fixture(scope="session")
-def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def clean_scene(scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A scene folder with one pair of 160x120; not to be changed."""
     folder = tmp_path_factory.mktemp("scenes") / "clean"
-    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
+    save_scene(scene(), folder)
     return folder
 
 

@@ -14,8 +14,8 @@ from rides import Ride, ride_of
 from spoiled import turned
 
 from stereorecal.io import save_scene
+from stereorecal.recordings import Scene
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.synthetic import default_rig, render
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,11 @@ def moody_matcher(install) -> Callable[..., list[tuple[int, int]]]:
 
 
 @pytest.fixture(scope="session")
-def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def drifted_scene(scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same pair with a rig that drifted by almost a degree, and a key of the user's own; not to be changed."""
-    folder = tmp_path_factory.mktemp("scenes") / "drifted"
-    scene = render("harbour", 0, rig=default_rig().resized((160, 120)))
-    rig = turned(scene.rig, 0.8, 0.3, -0.9, 0.003, -0.003)
-    save_scene(replace(scene, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
+    folder, shown = tmp_path_factory.mktemp("scenes") / "drifted", scene()
+    rig = turned(shown.rig, 0.8, 0.3, -0.9, 0.003, -0.003)
+    save_scene(replace(shown, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
     return folder
 
 

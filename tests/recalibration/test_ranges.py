@@ -16,8 +16,8 @@ SMALL = RIG.resized(SIZE)
 
 
 @pytest.fixture(scope="module")
-def harbour() -> sr.Scene:
-    return sr.synthetic.render("harbour", 2)
+def harbour(scene) -> sr.Scene:
+    return scene("harbour", 2, RIG.left.size)
 
 
 def longer(rig: sr.StereoRig, percent: float) -> sr.StereoRig:
@@ -32,8 +32,8 @@ def some(number: int = 60, noise: float = 0.01, draw: int = 0) -> list[sr.Range]
 
 
 @pytest.fixture(scope="module")
-def small() -> sr.Scene:
-    return sr.synthetic.render("harbour", 2, rig=SMALL)
+def small(scene) -> sr.Scene:
+    return scene("harbour", 2, SIZE)
 
 
 def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
