@@ -118,10 +118,10 @@ ENDS = {  # of `score`, and of `recalibrate`; None: it cannot be used
 @pytest.mark.parametrize(
     ("names", "codes"),
     [
-        (("drifted", "clean"), (1, 0)),
+        pytest.param(("drifted", "clean"), (1, 0), marks=pytest.mark.slow),
         pytest.param(("clean", "fog"), (4, 4), marks=pytest.mark.slow),
         pytest.param(("fog", "fog"), (4, 4), marks=pytest.mark.slow),  # the same name
-        (("fog", "drifted"), (1, 4)),  # an alarm is more urgent than none; a repair is none
+        (("fog", "drifted", "clean"), (1, 4)),  # an alarm is more urgent than none; a repair is none
         (("clean", "mixed", "fog"), (2, 2)),
     ],
 )
