@@ -15,7 +15,7 @@ import jax
 import jaxlib.version
 import pytest
 import typechecking
-from fixtures import data_dir as data_dir, install as install, moody as moody, scene as scene
+from fixtures import data_dir as data_dir, install as install, moody as moody, once as once, scene as scene
 from hypothesis import settings
 
 _CACHE = "STEREORECAL_TEST_CACHE"

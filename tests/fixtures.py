@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from moody import Moody
@@ -23,20 +24,30 @@ SAD_48 = SAD(num_disparities=48)  # of tests at 320x240: what one file compiles,
 
 
 @pytest.fixture(scope="session")
-def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Scene]:
-    """scene(kind, seed, size, frames): a rendered scene, kept for all workers; 160x120 unless a size is given."""
+def once(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+    """once(name, make): what make() returns, made by the worker that needs it first and kept for all."""
     of_process = tmp_path_factory.getbasetemp()
     folder = of_process.parent if hasattr(request.config, "workerinput") else of_process
 
-    @cache
-    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
-        file = folder / f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}.pickle"
+    def kept(name: str, make: Callable[[], Any]) -> Any:
+        file = folder / f"{name}.pickle"
         if not file.exists():
-            rendered = render(kind, seed, rig=default_rig().resized(size), frames=frames)
             whole = file.with_suffix(f".{os.getpid()}")
-            whole.write_bytes(pickle.dumps(rendered))
+            whole.write_bytes(pickle.dumps(make()))
             whole.replace(file)
         return pickle.loads(file.read_bytes())
+
+    return kept
+
+
+@pytest.fixture(scope="session")
+def scene(once: Callable[..., Any]) -> Callable[..., Scene]:
+    """scene(kind, seed, size, frames): a rendered scene; 160x120 unless a size is given."""
+
+    @cache
+    def make(kind: str = "harbour", seed: int = 0, size: tuple[int, int] = (160, 120), frames: int = 1) -> Scene:
+        rig = default_rig().resized(size)
+        return once(f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}", lambda: render(kind, seed, rig=rig, frames=frames))
 
     return make
 
@@ -132,10 +143,10 @@ def at_once() -> Callable[..., tuple[Answer, set[str]]]:
 
 
 @pytest.fixture(scope="session")
-def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def clean_scene(scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A scene folder with one pair of 160x120; not to be changed."""
     folder = tmp_path_factory.mktemp("scenes") / "clean"
-    save_scene(render("harbour", 0, rig=default_rig().resized((160, 120))), folder)
+    save_scene(scene(), folder)
     return folder
 
 

@@ -1,23 +1,33 @@
 """A short drive with a knock, for the tests of what runs on the vehicle."""
 
 from dataclasses import dataclass
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from stereorecal.geometry import StereoRig
 from stereorecal.online import State, Stepped
 from stereorecal.recordings import Pair
+from stereorecal.synthetic import Knock, photographs, plan_drive
 
 BEFORE, AFTER = 6, 12
 
 
 @dataclass(frozen=True)
 class Ride:
-    """A rig, and pairs that show a knock of 0.5 degrees of pitch at number BEFORE."""
+    """A rig, and pairs that show a knock at number BEFORE."""
 
     rig: StereoRig
     knocked: StereoRig
     pairs: list[Pair]
+
+
+def ride_of(degrees: float, after: int) -> Ride:
+    """One through a harbour, with a knock of so many degrees of pitch and so many pairs after it."""
+    knocks = (Knock(BEFORE, (degrees, 0.0, 0.0)),)
+    drive = plan_drive("harbour", 2, BEFORE + after, knocks=knocks, weather=False)
+    with TemporaryDirectory() as folder:
+        return Ride(drive.rig, drive.truth(len(drive) - 1), list(photographs(drive, folder=folder)))
 
 
 def kinds(steps: list[Stepped]) -> list[str]:

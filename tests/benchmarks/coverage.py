@@ -1,37 +1,30 @@
 """Do the stated intervals hold the truth? Simulated calibrations, by kind of drift; prints one table.
 
-    python tests/benchmarks/coverage.py [--rigs N] [--first SEED] [--frames N] [--boards]
+    python tests/benchmarks/coverage.py [--rigs N] [--first SEED]
 
 The rigs are those of `simulated_rigs.py` (even seeds unless --first is odd): calibrated with OpenCV on simulated
-corners, drifted, seen through simulated correspondences. The prior is the default, or, with --boards, what
-the boards that the rig was calibrated with tell. Of the rig at the posterior's mean: how often the 95 % intervals of
-its depth and of the extrinsics hold the truth, the median row error over the view and the median depth error, and the
-mean interval score (Gneiting & Raftery 2007) of depth at 30 baselines beside that of
-the best interval of constant width, which knows all truths.
+corners, drifted, seen through simulated correspondences. Of the rig at the posterior's mean: how often the 95 %
+intervals of its depth and of the extrinsics hold the truth, the median row error over the view and the median depth
+error, and the mean interval score (Gneiting & Raftery 2007) of depth at 30 baselines beside that of the best interval
+of constant width, which knows all truths.
 """
 
 import numpy as np
 import simulated_rigs
 from simulated_rigs import AXES
-from stereorecal_boards import covariance_of_boards
 from tables import command_line, show, table_of
 
-from stereorecal.estimation import Estimate, as_prior, estimate, rig_parameters
+from stereorecal.estimation import Estimate, estimate
 
 KINDS = (("none", 0.0), ("all", 0.1), ("all", 0.3), ("all", 2.5), ("yaw", 0.3), ("pitch", 0.3), ("roll", 0.3))
 DISTANCES = (5, 10, 30, 100)
 MISS = 2.0 / 0.05  # what a miss costs in an interval score of 95 %
 
 
-def judged(seed: int, frames: int, boards: bool) -> list[dict[str, np.ndarray]]:
+def judged(seed: int) -> list[dict[str, np.ndarray]]:
     """The rig of a seed after each kind of drift."""
-    found = []
-    for kind, degrees in KINDS:
-        rig = simulated_rigs.simulated(seed, kind, degrees)
-        known = covariance_of_boards(rig.calibrated, rig.boards, squares=0.15) if boards else None
-        prior = as_prior(known, rig_parameters(rig.calibrated))
-        found.append(measured(rig, estimate(rig.correspondences(frames), rig.calibrated, prior)))
-    return found
+    rigs = [simulated_rigs.simulated(seed, *kind) for kind in KINDS]
+    return [measured(rig, estimate(rig.correspondences(), rig.calibrated)) for rig in rigs]
 
 
 def measured(rig: simulated_rigs.Simulated, seen: Estimate) -> dict[str, np.ndarray]:
@@ -67,15 +60,13 @@ def main() -> None:
     parser = command_line(__doc__)
     parser.add_argument("--rigs", type=int, default=100)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--frames", type=int, default=1)
-    parser.add_argument("--boards", action="store_true", help="those of the calibration are at hand")
     options = parser.parse_args()
     table = table_of(
         f"drift | rigs | depth held, 10 30 B | axes held: {' '.join(AXES)} | rows px, 5 10 30 100 B "
         "| |depth error| %, 5 10 30 100 B | grown by a point at 30 B"
     )
     seeds = range(options.first, options.first + 2 * options.rigs, 2)
-    of_seeds = [judged(seed, options.frames, options.boards) for seed in seeds]
+    of_seeds = [judged(seed) for seed in seeds]
     every = [one for found in of_seeds for one in found]
     for (kind, degrees), found in zip(KINDS, zip(*of_seeds, strict=True), strict=True):
         whole = {name: np.array([one[name] for one in found], float) for name in found[0]}

@@ -10,10 +10,9 @@ second `reproduce` must go on, and end with the rows of one that nothing disturb
 Moments lie evenly over the length of a run; they are tried in an order in which they are spread evenly whenever the
 time of --minutes is up, verbs and signals in turn, and what was tried is said.
 
-    python tests/benchmarks/faults.py [--moments 50] [--writes 12] [--verbs in-place,compare,reproduce] [--minutes 60]
+    python tests/benchmarks/faults.py [--moments 50] [--writes 12] [--minutes 60]
 """
 
-import argparse
 import collections
 import contextlib
 import json
@@ -29,6 +28,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from tables import command_line
 
 from stereorecal import InputError
 from stereorecal.io import load_rig, save_scene
@@ -215,13 +215,12 @@ def one(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
+    parser = command_line(__doc__)
     parser.add_argument("--moments", type=int, default=50, help="of each signal and each verb")
     parser.add_argument("--writes", type=int, default=12, help="the first so many are made to fail, one in a run")
-    parser.add_argument("--verbs", default="in-place,compare,reproduce")
     parser.add_argument("--minutes", type=float, default=60.0, help="no run begins later")
     options = parser.parse_args()
-    verbs, began, zygote = options.verbs.split(","), time.monotonic(), Zygote()
+    verbs, began, zygote = ("in-place", "compare", "reproduce"), time.monotonic(), Zygote()
     with tempfile.TemporaryDirectory() as name:
         good = Path(name) / "good"
         made_scene(good / "scene", 1)

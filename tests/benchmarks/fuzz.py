@@ -5,7 +5,7 @@ nested at places that a seed chooses, and read. A child process does the reading
 where it dies, the seed is noted and the next child goes on. Printed: how many were read, how many were refused, and
 what went wrong.
 
-    python tests/benchmarks/fuzz.py [--inputs 100000] [--first 0] [--only NAME,…] [--megabytes 1000] [--seconds 20]
+    python tests/benchmarks/fuzz.py [--inputs 100000] [--only NAME,…]
 """
 
 import argparse
@@ -36,6 +36,7 @@ from bags import write_bag  # noqa: E402  beside this suite's tests
 from damage import damaged  # noqa: E402
 from every import SAMPLES  # noqa: E402
 from field_trees import FIELD_TREES  # noqa: E402
+from tables import among, command_line, words  # noqa: E402
 from test_matrices_under_any_names import D1, D2, K1, K2, R, T  # noqa: E402
 from test_read_only_forms import FORMS  # noqa: E402
 from trees import TREES  # noqa: E402
@@ -55,6 +56,7 @@ from stereorecal.io import (  # noqa: E402
 from stereorecal.recordings import Pair  # noqa: E402
 from stereorecal.synthetic import default_rig, render  # noqa: E402
 
+MEGABYTES, SECONDS = 1000, 20  # more than these is too much
 ENDINGS = (".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp", ".jp2")
 CODECS = {".avi": "MJPG", ".mp4": "mp4v"}
 SIDES = ("left", "right")
@@ -162,15 +164,16 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def work(first: int, last: int, only: str, journal: Path, megabytes: int, seconds: int) -> None:
+def work(first: int, last: int, only: str, journal: Path) -> None:
     """In the child: read the inputs of these seeds; a line for each into the journal."""
     warnings.simplefilter("ignore")
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
-        known = cases_in(scratch / "good")
-        kinds = [kind for kind in known if any(part in kind for part in only.split(","))]
+        (scratch / "good").mkdir()
+        known = cases(scratch / "good")
+        kinds = [kind for kind in known if among(kind, words(only))]
         used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (used + megabytes * 2**20,) * 2)
+        resource.setrlimit(resource.RLIMIT_AS, (used + MEGABYTES * 2**20,) * 2)
         signal.signal(signal.SIGALRM, too_slow)
         with open(journal, "a", buffering=1) as log:
             for seed in range(first, last):
@@ -183,15 +186,10 @@ def work(first: int, last: int, only: str, journal: Path, megabytes: int, second
                 for path, data in case.files.items():
                     (place / path).parent.mkdir(parents=True, exist_ok=True)
                     (place / path).write_bytes(damaged(data, random) if path == target else data)
-                signal.alarm(seconds)
+                signal.alarm(SECONDS)
                 log.write(json.dumps([seed, kind, outcome(case, place)]) + "\n")
                 signal.alarm(0)
                 shutil.rmtree(place)
-
-
-def cases_in(folder: Path) -> dict[str, Case]:
-    folder.mkdir()
-    return cases(folder)
 
 
 def outcome(case: Case, place: Path) -> str:
@@ -214,26 +212,22 @@ def too_slow(*_: object) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
+    parser = command_line(__doc__)
     parser.add_argument("--inputs", type=int, default=100_000)
-    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--only", default="", help="parts of names of kinds, comma separated")
-    parser.add_argument("--megabytes", type=int, default=1000, help="more than this is too much memory")
-    parser.add_argument("--seconds", type=int, default=20, help="longer than this is too long")
-    parser.add_argument("--journal", type=Path, default=None)
-    parser.add_argument("--child", type=int, nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--child", nargs=3, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    journal = options.journal or Path(tempfile.mkdtemp()) / "journal.jsonl"
-    limits = ["--only", options.only, "--megabytes", options.megabytes, "--seconds", options.seconds]
     if options.child:
-        work(*options.child, options.only, journal, options.megabytes, options.seconds)
+        first, last, journal = options.child
+        work(int(first), int(last), options.only, Path(journal))
         return
-    next_one, last = options.first, options.first + options.inputs
+    journal, next_one = Path(tempfile.mkdtemp()) / "journal.jsonl", 0
     began, deaths, peak = time.monotonic(), collections.Counter(), 0
     journal.write_text("")
-    while next_one < last:
-        words = [__file__, "--journal", journal, *limits, "--child", next_one, min(next_one + 5000, last)]
-        child = subprocess.run([sys.executable, *map(str, words)], check=False, stderr=subprocess.DEVNULL)
+    while next_one < options.inputs:
+        seeds = map(str, (next_one, min(next_one + 5000, options.inputs)))
+        command = [sys.executable, __file__, "--only", options.only, "--child", *seeds, str(journal)]
+        child = subprocess.run(command, check=False, stderr=subprocess.DEVNULL)
         peak = max(peak, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
         entries = [json.loads(line) for line in journal.read_text().splitlines()]
         if child.returncode:

@@ -4,7 +4,7 @@ Makes a scene folder (hard links to the images of one pair) and a video of both 
 in processes of their own; then `recalibrate_many` of recordings of one rig, with its intrinsics free, of one pair and
 of eight.
 
-    python tests/benchmarks/memory.py [--frames 10000] [--size 320x240] [--recordings 50]
+    python tests/benchmarks/memory.py
 """
 
 import os
@@ -15,19 +15,19 @@ from pathlib import Path
 import cv2
 import numpy as np
 from processes import first_cores, last_line
-from tables import command_line
 
 from stereorecal.io import save_scene
 from stereorecal.synthetic import default_rig, render
 
+SIZE, FRAMES, RECORDINGS = (320, 240), 10_000, 50
 _PEAK = "print(int(next(x for x in open('/proc/self/status') if x.startswith('VmHWM')).split()[1]) // 1024)"
 COMMAND = f"import sys; from stereorecal.cli import main; main(sys.argv[1:]); {_PEAK}"
 MANY = f"""
 import sys, jax
 import stereorecal as sr
 from stereorecal.synthetic import decalibrate, default_rig, render
-count, frames, size = int(sys.argv[1]), int(sys.argv[2]), tuple(map(int, sys.argv[3].split("x")))
-rig = default_rig().resized(size)
+count, frames = map(int, sys.argv[1:])
+rig = default_rig().resized({SIZE})
 scenes = [render("harbour", seed, rig=rig, frames=frames) for seed in range(5)]
 bad = [decalibrate(rig, jax.random.key(n), 0.3, 0.003) for n in range(count)]
 several = [sr.Scene(str(n), bad[n], scenes[n % 5].pairs) for n in range(count)]
@@ -36,8 +36,8 @@ sr.recalibrate_many(several, free=("extrinsics", "intrinsics"))
 """
 
 
-def made_folder(folder: Path, size: tuple[int, int], frames: int) -> Path:
-    save_scene(render("harbour", 0, rig=default_rig().resized(size)), folder)
+def made_folder(folder: Path, frames: int) -> Path:
+    save_scene(render("harbour", 0, rig=default_rig().resized(SIZE)), folder)
     for side in ("left", "right"):
         first = folder / side / "000000.png"
         first.parent.mkdir()
@@ -70,25 +70,19 @@ def told(what: str, few: str, many: str, peaks: tuple[tuple[int, float], tuple[i
 
 
 def main() -> None:
-    parser = command_line(__doc__)
-    parser.add_argument("--frames", type=int, default=10_000)
-    parser.add_argument("--size", default="320x240")
-    parser.add_argument("--recordings", type=int, default=50)
-    options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
     found: dict[str, list[tuple[int, float]]] = {}
     with tempfile.TemporaryDirectory() as place:
-        for frames in (10, options.frames):
-            folder = made_folder(Path(place) / f"{frames}", (width, height), frames)
+        for frames in (10, FRAMES):
+            folder = made_folder(Path(place) / f"{frames}", frames)
             video = made_video(Path(place) / f"{frames}.avi", folder, frames)
             loose = ["--side-by-side", video, "--calibration", folder / "calib.json"]
             for name, given in (("a folder", [folder]), ("a video", loose)):
                 found.setdefault(name, []).append(peak(COMMAND, "recalibrate", *given, "--quiet"))
     for name, (few, many) in found.items():
-        told(f"recalibrate, {name}", "at 10 frames", f"at {options.frames}", (few, many))
+        told(f"recalibrate, {name}", "at 10 frames", f"at {FRAMES}", (few, many))
     for frames in (1, 8):
-        few, many = (peak(MANY, count, frames, options.size) for count in (5, options.recordings))
-        told(f"recalibrate_many, {frames} pairs each", "of 5 recordings", f"of {options.recordings}", (few, many))
+        few, many = (peak(MANY, count, frames) for count in (5, RECORDINGS))
+        told(f"recalibrate_many, {frames} pairs each", "of 5 recordings", f"of {RECORDINGS}", (few, many))
 
 
 if __name__ == "__main__":

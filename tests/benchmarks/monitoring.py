@@ -1,6 +1,6 @@
 """What does watching a rig cost, does it last, and does it see knocks in real sequences? Prints a table of each.
 
-    python tests/benchmarks/monitoring.py [--only cost,memory,kill,real] [--steps 10000]
+    python tests/benchmarks/monitoring.py [--only cost,memory,kill,real]
 
 *cost*: steps at ten pairs of 640x480 a second, in a process bound to one core while another process keeps the other
 core busy. *memory*: the resident memory of a process over many steps. *kill*: `monitor` is killed at moments drawn at
@@ -71,7 +71,7 @@ def cost() -> Table:
     return table
 
 
-def memory(steps: int) -> Table:
+def memory(steps: int = 10_000) -> Table:
     table = table_of("steps | resident", title="320x240, one drive again and again")
     drive = plan_drive("harbour", 2, 40)
     pairs, state = list(photographs(drive)), sr.online.init(drive.rig)
@@ -148,13 +148,12 @@ def main() -> None:
     """Print a table for each part."""
     parser = command_line(__doc__)
     parser.add_argument("--only", default="cost,memory,kill,real")
-    parser.add_argument("--steps", type=int, default=10_000)
     parser.add_argument("--part", type=int, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.part:
         steps_at_rate(options.part, 20.0)
         return
-    parts = {"cost": cost, "memory": lambda: memory(options.steps), "kill": kill, "real": real_sequences}
+    parts = {"cost": cost, "memory": memory, "kill": kill, "real": real_sequences}
     for name in words(options.only):
         show(parts[name]())
 

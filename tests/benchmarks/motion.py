@@ -1,16 +1,10 @@
-"""Depth from the rig's own motion: real consecutive frames, and simulated tracks whose truth is known.
+"""Depth from the rig's own motion: real consecutive frames, and rendered drives.
 
-    python tests/benchmarks/motion.py [--starts N] [--rigs N] [--first SEED] [--windows N] [--cases NAME,…] [--seeds N]
-                                      [--size WIDTHxHEIGHT] [--only real|simulated|rendered|vehicle]
+    python tests/benchmarks/motion.py [--starts N] [--size WIDTHxHEIGHT] [--only real|rendered|vehicle]
 
 Real: `kitti_odometry/suburb_drive`, whose depth is right by lidar. The stored rig and N starts up to 2.5° and 2.25 % of
 the baseline are repaired with `motion=True` from nine frames: the offset of disparity of what is written,
 and of the posterior's mean, against the stored rig, rows, the distance between frames against GPS.
-
-Simulated: the rigs of `simulated_rigs.py` (even seeds unless --first is odd), eight windows each beside the rows of
-three frames: how often the 95 % interval of depth at 30 baselines holds the truth, |depth error| of the posterior's
-mean there, how many repairs would be written, and how many of them harm; with rows alone and with motion, by drift, and
-for motions that tell little or are half of other things, and how late the right shutter is said to be, where it is.
 
 Vehicle: the filter over the real drive, and its processor time.
 
@@ -25,9 +19,8 @@ from itertools import product
 
 import jax
 import numpy as np
-from motion_simulated import CASES, ROWS, simulated
 from real_scenes import DATA, present, rig_of
-from tables import command_line, show, size, table_of, words
+from tables import command_line, show, size, table_of
 
 import stereorecal as sr
 from stereorecal.estimation import points_of_view, readings
@@ -115,25 +108,25 @@ def depth_error_percent(used: sr.StereoRig, true: sr.StereoRig, baselines: float
     return 100.0 * (1.0 / (1.0 + near) - 1.0)
 
 
-def taken(tour: str, seed: int, late: float, size: tuple[int, int]) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
+def taken(tour: str, late: float, size: tuple[int, int]) -> tuple[sr.StereoRig, Sequence[sr.Pair]]:
     """The true rig and some of the pairs of a drive in clear weather, on which things move."""
     every = EVERY[tour]
     number = (FRAMES - 1) * every + 1
-    plan = plan_drive(tour, seed, number, weather=False, late=((0, number, late * every),) if late else ())
+    plan = plan_drive(tour, 0, number, weather=False, late=((0, number, late * every),) if late else ())
     plan = replace(plan, rig=plan.rig.resized(size))
     return plan.truth(number // 2), [pair for frame, pair in enumerate(photographs(plan)) if frame % every == 0]
 
 
-def rendered(seeds: Sequence[int], size: tuple[int, int]) -> None:
+def rendered(size: tuple[int, int]) -> None:
     """A table of repairs."""
     table = table_of(
         "drive | from | late by | verdict | |depth error| at 30 B, %: before | written | posterior's mean: 95 % | rows "
         "| delay",
         left=4,
     )
-    for tour, seed, (degrees, late) in product(TOURS, seeds, STARTS):
-        true, pairs = taken(tour, seed, late, size)
-        given = sr.synthetic.decalibrate(true, jax.random.key(seed), degrees, 0.009 * degrees)
+    for tour, (degrees, late) in product(TOURS, STARTS):
+        true, pairs = taken(tour, late, size)
+        given = sr.synthetic.decalibrate(true, jax.random.key(0), degrees, 0.009 * degrees)
         found = sr.recalibrate(given, pairs, motion=True)
         seen, rows = found.estimate, found.row_errors
         assert seen is not None
@@ -141,7 +134,7 @@ def rendered(seeds: Sequence[int], size: tuple[int, int]) -> None:
         _, low, high = seen.depth_error_percent(seen.theta)[30]
         delay = seen.delay
         table.add_row(
-            f"{tour} {seed}",
+            tour,
             f"{degrees:g}°",
             f"{late:g}",
             found.reason.name,
@@ -158,19 +151,13 @@ def main() -> None:
     """All, or some."""
     parser = command_line(__doc__)
     parser.add_argument("--starts", type=int, default=3)
-    parser.add_argument("--rigs", type=int, default=20)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--cases", default=",".join((ROWS, *CASES)), help="of simulated rigs")
-    parser.add_argument("--seeds", type=int, default=1, help="drives of each kind that are rendered")
     parser.add_argument("--size", type=size, default=(320, 240), help="of the pairs that are rendered")
-    parser.add_argument("--windows", type=int, default=8, help="of each simulated rig")
-    parser.add_argument("--only", choices=("real", "simulated", "rendered", "vehicle"))
+    parser.add_argument("--only", choices=("real", "rendered", "vehicle"))
     options = parser.parse_args()
     parts = {
         "real": lambda: real(options.starts),
         "vehicle": on_the_vehicle,
-        "simulated": lambda: simulated(options.rigs, options.first, options.windows, words(options.cases)),
-        "rendered": lambda: rendered(range(options.first, options.first + options.seeds), options.size),
+        "rendered": lambda: rendered(options.size),
     }
     for name in [options.only] if options.only else parts:
         parts[name]()

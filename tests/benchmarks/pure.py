@@ -1,6 +1,6 @@
 """The pure functions, and what their first and later calls cost. Prints one table.
 
-    python tests/benchmarks/pure.py [--size WIDTHxHEIGHT] [--calls N]
+    python tests/benchmarks/pure.py
 
 Each is called as users call it: a jitted function is made once, anything else is made anew (a new lambda) at every
 call. In a cell: the first call in seconds (it compiles), a later one in milliseconds. (That later calls compile
@@ -13,11 +13,11 @@ from collections.abc import Callable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tables import command_line, show, size, table_of
+from tables import show, table_of
 
 import stereorecal as sr
 
-CANDIDATES = 8
+CANDIDATES, CALLS, SIZE = 8, 20, (320, 240)
 MATCHER = sr.SAD(num_disparities=48)
 SMOOTH = ("soft_count", "row_differences")
 
@@ -52,11 +52,7 @@ def seconds(function: Callable, argument: jax.Array) -> float:
 
 def main() -> None:
     """Measure, print."""
-    parser = command_line(__doc__)
-    parser.add_argument("--size", type=size, default=(320, 240))
-    parser.add_argument("--calls", type=int, default=20)
-    options = parser.parse_args()
-    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized(options.size))
+    scene = sr.synthetic.render("harbour", 0, rig=sr.synthetic.default_rig().resized(SIZE))
     data, at = sr.prepare(scene.rig, scene.pairs), jnp.asarray(scene.rig.extrinsics, jnp.float32)
     several = at + jnp.asarray(1e-3 * np.random.default_rng(0).uniform(-1, 1, (CANDIDATES, 6)), jnp.float32)
     found = jax.block_until_ready(sr.correspondences(data, at, MATCHER))
@@ -67,11 +63,11 @@ def main() -> None:
         "correspondences": lambda e: sr.correspondences(data, e, MATCHER),
         "row_differences": lambda e: sr.row_differences(found, e),
     }
-    shown = table_of("function | way | first call | a later one", title="{}x{}".format(*options.size), left=2)
+    shown = table_of("function | way | first call | a later one", title="{}x{}".format(*SIZE), left=2)
     for name, function in functions.items():
         for way, (make, batch) in ways_of(function, name in SMOOTH, name == "row_differences").items():
             argument = several if batch else at
-            first, *later = (seconds(make(), argument) for _ in range(1 + options.calls))
+            first, *later = (seconds(make(), argument) for _ in range(1 + CALLS))
             shown.add_row(name, way, f"{first:.1f} s", f"{1e3 * np.median(later):.1f} ms")
     show(shown)
 

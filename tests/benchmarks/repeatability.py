@@ -1,6 +1,6 @@
 """Is the dense way steadier, and nearer to the truth, than SIFT matches and an essential matrix? Prints one table.
 
-    python tests/benchmarks/repeatability.py [--samples N] [--draws N] [--only NAME,…]
+    python tests/benchmarks/repeatability.py
 
 Three figures, each for `recalibrate` and for the plug-in `features`, both started from the same calibration:
 
@@ -19,7 +19,7 @@ from real_scenes import real
 from stereorecal_features import Features
 from stereorecal_features._fit import fitted
 from stereorecal_features._matches import matched_pixels, seen_by_both
-from tables import among, command_line, show, table_of, words
+from tables import show, table_of
 
 import stereorecal as sr
 from stereorecal.estimation import rows_of_groups
@@ -31,7 +31,7 @@ from stereorecal.scoring import TILES, pyramid
 SEQUENCES = {"kitti_odometry/suburb_seq": 8, "euroc/vicon_room_seq": 7}
 KNOWN = ("harbour", "coast", "street", "motorcycle_quarter")
 BY_FEATURES = sr.Schedule.count(Features(), scale=1.0)
-_ROUNDS = 3
+_ROUNDS, _SAMPLES, _DRAWS = 3, 50, 10
 
 
 def both_ways(start: sr.StereoRig, pairs, reference: sr.StereoRig) -> list[np.ndarray]:
@@ -47,20 +47,20 @@ def over_frames(scene: Scene) -> list[np.ndarray]:
     return list(np.std([both_ways(scene.rig, [pair], scene.rig) for pair in scene.pairs], axis=0, ddof=1))
 
 
-def against_truth(scene: Scene, draws: int) -> list[np.ndarray]:
+def against_truth(scene: Scene) -> list[np.ndarray]:
     """(5,) median |errors|, dense and by features."""
-    keys = [jax.random.fold_in(jax.random.key(1), draw) for draw in range(draws)]
+    keys = [jax.random.fold_in(jax.random.key(1), draw) for draw in range(_DRAWS)]
     starts = [sr.synthetic.decalibrate(scene.rig, key, 2.5, 0.0225) for key in keys]
     return list(np.median(np.abs([both_ways(start, scene.pairs, scene.rig) for start in starts]), axis=0))
 
 
-def over_tiles(scene: Scene, samples: int) -> list[np.ndarray]:
+def over_tiles(scene: Scene) -> list[np.ndarray]:
     """(5,) standard deviations, dense and by features, of one pair."""
     pair = scene.pairs[0]
     dense, draw = dense_solver(scene.rig, pair), np.random.default_rng(0)
     by_features = features_solver(scene.rig, pair)
     tiles, ends = TILES[0] * TILES[1], []
-    for _ in range(samples):
+    for _ in range(_SAMPLES):
         times = np.bincount(draw.integers(0, tiles, tiles), minlength=tiles)
         ends.append([errors(solve(times), scene.rig) for solve in (dense, by_features)])
     return list(np.std(ends, axis=0, ddof=1))
@@ -105,12 +105,6 @@ def features_solver(rig: sr.StereoRig, pair: sr.Pair):
 
 def main() -> None:
     """Print two lines for each scene and figure."""
-    parser = command_line(__doc__)
-    parser.add_argument("--samples", type=int, default=50, help="bootstrap samples")
-    parser.add_argument("--draws", type=int, default=10)
-    parser.add_argument("--only", default="", help="parts of names, comma separated")
-    options = parser.parse_args()
-    only = words(options.only)
     shown = table_of(
         f"scene | figure | way | {' | '.join(AXES)} | steadier on", title="degrees, and percent of the baseline", left=3
     )
@@ -122,13 +116,13 @@ def main() -> None:
             shown.add_row(scene.name, figure, way, *[f"{v:.4f}" for v in values], said if way == "dense" else "")
         print(scene.name, figure, "dense", dense.round(4), "features", features.round(4), flush=True)
 
-    for scene in real({name: limit for name, limit in SEQUENCES.items() if among(name, only)}):
+    for scene in real(SEQUENCES):
         add(scene, "frames", over_frames(scene))
-    for scene in scenes(only):
+    for scene in scenes():
         if any(name in scene.name for name in KNOWN) and "turned" not in scene.name:
-            add(scene, "error", against_truth(scene, options.draws))
+            add(scene, "error", against_truth(scene))
         elif "open-sea" not in scene.name and "turned" not in scene.name:
-            add(scene, "tiles", over_tiles(scene, options.samples))
+            add(scene, "tiles", over_tiles(scene))
     show(shown)
 
 

@@ -1,7 +1,7 @@
 """What would other tolerances decide? The decision on estimates that benchmarks recorded; prints one table.
 
     python tests/benchmarks/decisions.py … --record FOLDER        (likewise truth.py and misfit.py)
-    python tests/benchmarks/replay.py FOLDER [--with NAME=VALUE,NAME=VALUE] … [--only NAME,…] [--cases]
+    python tests/benchmarks/replay.py FOLDER [--with NAME=VALUE,NAME=VALUE] …
 
 Nothing is searched, matched or estimated: `decide` and the checks, with the default tolerances, and with others. What
 images show beside is that of the recorded candidate. Harmful, missed, good: as in truth.py; in brackets, harm counts
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from recorded import ROWS_CHANGED, Case, recorded
-from tables import among, command_line, show, table_of, words
+from tables import command_line, show, table_of
 
 from stereorecal.decision import DEFAULT, Reason, Tolerances, as_tolerances, decide, reason_of
 
@@ -22,8 +22,6 @@ from stereorecal.decision import DEFAULT, Reason, Tolerances, as_tolerances, dec
 class Outcome:
     """Of one case under one rule."""
 
-    case: str
-    reason: str
     accepted: bool
     harmful: bool
     changed: bool
@@ -41,7 +39,7 @@ def outcome(case: Case, tolerances: Tolerances) -> Outcome:
         after = case.judge(case.estimate.chart.rig_at(decision.theta)) if reason.accepted else before
     worse, changed = after.worse_than(before), after.worse_than(before, ROWS_CHANGED)
     missed = before.in_need and not reason.accepted
-    return Outcome(case.name, reason.name, reason.accepted, worse, changed, missed, reason.healthy)
+    return Outcome(reason.accepted, worse, changed, missed, reason.healthy)
 
 
 def rules(given: list[str]) -> Iterator[tuple[str, Tolerances]]:
@@ -57,18 +55,11 @@ def main() -> None:
     parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--with", dest="others", action="append", default=[], metavar="NAME=VALUE,…")
-    parser.add_argument("--only", default="", help="parts of names of benchmarks or cases, comma separated")
-    parser.add_argument("--cases", action="store_true", help="a line for each case that is harmful or missed")
     options = parser.parse_args()
     several, found = list(rules(options.others)), {}
     for case in recorded(options.folder):
-        if not among(f"{case.bench} {case.name}", words(options.only)):
-            continue
         for rule, tolerances in several:
-            found.setdefault((case.bench, rule), []).append(one := outcome(case, tolerances))
-            if options.cases and (one.harmful or one.missed):
-                what = "HARMFUL" if one.harmful else "missed"
-                print(f"{case.bench} | {case.name} | {rule} | {one.reason} | {what}")
+            found.setdefault((case.bench, rule), []).append(outcome(case, tolerances))
     table = table_of("bench | tolerances | cases | accepted | harmful | missed | good or repaired", left=2)
     for (bench, rule), outcomes in found.items():
         accepted, harmful, changed, missed, healthy = (

@@ -31,8 +31,7 @@ def calibration(seed: int) -> dict:
 
     Returns:
         The image `size`; cameras as matrix and distortion: `true_left` and `true_right`, and as they were found, `left`
-        and `right`; `true_extrinsics` (6,), and what was found, `R` and `T`; whether images are to be `rectified`;
-        `boards`: the corners on the board (n, 3) as the user believes them to be [m], and those seen (views, 2, n, 2).
+        and `right`; `true_extrinsics` (6,), and what was found, `R` and `T`; whether images are to be `rectified`.
     """
     path = FOLDER / f"{VERSION}-{seed:06d}.pickle"
     if path.exists():
@@ -100,7 +99,6 @@ def _calibrated(stream: list[int]) -> dict | None:
         "R": np.asarray(R),
         "T": np.ravel(T),
         "rectified": rectified,
-        "boards": (objects[0], np.stack(seen, axis=1)),
     }
 
 

@@ -49,10 +49,7 @@ class Eye:
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
         """Where points (n, 3) in the frame of the images appear in them, (n, 2); NaN where they do not."""
-        return self.shown(project(self.lens, points @ self.turn))
-
-    def shown(self, raw: np.ndarray) -> np.ndarray:
-        """Where pixels (n, 2) of the raw image are in the images; NaN where they are not."""
+        raw = project(self.lens, points @ self.turn)
         if self.read is None:
             return raw
         turned = rays(self.read, raw) @ self.turn.T

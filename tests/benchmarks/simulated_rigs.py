@@ -17,7 +17,6 @@ import numpy as np
 from simulated_calibrations import calibration
 from simulated_cameras import Eye, project, rays
 from simulated_scenes import inverse_depth, matching_errors, unmatched
-from stereorecal_boards import Board
 
 import stereorecal as sr
 from stereorecal.geometry import PINHOLE, rectifying_rotations
@@ -41,8 +40,6 @@ class Simulated:
         left, right, rotation, translation: the truth after the drift; `x_right = rotation x_left + translation`, in the
             frames of the images.
         true_raw: the true rig after the drift, as it is; that of the images unless these were `rectified`.
-        boards: those of the calibration, as the images show them: the corners of a view (n, 2) in both, and the
-            corners on the board (n, 3) as the user believes them to be, metres.
         rectified: whether the images were rectified by the calibration: one K, no distortion, R = I.
     """
 
@@ -54,29 +51,17 @@ class Simulated:
     translation: np.ndarray
     true_raw: sr.StereoRig
     rectified: bool
-    boards: tuple[Board, ...]
 
     # What a matcher finds.
 
-    def correspondences(
-        self,
-        frames: int = 1,
-        draw: int = 0,
-        late: Sequence[tuple[np.ndarray, np.ndarray]] | None = None,
-    ) -> Correspondences:
+    def correspondences(self, frames: int = 1) -> Correspondences:
         """What the library's matcher would find in `frames` scenes: rays that the calibrated cameras give to true
-        pixels with errors.
-
-        Args:
-            draw: another one gives other scenes and errors.
-            late: how the points of each frame move, as the left camera has them, before the right image is taken: a
-                rotation (3, 3), and a translation (3,) [m] after it.
-        """
+        pixels with errors."""
         view, side, (to_left, _) = self._view, self._side, self._rotations
         columns, rows = view.size[0] // side, view.size[1] // side
         found = []
         for frame in range(frames):
-            rng = np.random.default_rng([self.seed, _SCENE, draw, frame])
+            rng = np.random.default_rng([self.seed, _SCENE, 0, frame])
             x, y = (axis.ravel() for axis in np.meshgrid(np.arange(columns), np.arange(rows)))
             where = (np.stack([x, y], axis=1) + 0.5) * side - 0.5 + rng.normal(0.0, side / 8, (x.size, 2))
             given = np.asarray(view.directions(*where.T, 0)) @ to_left
@@ -85,8 +70,6 @@ class Simulated:
                 given = np.where(flat[:, None], given, [0.0, 0.0, 1.0])
             true = self.left.rays(project(self.calibrated.left, given))
             points = true / inverse_depth(true, rng)[:, None] * self._baseline
-            if late is not None:
-                points = points @ late[frame][0].T + late[frame][1]
             right = self.right.pixels(points @ self.rotation.T + self.translation)
             error, variance = matching_errors(columns, rows, rng)
             if view.projection != PINHOLE:  # what a matcher believes is in its own rows
@@ -230,13 +213,4 @@ def simulated(seed: int, drift_kind: str = "none", drift_degrees: float = 0.0) -
         rotation, translation = turns[1] @ rotation @ turns[0].T, turns[1] @ translation
         flat = sr.Camera(size, matrix)
         calibrated = sr.StereoRig(flat, flat, np.array([0.0, 0.0, 0.0, -float(calibrated_raw.baseline), 0.0, 0.0]))
-    board, views = known["boards"]
-    boards = [_board([eye.shown(some) for eye, some in zip(eyes, view, strict=True)], board) for view in views]
-    held = tuple(one for one in boards if one is not None)
-    return Simulated(seed, calibrated, *eyes, rotation, translation, true_raw, known["rectified"], held)
-
-
-def _board(seen: list[np.ndarray], points: np.ndarray) -> Board | None:
-    """The corners that both images hold; None of a board of which rectified images hold less than half."""
-    both = np.isfinite(np.column_stack(seen)).all(axis=1)
-    return Board(seen[0][both], seen[1][both], points[both]) if 2 * both.sum() >= len(both) else None
+    return Simulated(seed, calibrated, *eyes, rotation, translation, true_raw, known["rectified"])

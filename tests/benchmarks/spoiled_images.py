@@ -13,19 +13,12 @@ Images = tuple[np.ndarray, np.ndarray]
 Spoil = Callable[[np.ndarray, np.ndarray, np.random.Generator], Images]
 
 
-def spoiled(scene: sr.Scene, spoil: Spoil, case: str, *, common: bool = False) -> sr.Scene:
-    """The scene with spoiled images of whole grey levels. What moves does so differently in each frame, the other way
-    round or not at all, unless all have one `common` cause."""
-    pairs = []
-    for index, pair in enumerate(scene.pairs):
-        draw = np.random.default_rng([zlib.crc32(case.encode()), 0 if common else index])
-        clean = np.asarray(pair.left, float), np.asarray(pair.right, float)
-        images = spoil(*clean, draw)
-        if index and case.startswith(MOVING) and not common:
-            images = (images, spoil(*clean[::-1], draw)[::-1], clean)[int(draw.integers(3))]
-        left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
-        pairs.append(sr.Pair(left, right, pair.name))
-    return replace(scene, pairs=tuple(pairs))
+def spoiled(scene: sr.Scene, spoil: Spoil, case: str) -> sr.Scene:
+    """The scene of one pair with spoiled images, of whole grey levels."""
+    (pair,), draw = scene.pairs, np.random.default_rng([zlib.crc32(case.encode()), 0])
+    images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
+    left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
+    return replace(scene, pairs=(sr.Pair(left, right, pair.name),))
 
 
 def grid(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -320,15 +313,6 @@ NEW: dict[str, Spoil] = {
     "focus to one side": focus(3.0),
     "wiper": bar(0.15),
 }
-# What a motion makes of the images; with several frames it differs from one to the next.
-MOVING = ("patch", "left", "below", "rolling", "interlaced", "crowd", "turned", "vibration", "band", "haze")
-
-# One cause in all frames. A shutter that rolls evenly is another aspect of the right camera, which no row can tell.
-COMMON: dict[str, Spoil] = {
-    "half 2 rows, common": patch(0.5, 2, 0, "left"),
-    "third behind glass, common": patch(0.33, 1, 2),
-    "rolling 3 rows, common": rolling(3, 0),
-}
 # A yaw, every other line half a row of pitch, a focal length, a lens: parameters of the model, to the last pixel.
-OF_THE_MODEL = ("keystone", "interlaced 1 row", "stretched", "barrel", "rolling 3 rows, common")
-KINDS = {"seen": EXPLAINED | UNEXPLAINED, "unseen": UNSEEN, "new": NEW, "common": COMMON}
+OF_THE_MODEL = ("keystone", "interlaced 1 row", "stretched", "barrel")
+KINDS = {"seen": EXPLAINED | UNEXPLAINED, "unseen": UNSEEN, "new": NEW}

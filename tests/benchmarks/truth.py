@@ -1,7 +1,7 @@
 """Are calibrations right, by what no estimate uses: lidar, chessboards, scenes and frames that took no part? Tables.
 
     python tests/benchmarks/truth.py [--judges lidar,boards,few,sequence,wide] [--method NAME,…] [--from 2.5]
-        [--draws N] [--only NAME,…] [--record FOLDER]
+        [--draws N] [--record FOLDER]
 
 Scenes: those of real_scenes.py. Every rig that a method names
 (truth_methods.py: add yours to METHODS) meets the judges, accepted or not:
@@ -74,7 +74,7 @@ def lidar(options: Options) -> None:
         pixels = (f"{seen.rows_px:.3f}", f"{seen.offset_px:+.2f}", f"{seen.corners_px:+.2f}")
         return [*pixels, *depths, f"{seen.at_30_percent:.1f}", f"{seen.truth_pixels}", f"{seen.matched}"]
 
-    for name in (name for name in LIDAR if options.wants(name) and present(name)):
+    for name in filter(present, LIDAR):
         scene = scene_with_truth(DATA / name)
         rig = rig_of(scene)
         stored = depth_by_truth(rig, rig, scene)
@@ -235,11 +235,10 @@ def main() -> None:
     parser.add_argument("--method", default=",".join(METHODS), help="comma separated; none: the stored rigs alone")
     parser.add_argument("--from", dest="degrees", type=float, default=0.0, help="start so many degrees off")
     parser.add_argument("--draws", type=int, default=1, help="starts for each scene, with --from")
-    parser.add_argument("--only", default="", help="parts of names of scenes, comma separated")
     parser.add_argument("--record", type=Path, help="a folder for replay.py")
     given = parser.parse_args()
     cv2.setNumThreads(1)
-    options = Options(words(given.method), given.degrees, given.draws, words(given.only), given.record)
+    options = Options(words(given.method), given.degrees, given.draws, given.record)
     start = f"{given.degrees}° off" if given.degrees else "the stored rigs"
     print(f"commit {commit()}; OpenCV {cv2.__version__}; from {start}; methods {given.method}; data {DATA}")
     for judge in words(given.judges):

@@ -11,7 +11,7 @@ import numpy as np
 from real_scenes import rig_of
 from recorded import NEED, Case, Errors
 from rich.table import Table
-from tables import among, show
+from tables import show
 from truth_methods import METHODS, Answer
 
 import stereorecal as sr
@@ -34,17 +34,11 @@ class Options:
     methods: Sequence[str]
     degrees: float
     draws: int
-    only: Sequence[str]
     record: Path | None = None
 
-    def wants(self, name: str) -> bool:
-        return among(name, self.only)
-
     def tasks(self, name: str, scenes: Sequence[sr.Scene]) -> Iterator[Task]:
-        """From the stored rig, or from some that have drifted; none if they are not asked for."""
+        """From the stored rig, or from some that have drifted."""
         stored = rig_of(scenes[0])
-        if not self.wants(name):
-            return
         if not self.degrees:
             yield Task(name, stored, stored, scenes)
             return

@@ -1,7 +1,7 @@
 """Does what is handed out work where there is no checkout? Builds, installs and runs; prints what took how long.
 
     pip install build
-    python tests/benchmarks/wheels.py [--python PATH] [--keep FOLDER]
+    python tests/benchmarks/wheels.py
 
 Builds the source distribution of the library and of every plug-in, from it the wheel, installs `stereorecal[all]` from
 the folder of wheels into a new environment, and there, in an empty folder, follows what a new user does: render a
@@ -9,15 +9,12 @@ scene, look, repair, compare with plug-ins, write a page. It takes some minutes,
 """
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-
-from tables import command_line
 
 ROOT = Path(__file__).parents[2]
 PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
@@ -50,20 +47,15 @@ COMPARE = """-m stereorecal compare --scene scene --schedule count --scale 0.5 -
 
 def main() -> int:
     """Build, install, run."""
-    parser = command_line(__doc__)
-    parser.add_argument("--python", default=sys.executable, help="interpreter of the new environment")
-    parser.add_argument("--keep", type=Path, help="folder in which all of it stays")
-    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        home = (options.keep or Path(scratch)).resolve()
+        home = Path(scratch).resolve()
         dist, empty = home / "dist", home / "empty"
-        for folder in (dist, empty):
-            shutil.rmtree(folder, ignore_errors=True)
-            folder.mkdir(parents=True)
-        for words, expected in steps(home, dist, options.python):
+        dist.mkdir()
+        empty.mkdir()
+        for words, expected in steps(home, dist):
             began = time.perf_counter()
-            done = run(words(), empty)
-            told = " ".join(Path(word).name if os.sep in word else word for word in words())
+            done = run(words, empty)
+            told = " ".join(Path(word).name if os.sep in word else word for word in words)
             print(f"{time.perf_counter() - began:6.1f} s  {told.splitlines()[0][:100]}", flush=True)
             if done.returncode not in expected:
                 print(done.stdout, done.stderr, sep="\n")
@@ -73,17 +65,17 @@ def main() -> int:
     return 0
 
 
-def steps(home: Path, dist: Path, python: str) -> Iterator[tuple]:
-    """Commands, each asked for when it is its turn, with the exit codes that are right."""
+def steps(home: Path, dist: Path) -> Iterator[tuple[list[str], tuple[int]]]:
+    """Commands, with the exit codes that are right."""
     good = (0,)
     for project in PROJECTS:
-        yield (lambda project=project: [sys.executable, "-m", "build", "--outdir", str(dist), str(project)]), good
-    yield (lambda: [python, "-m", "venv", "--clear", str(home / "venv")]), good
+        yield [sys.executable, "-m", "build", "--outdir", str(dist), str(project)], good
+    yield [sys.executable, "-m", "venv", str(home / "venv")], good
     inside = str(home / "venv" / "bin" / "python")
 
     folder = ["--find-links", str(dist)]  # beside the index, which has what is not ours
-    yield (lambda: [inside, "-m", "pip", "install", "--quiet", *folder, "stereorecal[all]"]), good
-    yield (lambda: [inside, "-m", "pip", "check"]), good
+    yield [inside, "-m", "pip", "install", "--quiet", *folder, "stereorecal[all]"], good
+    yield [inside, "-m", "pip", "check"], good
     for words, expected in (
         (["-c", RENDER.strip()], good),
         (["-m", "stereorecal", "--version"], good),
@@ -94,7 +86,7 @@ def steps(home: Path, dist: Path, python: str) -> Iterator[tuple]:
         (COMPARE.split(), good),
         (["-c", LOOK.strip()], good),
     ):
-        yield (lambda words=words: [inside, "-W", "error::DeprecationWarning:stereorecal", *words]), expected
+        yield [inside, "-W", "error::DeprecationWarning:stereorecal", *words], expected
 
 
 def run(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:

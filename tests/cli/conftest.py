@@ -5,16 +5,17 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fixtures import at_once as at_once, clean_scene as clean_scene, command as command
 from moody import MoodyMatcher
-from rides import BEFORE, Ride
+from rides import Ride, ride_of
 from spoiled import turned
 
 from stereorecal.io import save_scene
+from stereorecal.recordings import Scene
 from stereorecal.strategies import AbstractStrategy
-from stereorecal.synthetic import Knock, default_rig, photographs, plan_drive, render
 
 
 @dataclass(frozen=True)
@@ -46,12 +47,11 @@ def moody_matcher(install) -> Callable[..., list[tuple[int, int]]]:
 
 
 @pytest.fixture(scope="session")
-def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def drifted_scene(scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same pair with a rig that drifted by almost a degree, and a key of the user's own; not to be changed."""
-    folder = tmp_path_factory.mktemp("scenes") / "drifted"
-    scene = render("harbour", 0, rig=default_rig().resized((160, 120)))
-    rig = turned(scene.rig, 0.8, 0.3, -0.9, 0.003, -0.003)
-    save_scene(replace(scene, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
+    folder, shown = tmp_path_factory.mktemp("scenes") / "drifted", scene()
+    rig = turned(shown.rig, 0.8, 0.3, -0.9, 0.003, -0.003)
+    save_scene(replace(shown, rig=rig, reference="stored", info={"boat": "Ladja"}), folder)
     return folder
 
 
@@ -69,7 +69,6 @@ def unworked(moody) -> tuple[str, ...]:
 
 
 @pytest.fixture(scope="session")
-def drive(tmp_path_factory: pytest.TempPathFactory) -> Ride:
+def drive(once: Callable[..., Any]) -> Ride:
     """A recording with a knock of 0.3 degrees of pitch, and eight pairs after it."""
-    made = plan_drive("harbour", 2, BEFORE + 8, knocks=(Knock(BEFORE, (0.3, 0.0, 0.0)),), weather=False)
-    return Ride(made.rig, made.truth(BEFORE), list(photographs(made, folder=tmp_path_factory.mktemp("drive"))))
+    return once("drive", lambda: ride_of(0.3, 8))

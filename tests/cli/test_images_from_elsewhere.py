@@ -7,27 +7,28 @@ import cv2
 import numpy as np
 import pytest
 from bags import write_bag
+from spoiled import turned
 
 from stereorecal.geometry import rectifying_rotations
 from stereorecal.io import load_rig, save_rig, save_scene
-from stereorecal.synthetic import default_rig, render
+from stereorecal.synthetic import default_rig
 
 SIZE, FRAMES = (320, 240), 4
 
 
 @pytest.fixture(scope="module")
-def seen() -> list[tuple[np.ndarray, np.ndarray]]:
-    pairs = render("harbour", 0, rig=default_rig().resized(SIZE), frames=FRAMES).pairs
-    return [(pair.left.round().astype(np.uint8), pair.right.round().astype(np.uint8)) for pair in pairs]
+def seen(scene) -> list[tuple[np.ndarray, np.ndarray]]:
+    return [
+        (pair.left.round().astype(np.uint8), pair.right.round().astype(np.uint8))
+        for pair in scene("harbour", 0, SIZE, FRAMES).pairs
+    ]
 
 
 @pytest.fixture(scope="module")
-def calibration(tmp_path_factory) -> Path:
+def calibration(scene, tmp_path_factory) -> Path:
     """Off by half a degree and more."""
-    folder = tmp_path_factory.mktemp("calibration") / "scene"
-    scene = render("harbour", 0, rig=default_rig().resized(SIZE))
-    drift = np.array([*np.radians([0.6, 0.3, -0.5]), 0.0, 0.0, 0.0])
-    save_scene(replace(scene, rig=scene.rig.with_extrinsics(scene.rig.extrinsics + drift), reference="stored"), folder)
+    folder, shown = tmp_path_factory.mktemp("calibration") / "scene", scene("harbour", 0, SIZE)
+    save_scene(replace(shown, rig=turned(shown.rig, 0.6, 0.3, -0.5), reference="stored"), folder)
     return folder / "calib.json"
 
 
@@ -113,14 +114,14 @@ def test_cameras_that_stand_otherwise(command, seen, calibration, tmp_path, turn
     """The same answers, and the file as it was but for what is repaired."""
     rig = load_rig(calibration)
     save_rig(replace(rig, turns=turns, source=None), tmp_path / "stands.yaml", format="opencv")
-    for name, images, turned in (("plain", (0, 0), calibration), ("turned", turns, tmp_path / "stands.yaml")):
-        words = ["--calibration", turned, "--unit", "m"] if name == "turned" else ["--calibration", turned]
+    for name, images, given in (("plain", (0, 0), calibration), ("turned", turns, tmp_path / "stands.yaml")):
+        words = ["--calibration", given, "--unit", "m"] if name == "turned" else ["--calibration", given]
         for side, turn in enumerate(images):
             (tmp_path / name / str(side)).mkdir(parents=True)
             for number, pair in enumerate(seen[:1]):
                 cv2.imwrite(str(tmp_path / name / str(side) / f"{number}.png"), np.rot90(pair[side], -turn))
         where = ("--left", tmp_path / name / "0", "--right", tmp_path / name / "1", *words)
-        answer = command("recalibrate", *where, "--output", tmp_path / f"{name}{turned.suffix}")
+        answer = command("recalibrate", *where, "--output", tmp_path / f"{name}{given.suffix}")
         assert answer.code == 0, answer.err
         assert ("images are turned by" in answer.err) == (name == "turned")
     plain, found = load_rig(tmp_path / "plain.json"), load_rig(tmp_path / "turned.yaml", unit="m")

@@ -28,7 +28,7 @@ def broken() -> Iterator[None]:
 
 
 def test_traceback_of_a_bug(command, broken, clean_scene: Path, tmp_path: Path):
-    words = ("score", clean_scene, "--json", tmp_path / "score.json")
+    words = ("diff", clean_scene, clean_scene, "--json", tmp_path / "diff.json")
     short = command(*words)
     assert (short.code, short.err.count("\n")) == (3, 1)
     assert "--traceback" in short.err

@@ -65,7 +65,7 @@ def test_what_is_not_said_is_as_in_the_state(command, scene: Path, drive: Ride, 
 
 
 def test_once_checks_and_changes_nothing(command, scene: Path):
-    answer = command("monitor", scene, "--once", "--quiet")
+    answer = command("monitor", scene, "--once", "--quiet", "--pairs", f"{BEFORE - 2}:{BEFORE + 3}")
     assert (answer.code, answer.out) == (1, "")
     piped = command("monitor", scene, "--once", "--json", "-", "--pairs", ":2")
     assert [json.loads(line)["event"] for line in piped.out.splitlines()][-1] == "reading"

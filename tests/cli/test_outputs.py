@@ -20,7 +20,7 @@ VERBS = {
     "score": ("score", "{0}"),
     "diff": ("diff", "{0}", "{0}"),
     "recalibrate": ("recalibrate", "{0}", *COUNT),
-    "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1),
+    "compare": ("compare", "--scene", "{0}", "--draws", 1, "--budget", 1, *COUNT),
     "monitor": ("monitor", "{0}", "--once"),
 }
 OPTIONS = [(verb, "--json") for verb in VERBS] + [
@@ -277,7 +277,7 @@ def test_control_characters_in_names_are_spelt(command, tmp_path: Path):
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("extra", [{"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}, {"PYTHONOPTIMIZE": "1"}])
-def test_poor_surroundings(clean_scene: Path, drifted_scene: Path, tmp_path: Path, extra: dict[str, str]):
+def test_poor_surroundings(clean_scene: Path, drifted_scene: Path, extra: dict[str, str]):
     """No home, no cache that can be written, ASCII only, no assertions."""
     kept = {name: os.environ[name] for name in ("PATH", "PYTHONPATH") if name in os.environ}
     nowhere = {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/proc/nowhere"}

@@ -12,23 +12,21 @@ import stereorecal as sr
 from stereorecal.decision import LIMITS
 from stereorecal.io import load_scene, save_scene
 from stereorecal.recalibration import HEALTH_LIMITS, health
-from stereorecal.synthetic import default_rig, render
 
 SIZE = (320, 240)  # smaller images do not determine yaw
 
 
 @pytest.fixture(scope="module")
-def clean_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def clean_scene(scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("scenes") / "clean"
-    save_scene(render("harbour", 0, rig=default_rig().resized(SIZE)), folder)
+    save_scene(scene("harbour", 0, SIZE), folder)
     return folder
 
 
 @pytest.fixture(scope="module")
-def drifted_scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("scenes") / "drifted"
-    scene = render("harbour", 0, rig=default_rig().resized(SIZE))
-    save_scene(replace(scene, rig=turned(scene.rig, 0.8, 0.3, -0.9, 0.003, -0.003)), folder)
+def drifted_scene(scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder, shown = tmp_path_factory.mktemp("scenes") / "drifted", scene("harbour", 0, SIZE)
+    save_scene(replace(shown, rig=turned(shown.rig, 0.8, 0.3, -0.9, 0.003, -0.003)), folder)
     return folder
 
 

@@ -40,7 +40,7 @@ def by_opencv(used, true, points) -> tuple[np.ndarray, np.ndarray]:
 
 @settings(max_examples=15)
 @given(seed=st.integers(0, 999), distance=st.sampled_from(DISTANCES))
-def test_opencv_reads_the_same(chart, rig, seed, distance):
+def test_opencv_reads_the_same(chart, seed, distance):
     true, used = chart.rig_at(off(chart, seed)), chart.rig_at(off(chart, seed + 1, 0.3))
     points = points_of_view(true, distance)
     rows, nearness = readings(used, true, points)

@@ -42,7 +42,7 @@ def test_a_late_shutter_is_told_and_does_no_harm(rig, chart, prior, seen, late):
     assert not found.other_rigs
 
 
-def test_a_shutter_in_time_is_not_late(rig, chart, prior, seen):
+def test_a_shutter_in_time_is_not_late(rig, prior, seen):
     found = solved(rig, rig, prior, seen, 0.0)
     assert found.delay is None or found.delay.probability < 0.1
     assert not found.is_late
@@ -64,7 +64,7 @@ def test_on_a_steady_way_a_delay_and_a_shift_are_one(rig, prior, seen):
     assert low < 0.0 < high
 
 
-def test_a_window_that_moves_by_a_hundred_baselines_is_no_error(rig, chart, prior, seen):
+def test_a_window_that_moves_by_a_hundred_baselines_is_no_error(rig, prior, seen):
     """What the right camera would see then is no rig: its baseline points the other way."""
 
     def far_away(rays):

@@ -157,7 +157,7 @@ def test_row_errors_are_those_of_the_truth(rig, chart, found):
 
 
 @pytest.mark.parametrize("cells", [0, 20])
-def test_too_few_correspondences_leave_what_was_known(rig, chart, seen, cells):
+def test_too_few_correspondences_leave_what_was_known(rig, seen, cells):
     """None, and none that make a group."""
     found = seen(rig, rig)
     nearly = estimate(replace(found, weight=found.weight * (np.arange(1200) < cells)), rig, "exact")

@@ -49,7 +49,7 @@ def test_a_link_stays_a_link(tmp_path: Path):
     assert (tmp_path / "target").read_text() == "new"
 
 
-def test_devices_are_written_to_not_replaced(tmp_path: Path):
+def test_devices_are_written_to_not_replaced():
     null = Path(os.devnull)
     write_text(null, "x")
     assert not null.is_file()

@@ -16,7 +16,7 @@ def same_intrinsics(one: sr.StereoRig, other: sr.StereoRig) -> bool:
 
 @pytest.fixture(scope="module")
 def places(scene) -> list[sr.Pair]:
-    kinds = [("harbour", 1), ("harbour", 2), ("coast", 1), ("street", 1)]
+    kinds = [("harbour", 1), ("harbour", 2), ("street", 1)]
     return [scene(kind, seed, TRUE.left.size).pairs[0] for kind, seed in kinds]
 
 

@@ -97,9 +97,9 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0]))
     named, again = [], []
     for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
-        options = {"matcher": SAD_48, "tolerances": tolerances, "prior": "exact"}
-        named.append(len(health(off, shown.pairs, **options).main_axes))
-        again.append(recalibrate(off, shown.pairs, **options).cost.judging - 2.0)
+        found = recalibrate(off, shown.pairs, matcher=SAD_48, tolerances=tolerances, prior="exact")
+        named.append(len(found.main_axes))
+        again.append(found.cost.judging - 2.0)
     assert named[1:] == [5, 1]
     assert 1 <= named[0] < 5
     assert again == pytest.approx([0.0, 2.0, 0.0], abs=0.01)

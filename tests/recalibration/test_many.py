@@ -64,7 +64,7 @@ def test_answers_are_those_of_recalibrate_in_the_order_given(scenes, serial):
     assert len({repair.solution.score_before.count for repair in serial}) == 3
 
 
-def test_recordings_that_cannot_be_repaired_are_errors(scenes, serial, scene):
+def test_recordings_that_cannot_be_repaired_are_errors(scenes, serial):
     bad = [
         replace(scenes[0], name="no rig", rig=None),
         replace(scenes[0], name="no pairs", pairs=()),

@@ -82,9 +82,9 @@ def test_pairs_follow_each_other_where_none_between_is_missing():
     assert many[-1] == (98, 99)
 
 
-def test_what_cannot_move_is_refused():
-    rig = sr.synthetic.default_rig().resized((320, 240))
-    pairs = sr.synthetic.render("street", 3, rig=rig).pairs
+def test_what_cannot_move_is_refused(scene):
+    street = scene("street", 3, (320, 240))
+    rig, pairs = street.rig, street.pairs
     for options, said in (
         ({"motion": True}, "two consecutive pairs"),
         ({"motion": "yes"}, "motion is 'yes'"),

@@ -126,11 +126,10 @@ def test_load_prior(tmp_path: Path):
 
 
 @pytest.fixture(scope="module")
-def scenes():
+def scenes(scene):
     """Of one rig that drifted: two pairs."""
-    both = [sr.synthetic.render("street", seed, rig=sr.synthetic.default_rig().resized((160, 120))) for seed in (3, 4)]
-    rig = both[0].rig
-    return rig.with_extrinsics(rig.extrinsics + DRIFT), [pair for scene in both for pair in scene.pairs], rig
+    pairs = [scene("street", seed).pairs[0] for seed in (3, 4)]
+    return RIG.with_extrinsics(RIG.extrinsics + DRIFT), pairs, RIG
 
 
 @pytest.fixture(scope="module")

@@ -86,9 +86,9 @@ def long(number: int = 100) -> sr.Scene:
     noise, made = np.random.default_rng(0), []
     for index in range(number):
         step = 20.0 if index % 7 == 5 else 2.0
-        image = np.clip(128 + noise.normal(0, step, (48, 64)), 0, 255).astype(np.float32)
+        image = np.clip(128 + noise.normal(0, step, (120, 160)), 0, 255).astype(np.float32)
         made.append(sr.Pair(image, image[::-1].copy(), str(index)))
-    return sr.Scene("long", TRUE.resized((64, 48)), tuple(made))
+    return sr.Scene("long", TRUE.resized((160, 120)), tuple(made))
 
 
 def test_long_recordings_are_looked_at_in_part():

@@ -9,7 +9,7 @@ import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.scoring import host
 
-MATCHER = sr.SAD(num_disparities=24)
+MATCHER = sr.SAD(num_disparities=32)  # for which tutorial 7 has compiled these functions
 UNIT = np.array([*np.radians([1.0, 1.0, 1.0]), 0.01, 0.01, 0.01])  # a degree, and a hundredth of the baseline
 
 

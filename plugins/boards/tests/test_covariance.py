@@ -133,7 +133,7 @@ def test_boards_that_contradict_each_other_tell_less(rig, chart, found):
     assert covariance(said)[roll, roll] > 3.0**2 * covariance(found)[roll, roll]
 
 
-def test_a_few_wrong_corners_change_nothing(rig, chart, found, boards):
+def test_a_few_wrong_corners_change_nothing(chart, found, boards):
     rng = np.random.default_rng(2)
     spoiled = []
     for board in boards:
@@ -171,7 +171,7 @@ def test_a_lens_of_many_coefficients_is_seen_through_too(rig):
     assert deviations_apart(other, said, other.rig) < 2.0
 
 
-def test_targets_need_not_be_flat(rig, chart, found):
+def test_targets_need_not_be_flat(rig, chart):
     rng = np.random.default_rng(3)
     boards = []
     for index in range(12):
@@ -197,7 +197,7 @@ def mirrored_right(board: Board) -> Board:
 
 @pytest.mark.slow(after=2)
 @pytest.mark.parametrize("size", [0.8, 1.08, 0.93, 1.25])
-def test_squares_of_another_length(rig, chart, boards, size):
+def test_squares_of_another_length(chart, boards, size):
     others = [Board(board.left, board.right, size * board.points) for board in boards]
     word = "shorter" if size < 1.0 else "longer"
     with pytest.raises(sr.InputError, match=f"{word} than the calibration says|do not fit the calibration"):

@@ -6,6 +6,7 @@ from fixtures import (
     command as command,
     install as install,
     moody as moody,
+    once as once,
     scene as scene,
 )
 from stereorecal_paper import _synthetic_log

@@ -69,7 +69,7 @@ def timeless(found):
     return strip(found.as_dict()["rows"])
 
 
-def test_every_experiment_has_its_rows(log, serial):
+def test_every_experiment_has_its_rows(serial):
     assert serial.errors == {}
     assert serial.unfinished == 0
     number = {name: len(rows) for name, rows in serial.rows.items()}
@@ -82,7 +82,7 @@ def test_its_json_is_that_of_the_page(serial):
     assert differences([told]) == (set(), set())
 
 
-def test_validity_counts_each_pair_under_each_calibration(log, serial):
+def test_validity_counts_each_pair_under_each_calibration(serial):
     row = serial.rows["validity"][0]
     assert list(row["counts"]) == ["2020-01-01", "2020-02-01", "2020-03-01"]
     assert max(row["counts"], key=row["counts"].get) == row["own"] == "2020-01-01"
@@ -110,7 +110,7 @@ def test_a_repair_is_one_by_the_library_itself(log, serial):
     assert way[0]["rotation2"] == pytest.approx(np.sum(np.degrees(rig.extrinsics[:3]) ** 2))
 
 
-def test_a_repair_climbs_in_the_view_in_which_it_is_judged(log, serial):
+def test_a_repair_climbs_in_the_view_in_which_it_is_judged(serial):
     """Whatever the wrong calibration: the count that compass climbs is the one that is judged."""
     for row in serial.rows["repair"]:
         assert row["accepted"] == (row["score_final"] > row["score_initial"])

@@ -53,7 +53,7 @@ def test_a_log_takes_no_keys_of_a_scene(tmp_path: Path):
     assert "boat" not in written.read_text()
 
 
-def test_names_of_pairs_are_kept_apart(folder: Path, tmp_path: Path, mission: Mission):
+def test_names_of_pairs_are_kept_apart(folder: Path, mission: Mission):
     """coast-0.1 is no file type, and what was a JPEG is written as PNG; stars go along."""
     names = ["coast-0.1", "coast-0.2", "x.jpg"]
     pairs = tuple(replace(pair, name=name) for name, pair in zip(names, mission.pairs, strict=True))
