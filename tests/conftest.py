@@ -43,7 +43,10 @@ def pytest_configure(config: pytest.Config) -> None:
             config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
         os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
         os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
-    config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS and not _is_worker(config)
+    if _is_worker(config):
+        config.option.slow = config.workerinput["slow"]
+    else:
+        config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS
     if not config.option.slow:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_FAST))
@@ -56,6 +59,11 @@ def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+def pytest_configure_node(node) -> None:
+    """Workers read the command line anew, and not what it came to."""
+    node.workerinput["slow"] = node.config.option.slow
 
 
 def _keep_to_own_cores(config: pytest.Config) -> None:
