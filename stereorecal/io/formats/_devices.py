@@ -25,7 +25,7 @@ from stereorecal.io.formats._format import (
     pose,
     rig_of,
 )
-from stereorecal.io.formats._numbers import coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values, at
@@ -110,12 +110,10 @@ def _write_depthai(rig: StereoRig, target: Target) -> list[Values]:
     for side, camera in target.cameras(rig):
         data, stated = _data(content, sockets[side])
         size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
-        if camera.model == "equidistant":
-            lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
-        else:
-            lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
+        counts = [count for count in (4, 5, 8, 12, 14) if count >= least]
+        lens = coefficients(camera, counts, "DepthAI", "opencv", OF_OPENCV)
         values[(*data, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
-        values[(*data, "distortionCoeff")] = lens.tolist()
+        values[(*data, "distortionCoeff")] = np.pad(lens, (0, max(0, least - lens.size))).tolist()
     return [values]
 
 

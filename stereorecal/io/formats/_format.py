@@ -56,18 +56,12 @@ class Hints:
 
 @dataclass(frozen=True)
 class Target:
-    """Where a rig is to be written.
+    """Where a rig is to be written."""
 
-    Attributes:
-        documents: the file that it came from, or one without numbers of its own.
-        left, right: whether the intrinsics of that camera are to be written; else those in the file stay.
-        hints: with which the documents were read.
-    """
-
-    documents: Documents
-    left: bool = True
-    right: bool = True
-    hints: Hints = field(default_factory=Hints)
+    documents: Documents  # the file that it came from, or one without numbers of its own
+    left: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
+    right: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
+    hints: Hints = field(default_factory=Hints)  # with which the documents were read
 
     def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
         """Those of the rig whose intrinsics are to be written: 0 and the left one, 1 and the right one."""

@@ -65,27 +65,18 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     if first != second:  # rectified images are upright
         made = rectification_of(rig.turned(turns), options)
         return made | {"R1": made["R1"] @ turn_of(first), "R2": made["R2"] @ turn_of(second)}
-    left, right, turned, turn = rig.left, rig.right, rig.turned(turns), turn_of(first)
+    turned, turn = rig.turned(turns), turn_of(first)
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics. Where the
     # right camera is the first one of a file, the baseline lies along x as well, and not against it.
     found = rectifying_rotations(turned.rotation, -_sign(turned) * np.asarray(turned.translation))
     R1, R2 = (turn.T @ np.asarray(rotation) @ turn for rotation in found)
     if rig.is_wide:
         return {"R1": R1, "R2": R2, **_projections(turned, options, first)}
-    _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
-        np.asarray(left.matrix, float),
-        np.asarray(left.distortion, float),
-        np.asarray(right.matrix, float),
-        np.asarray(right.distortion, float),
-        left.size,
-        np.asarray(rig.rotation, float),
-        np.asarray(rig.translation, float).reshape(3, 1),
-        flags=options.flags,
-        alpha=options.alpha,
-    )
-    regions = (np.array(region, float) for region in (roi1, roi2))
+    K1, D1, K2, D2 = (np.asarray(x, float) for one in (rig.left, rig.right) for x in (one.matrix, one.distortion))
+    R, T = np.asarray(rig.rotation, float), np.asarray(rig.translation, float).reshape(3, 1)
+    _, _, *made = cv2.stereoRectify(K1, D1, K2, D2, rig.left.size, R, T, flags=options.flags, alpha=options.alpha)
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
-    return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
+    return {name: np.asarray(one, float) for name, one in zip(names, (R1, R2, *made), strict=True)}
 
 
 def _projections(rig: StereoRig, options: RectifyOptions, quarters: int) -> dict[str, Array]:

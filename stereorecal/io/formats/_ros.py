@@ -2,7 +2,7 @@
 messages that were printed one after the other, or ost.txt, which camera_calibration writes beside its YAML files (read
 only). The extrinsics are implied by the rectification."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
-    check_held,
+    OF_OPENCV,
     check_no_lens,
     coefficients,
     image_size,
@@ -45,17 +45,11 @@ _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
 
 @dataclass(frozen=True)
 class _Part:
-    """What a document says of one camera.
+    """What a document says of one camera."""
 
-    Attributes:
-        document: as if it said nothing else.
-        places: where that stands in the whole; several, if its message was printed several times.
-        name: of the camera.
-    """
-
-    document: Document
-    places: tuple[Keys, ...]
-    name: str
+    document: Document  # as if it said nothing else
+    places: tuple[Keys, ...]  # where that stands in the whole; several, if its message was printed several times
+    name: str  # of the camera
 
 
 def _parts_of(document: Document) -> list[_Part]:
@@ -87,15 +81,33 @@ def _parts_of(document: Document) -> list[_Part]:
     return [part for part, _ in found]
 
 
-def _only(document: Document) -> _Part:
-    """The one camera of a file, or the file itself, whose reader says what it lacks."""
-    parts = _parts_of(document) or [_Part(document, ((),), "")]
-    if len(parts) > 1:
-        raise InputError(
-            f"{document.name}: it holds {len(parts)} calibrations that differ; keep one of each camera: in a file for "
-            "each, or both in one, which is given alone."
-        )
-    return parts[0]
+def _chosen(documents: Documents, hints: Hints) -> list[_Part]:
+    """The left and the right camera: of one file the first two, unless the hints name them; of two files the one camera
+    of each, or the file itself, whose reader says what it lacks."""
+    parts = [_parts_of(document) for document in documents]
+    if len(parts) == 1:
+        names = _camera_names(documents)
+        if len(names) > 2:
+            raise InputError(
+                f"it has {len(names)} calibrations that differ ({', '.join(names)}); keep those of the left and the "
+                "right camera."
+            )
+        if len(names) < 2:
+            raise IndexError  # not arranged as this format is
+        return [parts[0][names.index(name)] for name in hints.cameras or names]
+    for document, found in zip(documents, parts, strict=True):
+        if len(found) > 1:
+            raise InputError(
+                f"{document.name}: it holds {len(found)} calibrations that differ; keep one of each camera: in a file "
+                "for each, or both in one, which is given alone."
+            )
+    return [(found or [_Part(document, ((),), "")])[0] for document, found in zip(documents, parts, strict=True)]
+
+
+def _camera_names(documents: Documents) -> tuple[str, ...]:
+    """The names of the cameras in one file, or their numbers where these are not different names."""
+    names = tuple(part.name for part in _parts_of(documents[0]))
+    return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
 
 
 def _spelling(document: Document) -> str | None:
@@ -119,12 +131,13 @@ def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
     return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
-def _rig_of(*documents: Document) -> StereoRig:
+def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
 
     KITTI's cameras have x, y and z; cameras one above the other, y.
     """
-    (left, to_left, left_place), (right, to_right, place) = (_camera(document) for document in documents)
+    documents = tuple(part.document for part in _chosen(documents, hints))
+    (left, to_left, left_place), (right, to_right, place) = map(_camera, documents)
     with about(" and ".join(dict.fromkeys(document.name for document in documents))):
         if np.array_equal(place, left_place):
             raise InputError(
@@ -181,13 +194,14 @@ def _filled(rows: int, columns: int, number: float) -> dict[str, Any]:
     return {"rows": rows, "cols": columns, "data": [float(number)] * rows * columns}
 
 
-def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, Any]]:
-    """What to write for the left and for the right camera, everywhere where it is printed: rectification and projection
-    matrices, with the files' own options; intrinsics of the cameras of the target."""
-    documents = [part.document for part in parts]
-    P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in documents)
-    options = options_of(_rig_of(*documents), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
-    made, wanted, found = rectification_of(rig, options), dict(target.cameras(rig)), []
+def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
+    """What to write for each camera, everywhere where it is printed: rectification and projection matrices, with the
+    files' own options; intrinsics of the cameras of the target."""
+    parts = _chosen(target.documents, target.hints)
+    P1, P2 = (_matrix(part.document, _names(part.document)["projection"], (3, 4)) for part in parts)
+    options = options_of(_read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    made, wanted = rectification_of(rig, options), dict(target.cameras(rig))
+    found = [dict[Keys, Any]() for _ in target.documents]
     for side, part in enumerate(parts):
         content, names, values = part.document.content, _names(part.document), dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
@@ -201,18 +215,15 @@ def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, An
                 values |= {("distortion_model",): model} if "distortion_model" in content else {}
         for key, array in arrays.items():
             values.update(matrix_values(content, (key,), array))
-        found.append({(*place, *keys): value for place in part.places for keys, value in values.items()})
+        found[-side] |= {(*place, *keys): value for place in part.places for keys, value in values.items()}
     return found
 
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
-    check_held(camera, (Camera.model, "equidistant"), "ROS")
-    if camera.model == "equidistant":
-        return camera.model, np.asarray(camera.distortion)
     counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
-    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
-    return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens
+    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal", OF_OPENCV)
+    return camera.model if camera.model != Camera.model else _MODELS[lens.size >= 8], lens
 
 
 FORMAT = Format(
@@ -220,48 +231,20 @@ FORMAT = Format(
     "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)",
     "m",
     lambda document: bool(_parts_of(document)),
-    lambda documents, hints: _rig_of(*(_only(document).document for document in documents)),
+    _read,
     files=2,
     syntax=YAML,
     blank=_blank,
-    write=lambda rig, target: _values(rig, target, *map(_only, target.documents)),
+    write=_write,
 )
-
-
-# --- both cameras in one file
-
-
-def _names_of_parts(documents: Documents) -> tuple[str, ...]:
-    """The names of the cameras, or their numbers where these are not different names."""
-    names = tuple(part.name for part in _parts_of(documents[0]))
-    return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
-
-
-def _both(documents: Documents, hints: Hints) -> tuple[_Part, _Part]:
-    """Left before right, unless the hints name them."""
-    parts, names = _parts_of(documents[0]), _names_of_parts(documents)
-    if len(parts) > 2:
-        raise InputError(
-            f"it has {len(parts)} calibrations that differ ({', '.join(names)}); keep those of the left and the right "
-            "camera."
-        )
-    left, right = hints.cameras or (names[0], names[1])  # without two it is not arranged as this format is
-    return parts[names.index(left)], parts[names.index(right)]
-
-
-def _write_both(rig: StereoRig, target: Target) -> list[Values]:
-    left, right = _values(rig, target, *_both(target.documents, target.hints))
-    return [{**left, **right}]
-
-
 IN_ONE_FILE = Format(
     "camera_info",
     "ROS camera_info of both cameras in one file (echoed messages, ost.txt)",
     "m",
     lambda document: len(_parts_of(document)) > 1,
-    lambda documents, hints: _rig_of(*(part.document for part in _both(documents, hints))),
-    cameras=_names_of_parts,
+    _read,
+    cameras=_camera_names,
     syntax=YAML,
     blank=lambda rig, syntax: ("---\n".join(_blank(rig, syntax)),),
-    write=_write_both,
+    write=_write,
 )

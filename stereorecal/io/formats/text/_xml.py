@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats.text._nodes import Node, mapping, whole_or_word, words
+from stereorecal.io.formats.text._nodes import Node, mapping, words
 
 _DAMAGED = "not an XML file as OpenCV writes it, or truncated; correct or copy it again."
 _ATTRIBUTES = r"""(?:"[^"]*"|'[^']*'|[^>"'])*?"""
@@ -52,5 +52,5 @@ def _node(text: str, element: _Element) -> Node:
         return mapping([(child.name, _node(text, child)) for child in element.inside], start, end)
     if (quoted := text[start:end].strip()).startswith('"'):
         return Node(quoted.strip('"'), start, end)
-    found = words(text, start, end, lambda word: whole_or_word(word.replace(".Inf", "inf").replace(".Nan", "nan")))
+    found = words(text, start, end)
     return found.value[0] if len(found.value) == 1 and element.name != "data" else found
