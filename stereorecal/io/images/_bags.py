@@ -41,12 +41,7 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, Frame
 
 
 def camera_infos(path: Path, topics: tuple[str, str]) -> dict[str, str]:
-    """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw.
-
-    Raises:
-        InputError: as `bag_sources`; if there is none, it is the same for both, it changes, or it describes raw images,
-            and these are rectified.
-    """
+    """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw."""
     bag = _opened(path)
     found = dict(bag.camera_info(topic) for topic in topics)
     if len(found) < 2:

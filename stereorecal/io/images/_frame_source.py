@@ -17,19 +17,12 @@ Image = Any  # an array as OpenCV has it: (h, w), or (h, w, 3 or 4) in BGR order
 
 @dataclass(frozen=True, eq=False)
 class FrameSource:
-    """Frames by number.
+    """Frames by number."""
 
-    Attributes:
-        where: what error messages are about.
-        names: of the frames.
-        times: (n,) seconds, ascending; None if they are not known.
-        read: makes the image of a number; raises InputError if it is damaged.
-    """
-
-    where: str
-    names: tuple[str, ...]
-    times: Float[np.ndarray, "n"] | None
-    read: Callable[[int], Image]
+    where: str  # what error messages are about
+    names: tuple[str, ...]  # of the frames
+    times: Float[np.ndarray, "n"] | None  # (n,) seconds, ascending; None if they are not known
+    read: Callable[[int], Image]  # makes the image of a number; raises InputError if it is damaged
 
 
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:

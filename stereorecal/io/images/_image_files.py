@@ -131,11 +131,7 @@ def image_bytes(path: str) -> bytes:
 
 
 def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
-    """What `read_image` gives, of what an image file holds; a TIFF has orientation 1, since OpenCV always turns it.
-
-    Raises:
-        InputError: about `where`, if the pixels are too many, truncated, or of no kind that OpenCV can read.
-    """
+    """What `read_image` gives, of what an image file holds; a TIFF has orientation 1, since OpenCV always turns it."""
     if not data:
         raise InputError(f"{where}: the file is empty; copy or record it again.")
     width, height = announced_size(data) or (0, 0)

@@ -28,29 +28,16 @@ _HOW = "give both images of a pair the same number, or a tolerance if the names 
 
 @dataclass(frozen=True)
 class MatchedFiles:
-    """The files of both sides, matched.
+    """The files of both sides, matched."""
 
-    Attributes:
-        matched: the files of each pair, in the order of the left ones.
-        unmatched: those without partner, left ones first.
-        by_order: whether the files were matched by their order, since no names corresponded.
-    """
-
-    matched: Matched
-    unmatched: tuple[Path, ...] = ()
-    by_order: bool = False
+    matched: Matched  # the files of each pair, in the order of the left ones
+    unmatched: tuple[Path, ...] = ()  # those without partner, left ones first
+    by_order: bool = False  # whether the files were matched by their order, since no names corresponded
 
 
 def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     """The files that belong together by their names; those that one camera lost are unmatched. If no name has a
-    partner, files are matched in the order given.
-
-    Raises:
-        InputError: if most have no partner, or names can be read in two ways.
-
-    Warns:
-        PairingWarning: if files were matched by their order.
-    """
+    partner, files are matched in the order given."""
     lefts, rights = _by_name(left, right)
     matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
     if not matched:
@@ -68,11 +55,7 @@ def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
 
 
 def without_lost_frames(found: MatchedFiles) -> Matched:
-    """The files of pairs.
-
-    Warns:
-        PairingWarning: if there are others; a few are named.
-    """
+    """The files of pairs."""
     if found.unmatched:
         number, few = len(found.unmatched), ", ".join(map(str, found.unmatched[:_FEW]))
         warnings.warn(

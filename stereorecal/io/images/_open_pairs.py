@@ -12,7 +12,7 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._frame_source import FrameSource, counts_per_second, halves, has_time, pairs_by_time, time_of
 from stereorecal.io.images._image_files import read_image
-from stereorecal.io.images._load_pairs import UPRIGHT, Sizes, find_images, fitted_pair, load_matched
+from stereorecal.io.images._load_pairs import Sizes, find_images, fitted_pair, load_matched
 from stereorecal.io.images._match_by_name import find_partners
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair
@@ -123,8 +123,8 @@ def _with_counts(
         first, second = found[number]
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
-        images, origin = (left.read(first), right.read(second)), (_read_in_worker, (places, number))
-        return fitted_pair(images, UPRIGHT, places.sizes, about, name, origin=origin, time=times[number])
+        shots, origin = ((left.read(first), 1), (right.read(second), 1)), (_read_in_worker, (places, number))
+        return fitted_pair(shots, places.sizes, about, name, origin=origin, time=times[number])
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
     pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)
