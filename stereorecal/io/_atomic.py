@@ -83,10 +83,8 @@ def _rename_exclusively(temporary: Path, final: Path) -> None:
     """As `os.replace`, but a file that another program made meanwhile stays, where the file system has links."""
     try:
         os.link(temporary, final)
-    except FileExistsError:
-        raise
     except OSError as error:
-        if final.is_file():
+        if isinstance(error, FileExistsError) or final.is_file():
             raise FileExistsError from error
         os.replace(temporary, final)
 

@@ -22,9 +22,6 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
 
     Args:
         if_missing: the end of the message if the file does not exist: what to do about it.
-
-    Raises:
-        InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
     """
     note_input(path)
     try:

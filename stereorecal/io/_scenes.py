@@ -64,14 +64,6 @@ def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]
     return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
 
 
-def read_json_object(path: Path) -> dict[str, Any]:
-    """The keys and values of a JSON file beside the images, such as mission.json."""
-    content = read_json(path, if_missing=_IF_MISSING)
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: there is no JSON object of named values in the file; correct it.")
-    return content
-
-
 def gather_scene(
     left: AnyPath,
     right: AnyPath,
@@ -97,11 +89,10 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-
-    def pairs(sizes: Sizes | None) -> Sequence[Pair]:
-        return load_pairs(left, right, limit, sizes=sizes)
-
-    return calibrated_scene(str(left), pairs, calibration, format=format, unit=unit, cameras=cameras)
+    read = partial(load_pairs, left, right, limit)
+    return calibrated_scene(
+        str(left), lambda sizes: read(sizes=sizes), calibration, format=format, unit=unit, cameras=cameras
+    )
 
 
 def calibrated_scene(
@@ -173,7 +164,9 @@ def _assembled(
     read = pairs(sizes)
     found = load(replace(hints, size=read[0].size if read else None, common_size=True))
     with about(where):
-        scene = scene_of(name, found, read)
+        if found.rig is not None and not read:
+            check_pairs(found.rig, read)  # says that there is none
+        scene = Scene(name, found.rig, tuple(_fitting(found, pair) for pair in read), found.reference, found.info)
     remark_sizes(where, sizes)
     return scene
 
@@ -184,11 +177,7 @@ def _sizes(calibration: Calibration) -> Sizes:
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
-    """Say that the cameras of a calibration have images of two sizes.
-
-    Warns:
-        CalibrationWarning: if they have.
-    """
+    """Say that the cameras of a calibration have images of two sizes."""
     if sizes is not None and sizes[0] != sizes[1]:
         (left, right), (width, height) = (f"{wide}x{high}" for wide, high in sizes), common_size(sizes)
         warnings.warn(
@@ -199,18 +188,8 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
         )
 
 
-def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
-    """The scene of a calibration and pairs, turned as its rig says."""
-    pairs = tuple(pairs)
-    if calibration.rig is not None and not pairs:
-        check_pairs(calibration.rig, pairs)  # says that there is none
-    pairs = tuple(_fitting(calibration, pair) for pair in pairs)
-    return Scene(name, calibration.rig, pairs, calibration.reference, calibration.info)
-
-
 def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
-    """The pairs, each turned and checked when it is read: InputError about `where` if it does not fit the
-    calibration."""
+    """The pairs, each turned and checked when it is read; messages begin with `where`."""
     return pairs.mapped(partial(_fitting_about, where, calibration))
 
 

@@ -38,11 +38,7 @@ def write_json(path: AnyPath, content: Any) -> None:
 
 
 def strict_json_text(content: Any, *, sort_keys: bool = False) -> str:
-    """As `json_text`, for what must be read back as it was: nothing is converted and nothing becomes null.
-
-    Raises:
-        TypeError, ValueError, RecursionError: if JSON cannot hold a value.
-    """
+    """As `json_text`, for what must be read back as it was: nothing is converted and nothing becomes null."""
     return json.dumps(content, indent=1, sort_keys=sort_keys, allow_nan=False) + "\n"
 
 

@@ -19,11 +19,12 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath, about
-from stereorecal.io._scenes import Calibration, fitting, load_calibration, read_json_object
+from stereorecal.io._scenes import Calibration, fitting, load_calibration
 from stereorecal.io.formats._load_rig import load_rig, looks_calibrated
 from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
+from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
 from stereorecal.io.images._load_pairs import Size, load_matched
 from stereorecal.io.images._match_by_name import match_all
@@ -200,7 +201,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
-    facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
+    facts = read_document(folder / _FACTS, Syntax.JSON).content if (folder / _FACTS).exists() else {}
     truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
