@@ -27,19 +27,12 @@ _IF_MISSING = "check the path, or write a calib.json there."
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The content of a calibration file.
+    """The content of a calibration file."""
 
-    Attributes:
-        size: (width, height) of the images in pixels, as they were taken.
-        rig: side by side; None if both camera matrices of a calib.json are null.
-        reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
-        info: the keys of a calib.json that do not describe the rig, unchanged.
-    """
-
-    size: tuple[int, int]
-    rig: StereoRig | None
-    reference: str = "stored"
-    info: Mapping[str, Any] = field(default_factory=dict)
+    size: tuple[int, int]  # (width, height) of the images as they were taken
+    rig: StereoRig | None  # side by side; None if both camera matrices of a calib.json are null
+    reference: str = "stored"  # or "truth", if the rig is exact, such as that of a rendered scene
+    info: Mapping[str, Any] = field(default_factory=dict)  # other keys of a calib.json, unchanged
 
 
 def load_calibration(

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from itertools import takewhile
 from typing import Any
 
@@ -63,17 +64,12 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
-    motion = _motion(content, first, last, _links(chain, first, last))
+    motion = _motion(content, first, last, chain[chain.index(first) + 1 : chain.index(last) + 1])
     return rig_of(left, right, motion if first == names[0] else inverse(motion))
 
 
-def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
-    """The cameras of the chain after `first`, up to `last`."""
-    return chain[chain.index(first) + 1 : chain.index(last) + 1]
-
-
 def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Motion:
-    """What takes points of one camera to a later one of the chain."""
+    """What takes points of one camera to a later one of the chain, over the cameras after it."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
     stated = [
@@ -95,10 +91,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
 
 def _along(content: Mapping[str, Any], links: Sequence[str]) -> Motion:
     """What takes points of the camera before these links to the last one."""
-    motion = np.eye(4)
-    for name in links:
-        motion = _pose(content, name, _FROM_LAST) @ motion
-    return motion
+    return reduce(lambda motion, name: _pose(content, name, _FROM_LAST) @ motion, links, np.eye(4))
 
 
 def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Motion:
@@ -142,8 +135,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
 
 def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Motion) -> dict[Keys, Any]:
     """What to write where `motion` takes points of one camera to a later one."""
-    values: dict[Keys, Any] = {}
-    links = _links(chain, first, last)
+    values, links = dict[Keys, Any](), chain[chain.index(first) + 1 : chain.index(last) + 1]
     if all(_FROM_LAST in content[name] for name in links):
         link = motion @ inverse(_along(content, links[:-1]))
         values |= matrix_values(content, (last, _FROM_LAST), link)

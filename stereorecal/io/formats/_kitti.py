@@ -58,10 +58,7 @@ def _camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int
 
 
 def _rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple[int, int]) -> StereoRig:
-    """The rig of two cameras: all have the same orientation, and P places each of them.
-
-    Between the colour cameras t differs slightly in y and z too: the four cameras are not exactly on one line.
-    """
+    """The rig of two cameras of one orientation, which P places; those of colour are not exactly on one line."""
     (left, from_left), (right, from_right) = (_camera_and_place(content, key, size) for key in keys)
     return rig_of(left, right, pose(np.eye(3), from_right - from_left))
 

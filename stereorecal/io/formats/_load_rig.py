@@ -123,11 +123,7 @@ def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> None:
     """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
     than its own; of turned images; and of principal points far from the middle of images, where the user and not the
-    file says the size of these. To be called by the function that users call: the warning points at their line.
-
-    Args:
-        sized: whether the size may have come from the user.
-    """
+    file says the size of these (`sized`: it may). To be called by what users call: the warning points at their line."""
     known = [rig for rig in rigs if rig is not None]
     doubts = [_doubt_of_size] if sized else []
     said = [next(filter(None, map(doubt, known)), None) for doubt in (*doubts, _doubt_of_unit)]

@@ -146,17 +146,11 @@ _SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
 
 @dataclass(frozen=True)
 class Matrices:
-    """The values of some documents, and which of them is which.
+    """The values of some documents, and which of them is which."""
 
-    Attributes:
-        content: every value by its name: the keys that lead to it, joined by dots.
-        places: for each name, the number of its document, and its keys.
-        names: of K1, D1, K2, D2, R, T, and, where the file has them, R1, R2, P1, P2; of what is not found, the name
-            that OpenCV's samples give it.
-    """
-
-    content: Mapping[str, Any]
-    places: Mapping[str, Keys]
+    content: Mapping[str, Any]  # every value by its name: the keys that lead to it, joined by dots
+    places: Mapping[str, Keys]  # for each name, the number of its document, and its keys
+    # Of K1, D1, K2, D2, R, T, and, where the file has them, R1, R2, P1, P2; of others, as OpenCV's samples name them.
     names: Mapping[str, str]
     entries: Sequence[Entry]
 

@@ -21,13 +21,8 @@ _WIDEST = 1 << 20
 
 
 def numbers(content: Mapping[str, Any], key: str | Keys, shape: tuple[int, ...]) -> Array:
-    """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`.
-
-    Axes of length one are dropped, so that rows and columns are vectors: (1, 5) and (5, 1) become (5,).
-
-    Args:
-        shape: what the array must have; (-1,) is a vector of any length.
-    """
+    """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`, of this
+    shape; (-1,) is any length. Axes of length one are dropped: (1, 5) and (5, 1) become (5,)."""
     stated, key = value(content, key), key_name(key)
     array = _array(unpacked(stated), key).squeeze()
     if len(shape) == 1:
@@ -172,10 +167,8 @@ def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray,
 
 
 def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[Keys, Any]:
-    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape.
-
-    A vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector.
-    """
+    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape. A
+    vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector."""
     stated, array = at(content, keys), np.asarray(array, float)
     if array.shape == (3, 3) and size_of(content, keys) in (3, 12):
         array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
@@ -239,12 +232,7 @@ def pinhole_numbers(camera: Camera) -> list[float]:
 
 
 def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
-    """Refuse a lens of a model that a format has no place for.
-
-    Args:
-        models: that it holds.
-        what: for the message: whose lens models these are.
-    """
+    """Refuse a lens of another model than the format that is called `what` has a place for."""
     if camera.model not in models:
         raise InputError(
             f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} "
@@ -260,14 +248,8 @@ def has_lens(rig: StereoRig) -> bool:
 def coefficients(
     camera: Camera, counts: Sequence[int], what: str, instead: str, models: Sequence[str] = ("radtan",)
 ) -> Float[np.ndarray, "n"]:
-    """The distortion in OpenCV's order; of a pinhole as many coefficients as a file takes, the first count that is
-    enough.
-
-    Args:
-        counts: that are possible, rising.
-        what, instead: for the message: whose lens model is too small, and the formats that hold more.
-        models: that the file holds.
-    """
+    """The distortion in OpenCV's order; of a pinhole as many coefficients as a file takes, the first of the counts that
+    is enough. `what` is, for messages, whose lens models these are, and `instead` names the formats that hold more."""
     check_held(camera, models, what or "this file")
     own = np.asarray(camera.distortion, float)
     if camera.model != Camera.model:
@@ -301,11 +283,7 @@ def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
 
 
 def check_straight(rig: StereoRig, what: str, off_line: object = False) -> None:
-    """Refuse a rotation of more than rounding, or a lens, in a format of rectified images.
-
-    Args:
-        off_line: whether there is anything else that such a format has no place for.
-    """
+    """Refuse a rotation of more than rounding, a lens, or anything else that a format of rectified images lacks."""
     turned = np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING
     if turned or off_line or has_lens(rig):
         raise InputError(

@@ -25,18 +25,11 @@ _SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the opti
 
 @dataclass(frozen=True)
 class RectifyOptions:
-    """The options of `cv2.stereoRectify`.
+    """The options of `cv2.stereoRectify`; of lenses that it does not know, the two rectified cameras."""
 
-    Attributes:
-        alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
-        flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
-        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s
-            pinhole.
-    """
-
-    alpha: float
-    flags: int = cv2.CALIB_ZERO_DISPARITY
-    matrices: tuple[Array, Array] | None = None
+    alpha: float  # 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice
+    flags: int = cv2.CALIB_ZERO_DISPARITY  # points at infinity have disparity 0
+    matrices: tuple[Array, Array] | None = None  # None: those of `sr.view`'s pinhole
 
 
 def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:

@@ -132,10 +132,8 @@ def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
-
-    KITTI's cameras have x, y and z; cameras one above the other, y.
-    """
+    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t];
+    t has x, of cameras one above the other y, of KITTI's all three."""
     documents = tuple(part.document for part in _chosen(documents, hints))
     (left, to_left, left_place), (right, to_right, place) = map(_camera, documents)
     with about(" and ".join(dict.fromkeys(document.name for document in documents))):

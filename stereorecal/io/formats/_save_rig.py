@@ -205,9 +205,7 @@ def _texts_of(
 ) -> tuple[str, ...]:
     """What is to be written for a rig; reading it gives the rig back.
 
-    Args:
-        source: the file to write into, if the format is its own; all that was not estimated stays.
-        unit: of a new file whose format says none; default: that of the source, if the format is its own, else metres.
+    It is written into the source, if the format is its own; else `unit` is that of a format that says none.
     """
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)

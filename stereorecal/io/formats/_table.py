@@ -44,19 +44,13 @@ def places(above: str, keys: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Pose:
-    """How a camera stands: the motion from a body to the camera.
+    """How a camera stands: the motion from a body to the camera."""
 
-    Attributes:
-        rotation: nine numbers, or four rows with the translation in them.
-        inverted: whether the file has the motion from the camera to the body.
-        between: whether the body is the left camera.
-        decode, encode: what else than a matrix the rotation is: make the matrix of the numbers, and the numbers of it.
-    """
-
-    rotation: Places
+    rotation: Places  # nine numbers, or four rows with the translation in them
     translation: Places = ()
-    inverted: bool = False
-    between: bool = False
+    inverted: bool = False  # whether the file has the motion from the camera to the body
+    between: bool = False  # whether the body is the left camera
+    # Where the rotation is no matrix: the matrix of its numbers, and the numbers of a matrix.
     decode: Callable[[Array], Array] = lambda turn: turn.reshape(3, 3)
     encode: Callable[[Array], Array] = lambda turn: turn
 
@@ -78,51 +72,30 @@ class Pose:
 
 @dataclass(frozen=True)
 class Lens:
-    """What a file has of a lens.
+    """What a file has of a lens."""
 
-    Attributes:
-        terms: the coefficients, in the order of `Camera`; with radial ones apart, the tangential two.
-        model: that of `Camera`.
-        counts: how many coefficients of a pinhole may be written, rising.
-        before: how many coefficients stand before fx.
-        becomes: of a lens that is said to have none, the word for it once it has some.
-        radial: the place of k1 k2 k3, as many as there are, where they are a list of their own.
-    """
-
-    terms: Places = ()
-    model: str = Camera.model
-    counts: tuple[int, ...] = (4,)
-    before: int = 0
-    becomes: str = ""
-    radial: str = ""
+    terms: Places = ()  # the coefficients, in the order of `Camera`; with radial ones apart, the tangential two
+    model: str = Camera.model  # that of `Camera`
+    counts: tuple[int, ...] = (4,)  # how many coefficients of a pinhole may be written, rising
+    before: int = 0  # how many coefficients stand before fx
+    becomes: str = ""  # of a lens that is said to have none, the word for it once it has some
+    radial: str = ""  # the place of k1 k2 k3, as many as there are, where they are a list of their own
 
 
 @dataclass(frozen=True)
 class Table:
-    """Where the numbers of a rig stand.
+    """Where the numbers of a rig stand."""
 
-    Attributes:
-        size: (width, height).
-        matrix: fx fy cx cy, or the camera matrix, if it is `square`.
-        lenses: by the words that tell the lens, with spaces between them.
-        words: where they stand.
-        pose: None if a table cannot say it.
-        names: of the left and the right camera, if none are chosen.
-        where: what messages about a camera begin with, if not with the first of several keys.
-        holder: whose model of a lens it is, for messages.
-        fixed: what else a new file has, by places.
-    """
-
-    size: Places
-    matrix: Places
-    lenses: Mapping[str, Lens]
-    words: tuple[str, ...] = ()
-    pose: Pose | None = None
+    size: Places  # (width, height)
+    matrix: Places  # fx fy cx cy, or the camera matrix, if it is `square`
+    lenses: Mapping[str, Lens]  # by the words that tell the lens, with spaces between them
+    words: tuple[str, ...] = ()  # where they stand
+    pose: Pose | None = None  # None if a table cannot say it
     square: bool = False
-    names: tuple[str, str] = ("left", "right")
-    where: str = ""
-    holder: str = ""
-    fixed: Mapping[str, Any] = field(default_factory=dict)
+    names: tuple[str, str] = ("left", "right")  # of the left and the right camera, if none are chosen
+    where: str = ""  # what messages about a camera begin with, if not with the first of several keys
+    holder: str = ""  # whose model of a lens it is, for messages
+    fixed: Mapping[str, Any] = field(default_factory=dict)  # what else a new file has, by places
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""

@@ -105,12 +105,8 @@ def images_in(folder: Path) -> list[Path]:
 
 def natural_order(paths: Iterable[Path]) -> list[Path]:
     """The paths sorted so that 9 comes before 10."""
-
-    def key(path: Path) -> tuple[list[str | int], str]:
-        parts = re.split(r"([0-9]+)", str(path))
-        return [int(part) if index % 2 else part for index, part in enumerate(parts)], str(path)
-
-    return sorted(paths, key=key)
+    split = re.compile(r"([0-9]+)").split
+    return sorted(paths, key=lambda path: ([int(x) if i % 2 else x for i, x in enumerate(split(str(path)))], str(path)))
 
 
 def read_image(path: str) -> tuple[Pixels, int]:

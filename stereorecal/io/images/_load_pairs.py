@@ -29,11 +29,7 @@ def fitted_pair(shots: Sequence[Shot], sizes: Sizes | None, about: str, name: st
     """The pair of a left and a right image, fitted to their cameras and checked.
 
     Pixels are used as stored, unless only turned images have the sizes of their cameras (or, if these are not known,
-    one size); the larger of two sizes is resampled to the smaller.
-
-    Args:
-        about: what errors call it.
-        more: its origin and its time.
+    one size); the larger of two sizes is resampled to the smaller. Errors are about `about`.
     """
     turned = _only_turned_fit(shots, sizes)
     left, right = images = [_turned(*shot) if turned else shot[0] for shot in shots]

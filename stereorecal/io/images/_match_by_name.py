@@ -5,7 +5,6 @@ import re
 import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -37,14 +36,13 @@ class MatchedFiles:
 
 def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     """The files that belong together by their names; those that one camera lost are unmatched. If no name has a
-    partner, files are matched in the order given."""
+    partner, files are matched in the order given, with a warning."""
     lefts, rights = _by_name(left, right)
     matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
     if not matched:
         return MatchedFiles(_in_order(left, right), by_order=len(left) > 1)
-    unmatched = [
-        path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
-    ]
+    unmatched = [lefts[key] for key in lefts if key not in rights]
+    unmatched += [rights[key] for key in rights if key not in lefts]
     if not _correspond(lefts, rights):  # equal by chance, it seems
         side = "right" if unmatched[0] in lefts.values() else "left"
         raise InputError(
@@ -85,11 +83,8 @@ def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
         InputError: naming a file without a partner.
     """
     for files, others, side in ((left, right, "right"), (right, left, "left")):
-        for key, path in files.items():
-            if key not in others:
-                raise InputError(
-                    f"{path}: this image has no partner on the {side} side; add the partner or leave it out."
-                )
+        for path in (path for key, path in files.items() if key not in others):
+            raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
     return [(path, right[key]) for key, path in left.items()]
 
 
@@ -109,7 +104,7 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
     the first under which any has; empty if none has."""
     by_chance: _Sides = {}, {}
-    for read in (partial(_without, markers=("", ""), last=False), _by_parts, _by_markers, _by_one_number):
+    for read in (_by_stem, _by_parts, _by_markers, _by_one_number):
         sides = read(left, right)
         if _correspond(*sides):
             return sides
@@ -120,18 +115,21 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
 
 def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by the first markers without which any names correspond; empty if there are none."""
-    found = (_without(left, right, markers, last) for last, markers in product((False, True), _MARKERS))
+    found = (
+        (_without(left, one, last), _without(right, other, last)) for last in (False, True) for one, other in _MARKERS
+    )
     return next((sides for sides in found if sides[0].keys() & sides[1].keys()), ({}, {}))
 
 
-def _without(left: Sequence[Path], right: Sequence[Path], markers: tuple[str, str], last: bool) -> _Sides:
-    """Both sides by names without the side's marker where it stands first, or last; none where a name lacks it."""
-    found = []
-    for files, marker in zip((left, right), markers, strict=True):
-        parts = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files if marker]
-        parts = [start + end for start, given, end in parts if given] if marker else [path.stem for path in files]
-        found.append(_unique(parts, files) if len(parts) == len(files) else {})
-    return found[0], found[1]
+def _without(files: Sequence[Path], marker: str, last: bool) -> _Keys:
+    """Files by names without a marker where it stands first, or last; none where a name lacks it."""
+    cut = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files]
+    return _unique([start + end for start, _, end in cut], files) if all(given for _, given, _ in cut) else {}
+
+
+def _by_stem(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
+    """Both sides by their names."""
+    return _unique([path.stem for path in left], left), _unique([path.stem for path in right], right)
 
 
 def _unique(keys: Sequence[Hashable], files: Sequence[Path]) -> _Keys:

@@ -5,8 +5,7 @@ import math
 import os
 import re
 import shlex
-from bisect import bisect_right
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import chain
 from operator import methodcaller
 from pathlib import Path
@@ -71,21 +70,12 @@ def _check_calibrated(folder: Path) -> None:
 
 
 def load_sides(folder: Path, limit: int | None, times: Any = None, size: Size | None = None) -> LazyPairs:
-    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
-
-    Args:
-        times: when they were taken, in seconds, as a calib.json has them; what is no such list is passed over.
-        size: of the images that the calibration is for.
-    """
+    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names; with the times of a
+    calib.json, in seconds, if these are some, and fitted to the size that the calibration is for."""
     matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
-    sizes = None if size is None else (size, size)
-    return load_matched(matched, limit, times if _are_times(times, len(matched)) else None, sizes)
-
-
-def _are_times(times: Any, pairs: int) -> bool:
-    if not isinstance(times, list) or len(times) != pairs:
-        return False
-    return all(isinstance(time, int | float) and math.isfinite(time) for time in times)
+    sizes, known = None if size is None else (size, size), isinstance(times, list) and len(times) == len(matched)
+    known = known and all(isinstance(time, int | float) and math.isfinite(time) for time in times)
+    return load_matched(matched, limit, times if known else None, sizes)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
@@ -205,32 +195,26 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
-        calibration, starred = _mission_facts(facts)
-        unknown = starred - set(pairs.names)
+        calibration, starred = facts.get("calibration"), facts.get("starred", [])
+        if not isinstance(calibration, str | None):
+            raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
+        if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
+            raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
+        unknown = set(starred) - set(pairs.names)
         if unknown and limit is None:
             raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
-    name = calibration or _latest(folder.name, list(calibrations))
+    name = calibration or _latest(folder.name, calibrations)
     rig = calibrations.get(name)  # the log says if there is none
     if rig is not None:
         pairs = fitting(folder, Calibration(rig.sizes_taken[0], rig), pairs)
-    return Mission(folder.name, name, pairs, starred, truth)
+    return Mission(folder.name, name, pairs, frozenset(starred), truth)
 
 
-def _mission_facts(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
-    """The calibration and the starred images that a mission.json names."""
-    calibration, starred = facts.get("calibration"), facts.get("starred", [])
-    if not isinstance(calibration, str | None):
-        raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
-    if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
-        raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
-    return calibration, frozenset(starred)
-
-
-def _latest(name: str, dates: list[str]) -> str:
-    before = bisect_right(sorted(dates), name)
-    if before == 0:
+def _latest(name: str, dates: Iterable[str]) -> str:
+    before = [date for date in dates if date <= name]
+    if not before:
         raise InputError(
             f"{name}: no calibration is of that date or before it; begin the names of sequences and of calibrations "
             f"with a date such as 2026-05-31, or name the calibration in {_FACTS}."
         )
-    return sorted(dates)[before - 1]
+    return max(before)

@@ -82,12 +82,7 @@ class Document:
 
 
 def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
-    """A text, parsed.
-
-    Args:
-        syntax: default: as the text looks; a text that looks like none has no values.
-        lines: whether it may look like lines of keys and values.
-    """
+    """A text, parsed; without a syntax as it looks, perhaps like `lines` of keys and values, or without any values."""
     with about(name):
         first = (line.strip() for line in text.splitlines() if not line.lstrip().startswith("#"))
         guessed = syntax is None and lines and not _YAML.match(next(filter(None, first), ""))
