@@ -116,14 +116,8 @@ def bag_scene(
     *,
     unit: str | None = None,
 ) -> Scene:
-    """The scene of pairs of a bag, with the calibration in its own camera_info; the rig is that of no file.
-
-    Raises:
-        InputError: if there is no such camera_info, or it is no calibration of these images.
-
-    Warns:
-        CalibrationWarning: as `load_rig`.
-    """
+    """The scene of pairs of a bag, with the calibration in its own camera_info; the rig is that of no file. Warns as
+    `load_rig`; InputError if there is no such camera_info, or it is no calibration of these images."""
     place = bag_folder(Path(bag))
     infos = camera_infos(place, topics).items()
     documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)

@@ -29,11 +29,7 @@ def json_line(content: Any) -> str:
 
 
 def write_json(path: AnyPath, content: Any) -> None:
-    """Write `json_text(content)` to a file, whole or not at all.
-
-    Raises:
-        InputError: if the place cannot be written to.
-    """
+    """Write `json_text(content)` to a file, whole or not at all; InputError if the place cannot be written to."""
     write_text(path, json_text(content))
 
 

@@ -27,7 +27,6 @@ from stereorecal.io.formats._format import (
 )
 from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values, at
 
 # --- DepthAI: the stereo pair that the file names, or the sockets 1 (left) and 2 (right)
@@ -213,13 +212,8 @@ _SIZES = {"VGA": (672, 376), "HD": (1280, 720), "FHD": (1920, 1080), "2K": (2208
           "FHD1200": (1920, 1200), "QHDPLUS": (3200, 1800), "4K": (3840, 2160)}  # fmt: skip
 _LENS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4")
 _SIDES = ("LEFT", "RIGHT")
+_SECTIONS = {f"{side}_CAM_{name}" for side in _SIDES for name in _SIZES}
 _WIDEST = 0.1  # radians between the two cameras
-
-
-def _looks_like_zed(document: Document) -> bool:
-    """Whether there is a left or a right camera at one of the resolutions, and the section of both."""
-    keys = document.content.keys()
-    return "STEREO" in keys and any(f"{side}_CAM_{name}" in keys for side in _SIDES for name in _SIZES)
 
 
 def _read_zed(documents: Documents, hints: Hints) -> StereoRig:
@@ -263,7 +257,11 @@ def _camera_of_zed(content: Mapping[str, Any], side: str, name: str, size: tuple
 
 
 ZED = Format(
-    "zed", "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)", "mm", _looks_like_zed, _read_zed
+    "zed",
+    "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)",
+    "mm",
+    lambda document: "STEREO" in document.content and bool(_SECTIONS & document.content.keys()),
+    _read_zed,
 )
 
 # --- RealSense: both infrared or fisheye cameras

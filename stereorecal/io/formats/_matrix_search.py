@@ -46,9 +46,17 @@ class Entry:
         """The words of the name, in small letters: camera, matrix, l of cameraMatrixL."""
         return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the array; () if there is none."""
+        return () if self.array is None else self.array.shape
+
+    def says(self, words: set[str]) -> bool:
+        """Whether any of these words is in its name."""
+        return not words.isdisjoint(self.words)
+
     def __str__(self) -> str:
-        shape = () if self.array is None else self.array.shape
-        return f"{self.name} ({'x'.join(map(str, shape)) or 'one value'})"
+        return f"{self.name} ({'x'.join(map(str, self.shape)) or 'one value'})"
 
 
 def entries_of(documents: Documents) -> list[Entry]:
@@ -81,9 +89,13 @@ def _entries(content: Any, place: Keys) -> Iterator[Entry]:
         yield from _entries(value, (*place, key))
 
 
-def _pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
-    """The two entries whose names differ by their side alone, left first; None if there are none."""
-    by_name = {entry.name.lower(): entry for entry in entries}
+def _pair_of(
+    entries: Sequence[Entry], what: str, fits: Callable[[Entry], bool], better: Callable[[Entry], bool] = bool
+) -> tuple[Entry, Entry] | None:
+    """The two entries that fit, of the better ones if there are any, and whose names differ by their side alone, left
+    first; None if there are none."""
+    found = [entry for entry in entries if fits(entry)]
+    by_name = {entry.name.lower(): entry for entry in [*filter(better, found)] or found}
     pairs = [
         (entry, by_name[other]) for name, entry in by_name.items() for other in _partners(name) if other in by_name
     ]
@@ -196,24 +208,31 @@ def matrices_in(documents: Documents) -> Matrices:
     """What documents hold, by exact names where there are both cameras', else by search."""
     entries = entries_of(documents)
     content, names = {entry.name: entry.value for entry in entries}, dict[str, str]()
-    for role, usual, found_in in (("K", MATRICES, _cameras_in), ("D", _DISTORTIONS, _lenses_in)):
-        by_sides = [{side for side in (1, 2) if f"{name}{side}" in content} for name in usual]
-        exact = next((name for name, sides in zip(usual, by_sides, strict=True) if len(sides) == 2), None)
-        found = None if exact else found_in(entries)
-        exact = exact or next((name for name, sides in zip(usual, by_sides, strict=True) if sides), None)
-        for index, side in enumerate((1, 2)):
-            names[f"{role}{side}"] = found[index].name if found else f"{exact or usual[0]}{side}"
-    for role, one_in in (("R", _rotation_in), ("T", _translation_in)):
-        one = None if role in content else one_in(entries)
-        names[role] = one.name if one else role
+    for role, what, usual, fits, better in (
+        ("K", "the camera matrices", MATRICES, _is_camera, lambda entry: not entry.says(_OF_RECTIFIED)),
+        ("D", "the distortion coefficients", _DISTORTIONS, _is_lens, lambda entry: entry.says(_LENS)),
+    ):
+        both = next((name for name in usual if {f"{name}1", f"{name}2"} <= content.keys()), None)
+        found = None if both else _pair_of(entries, what, fits, better)
+        known = both or next((name for name in usual if {f"{name}1", f"{name}2"} & content.keys()), usual[0])
+        names |= {f"{role}{side}": found[side - 1].name if found else f"{known}{side}" for side in (1, 2)}
+    rotation = translation = None
+    if "R" not in content:  # a matrix, else a vector of that name
+        rotation = _between(entries, _is_rotation, _ROTATION, "the rotation")
+        rotation = rotation or _between(entries, _is_vector, _ROTATION, "the rotation", alone=False)
+    if "T" not in content:
+        others = [entry for entry in entries if not entry.says(_ROTATION)]
+        translation = _between(others, _is_vector, _TRANSLATION, "the translation")
+    names |= {"R": rotation.name if rotation else "R", "T": translation.name if translation else "T"}
     if not {names["R"], names["T"]} & content.keys():
-        rectified = _rectifications_in(entries)
-        for role, pair in zip("RP", rectified or (), strict=False):
-            names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair, start=1)}
+        rotations = _pair_of(entries, "the rectifying rotations", _is_rotation)
+        projections = _pair_of(entries, "the projection matrices", lambda entry: entry.shape == (3, 4))
+        for role, pair in (("R", rotations), ("P", projections)) if rotations and projections else ():
+            names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair or (), start=1)}
     return Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
 
 
-_COUNTS = (1, 2, 3, 4, 5, 8, 12, 14)
+_COUNTS = (0, 1, 2, 3, 4, 5, 8, 12, 14)
 _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
 _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "coefs", "kc"}
@@ -226,54 +245,20 @@ _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window",
 _SMALLEST = 16  # pixels: fewer are squares of a chessboard
 
 
-def _cameras_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
-    """The camera matrices; those of rectified images only where there are no others."""
-    found = [entry for entry in entries if _is_camera(entry)]
-    raw = [entry for entry in found if not _OF_RECTIFIED & set(entry.words)]
-    return _pair_of(raw or found, "the camera matrices")
-
-
 def has_cameras(documents: Documents) -> bool:
     """Whether there are any camera matrices."""
     return any(_is_camera(entry) for entry in entries_of(documents))
 
 
-def _lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
-    """The distortion coefficients: by their names, or the only two vectors that can be some."""
-    found = [entry for entry in entries if _is_lens(entry)]
-    named = [entry for entry in found if _LENS & set(entry.words)]
-    return _pair_of(named or found, "the distortion coefficients")
-
-
-def _rectifications_in(entries: Sequence[Entry]) -> tuple[tuple[Entry, Entry], tuple[Entry, Entry]] | None:
-    """The rotations that rectify the two cameras, and the projection matrices of the rectified ones."""
-    rotations = _pair_of([entry for entry in entries if _is_rotation(entry)], "the rectifying rotations")
-    of_shape = [entry for entry in entries if entry.array is not None and entry.array.shape == (3, 4)]
-    projections = _pair_of(of_shape, "the projection matrices")
-    return None if rotations is None or projections is None else (rotations, projections)
-
-
-def _rotation_in(entries: Sequence[Entry]) -> Entry | None:
-    """The rotation between the cameras: a matrix, else a vector of that name."""
-    matrix = _between(entries, _is_rotation, _ROTATION, "the rotation", alone=True)
-    return matrix or _between(entries, _is_vector, _ROTATION, "the rotation", alone=False)
-
-
-def _translation_in(entries: Sequence[Entry]) -> Entry | None:
-    """The translation between the cameras."""
-    others = [entry for entry in entries if not _ROTATION & set(entry.words)]
-    return _between(others, _is_vector, _TRANSLATION, "the translation", alone=True)
-
-
 def _between(
-    entries: Sequence[Entry], fits: Callable[[Entry], bool], words: set[str], what: str, alone: bool
+    entries: Sequence[Entry], fits: Callable[[Entry], bool], words: set[str], what: str, alone: bool = True
 ) -> Entry | None:
     """What stands once, not once for each camera, and is named so; or, if it may be `alone`, is the only one."""
-    found = [entry for entry in entries if fits(entry) and not (_OF_RECTIFIED | _ELSEWHERE) & set(entry.words)]
+    found = [entry for entry in entries if fits(entry) and not entry.says(_OF_RECTIFIED | _ELSEWHERE)]
     names = {entry.name.lower() for entry in found}
     paired = {name for one in names for other in _partners(one) if other in names for name in (one, other)}
     single = [entry for entry in found if entry.name.lower() not in paired]
-    named = [entry for entry in single if words & set(entry.words)]
+    named = [entry for entry in single if entry.says(words)]
     chosen = named or (single if alone else [])
     if len({_same_as(entry) for entry in chosen}) > 1:
         raise _several(what, [entry.name for entry in chosen])
@@ -312,7 +297,7 @@ def _may_be_between(entry: Entry) -> bool:
 
 def _may_be_camera(entry: Entry) -> bool:
     """Whether it may be the intrinsics of a camera, or one number of them."""
-    return _is_camera(entry) or (entry.array is not None and bool(_INTRINSICS & set(entry.words)))
+    return _is_camera(entry) or (entry.array is not None and entry.says(_INTRINSICS))
 
 
 def _is_camera(entry: Entry) -> bool:
@@ -326,10 +311,10 @@ def _is_camera(entry: Entry) -> bool:
 
 
 def _is_lens(entry: Entry) -> bool:
-    words, array = set(entry.words), entry.array
-    if array is None or array.ndim != 1 or array.size not in (0, *_COUNTS) or _OF_RECTIFIED & words:
+    shape = entry.shape
+    if len(shape) != 1 or shape[0] not in _COUNTS or entry.says(_OF_RECTIFIED):
         return False
-    return bool(_LENS & words) or (array.size >= 4 and not _NO_LENS & words)
+    return entry.says(_LENS) or (shape[0] >= 4 and not entry.says(_NO_LENS))
 
 
 def _is_rotation(entry: Entry) -> bool:
@@ -338,4 +323,4 @@ def _is_rotation(entry: Entry) -> bool:
 
 
 def _is_vector(entry: Entry) -> bool:
-    return entry.array is not None and entry.array.shape == (3,)
+    return entry.shape == (3,)

@@ -32,12 +32,15 @@ from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
-_SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
-    "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
-    "width height K D R P",
-    "width height k d r p",
-    "width height camera_matrix distortion rectification projection",  # of ost.txt, with spaces for underscores
-)
+_SPELLINGS: list[dict[str, str]] = [  # of files, and of the messages of ROS 1 and ROS 2
+    dict(zip(_ROLES, keys.split(), strict=True))
+    for keys in (
+        "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
+        "width height K D R P",
+        "width height k d r p",
+        "width height camera_matrix distortion rectification projection",  # of ost.txt, with spaces for underscores
+    )
+]
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
 _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
@@ -47,14 +50,27 @@ _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
 class _Part:
     """What a document says of one camera."""
 
-    document: Document  # as if it said nothing else
-    places: tuple[Keys, ...]  # where that stands in the whole; several, if its message was printed several times
-    name: str  # of the camera
+    where: str  # the name of the document
+    content: Mapping[str, Any]  # as if it said nothing else
+    keys: Mapping[str, str]  # the keys that it has, by what they hold
+    places: tuple[Keys, ...] = ((),)  # of the content in the whole; several, if its message was printed several times
+    name: str = ""  # of the camera
+
+    @property
+    def said(self) -> list[Any]:
+        """What is equal for messages of one calibration."""
+        return [self.content.get(key) for key in ("distortion_model", *self.keys.values())]
+
+    def matrix(self, role: str, shape: tuple[int, int]) -> Array:
+        """A matrix, whose rows may stand one after the other."""
+        stated = self.content.get(self.keys[role])
+        flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
+        return numbers(self.content, self.keys[role], (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
 def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
-    several, found = document.content.get(DOCUMENTS), list[tuple[_Part, list[Any]]]()
+    several, found = document.content.get(DOCUMENTS), list[_Part]()
     maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
         sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
@@ -64,21 +80,19 @@ def _parts_of(document: Document) -> list[_Part]:
             for key, one in sections.items()
         ]
     for place, content in maps or [((), document.content)]:
-        part = replace(document, content=content)
-        keys = _spelling(part)
+        keys = _spelling(content)
         if keys is None:
-            continue
-        said = [content.get(key) for key in ("distortion_model", *keys.split())]
-        known = next((at for at, (_, other) in enumerate(found) if other == said), None)
-        if known is not None:
-            earlier, _ = found[known]
-            found[known] = (replace(earlier, places=(*earlier.places, place)), said)
             continue
         header = content.get("header")
         frame = header.get("frame_id") if isinstance(header, Mapping) else None
         name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
-        found.append((_Part(part, (place,), str(name)), said))
-    return [part for part, _ in found]
+        part = _Part(document.name, content, keys, (place,), str(name))
+        known = next((at for at, other in enumerate(found) if other.said == part.said), None)
+        if known is None:
+            found.append(part)
+        else:
+            found[known] = replace(found[known], places=(*found[known].places, place))
+    return found
 
 
 def _chosen(documents: Documents, hints: Hints) -> list[_Part]:
@@ -101,7 +115,10 @@ def _chosen(documents: Documents, hints: Hints) -> list[_Part]:
                 f"{document.name}: it holds {len(found)} calibrations that differ; keep one of each camera: in a file "
                 "for each, or both in one, which is given alone."
             )
-    return [(found or [_Part(document, ((),), "")])[0] for document, found in zip(documents, parts, strict=True)]
+    return [
+        found[0] if found else _Part(document.name, document.content, _SPELLINGS[0])
+        for document, found in zip(documents, parts, strict=True)
+    ]
 
 
 def _camera_names(documents: Documents) -> tuple[str, ...]:
@@ -110,45 +127,34 @@ def _camera_names(documents: Documents) -> tuple[str, ...]:
     return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
 
 
-def _spelling(document: Document) -> str | None:
-    """The keys that a file has; None if it has those of none."""
+def _spelling(content: Mapping[str, Any]) -> dict[str, str] | None:
+    """The keys that a camera has, by what they hold; None if it has those of none."""
     for keys in _SPELLINGS:
-        _, _, matrix, _, *rectified = keys.split()
-        more = {"distortion_model"} if len(matrix) == 1 else set()  # K, R and P alone may be anybody's
-        if {matrix, *rectified, *more} <= document.content.keys():
+        needed = {keys[role] for role in ("matrix", "rotation", "projection")}
+        # K, R and P alone may be anybody's.
+        if needed | ({"distortion_model"} if len(keys["matrix"]) == 1 else set()) <= content.keys():
             return keys
     return None
-
-
-def _names(document: Document) -> dict[str, str]:
-    """The keys of a file by what they hold; those of camera_info YAML if it has the keys of none."""
-    return dict(zip(_ROLES, (_spelling(document) or _SPELLINGS[0]).split(), strict=True))
-
-
-def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
-    stated = document.content.get(key)
-    flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
-    return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t];
     t has x, of cameras one above the other y, of KITTI's all three."""
-    documents = tuple(part.document for part in _chosen(documents, hints))
-    (left, to_left, left_place), (right, to_right, place) = map(_camera, documents)
-    with about(" and ".join(dict.fromkeys(document.name for document in documents))):
+    parts = _chosen(documents, hints)
+    (left, to_left, left_place), (right, to_right, place) = map(_camera, parts)
+    with about(" and ".join(dict.fromkeys(part.where for part in parts))):
         if np.array_equal(place, left_place):
             raise InputError(
-                f"{_names(documents[1])['projection']} has no baseline (its fourth column is the same in both files); "
+                f"{parts[1].keys['projection']} has no baseline (its fourth column is the same in both files); "
                 "calibrate the two as stereo."
             )
         return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (place - left_place)))
 
 
-def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
+def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:
     """A camera, the rotation that rectifies it, and t of its projection matrix K [I | t]."""
-    content, names = document.content, _names(document)
-    with about(document.name):
+    content, names = part.content, part.keys
+    with about(part.where):
         size = image_size(content, names["width"], names["height"])
         lens = numbers(content, names["lens"], (-1,))
         # ROS itself reads a file without a model as plumb_bob; four coefficients could be equidistant.
@@ -158,8 +164,8 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
             raise unsupported(stated)
         check_no_lens(stated, lens)
         model = "equidistant" if stated in _EQUIDISTANT else Camera.model
-        matrix, rotation = (_matrix(document, names[role], (3, 3)) for role in ("matrix", "rotation"))
-        projection = _matrix(document, names["projection"], (3, 4))
+        matrix, rotation = (part.matrix(role, (3, 3)) for role in ("matrix", "rotation"))
+        projection = part.matrix("projection", (3, 4))
         if not np.any(matrix):
             raise InputError(f"{names['matrix']} is 0: this camera is not calibrated; calibrate it.")
         if not np.any(rotation):  # as ZED's driver leaves it for its rectified images
@@ -196,12 +202,12 @@ def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
     """What to write for each camera, everywhere where it is printed: rectification and projection matrices, with the
     files' own options; intrinsics of the cameras of the target."""
     parts = _chosen(target.documents, target.hints)
-    P1, P2 = (_matrix(part.document, _names(part.document)["projection"], (3, 4)) for part in parts)
+    P1, P2 = (part.matrix("projection", (3, 4)) for part in parts)
     options = options_of(_read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
     made, wanted = rectification_of(rig, options), dict(target.cameras(rig))
     found = [dict[Keys, Any]() for _ in target.documents]
     for side, part in enumerate(parts):
-        content, names, values = part.document.content, _names(part.document), dict[Keys, Any]()
+        content, names, values = part.content, part.keys, dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
         if side in wanted:
             model, lens = _lens(wanted[side], size_of(content, (names["lens"],)))

@@ -77,11 +77,7 @@ def match_equal(left: Path, right: Path) -> Matched:
 
 
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
-    """The files with equal keys, in the order of the left ones.
-
-    Raises:
-        InputError: naming a file without a partner.
-    """
+    """The files with equal keys, in the order of the left ones; an InputError names a file without a partner."""
     for files, others, side in ((left, right, "right"), (right, left, "left")):
         for path in (path for key, path in files.items() if key not in others):
             raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
@@ -89,11 +85,7 @@ def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
 
 
 def by_stem(folder: Path) -> dict[str, Path]:
-    """The images of a folder by their names without suffix, in natural order.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The images of a folder by their names without suffix, in natural order; InputError if there is none."""
     files = {path.stem: path for path in images_in(folder)}
     if not files:
         raise InputError(f"{folder}: there is no such folder, or no image in it; copy or unpack the images.")
