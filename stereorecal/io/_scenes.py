@@ -46,9 +46,8 @@ def load_calibration(
                 return _of(image_size(content, "image_size"), None, content)
     rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
     source = file_of(rig)
-    if source is None or source.format != _stereorecal.NAME:
-        return _of(rig.sizes_taken[0], rig, {})
-    return _of(rig.sizes_taken[0], rig, source.documents[0].content)
+    own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
+    return _of(rig.sizes_taken[0], rig, own)
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:

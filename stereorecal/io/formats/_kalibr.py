@@ -124,23 +124,14 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
 def _write(rig: StereoRig, target: Target) -> list[Values]:
     """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
     all these on the IMU."""
-    content, chain = target.documents[0].content, _cameras(target.documents)
+    content, chain, values = target.documents[0].content, _cameras(target.documents), dict[Keys, Any]()
     names, motion = target.hints.cameras or _TABLE.names, left_to_right(rig)
     first, last = sorted(names, key=chain.index)
-    values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
-    for side, camera in target.cameras(rig):
-        values |= _TABLE.values(content, names[side], camera)
-    return [values]
-
-
-def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Motion) -> dict[Keys, Any]:
-    """What to write where `motion` takes points of one camera to a later one."""
-    values, links = dict[Keys, Any](), chain[chain.index(first) + 1 : chain.index(last) + 1]
+    motion = motion if first == names[0] else inverse(motion)
+    links = chain[chain.index(first) + 1 : chain.index(last) + 1]
     if all(_FROM_LAST in content[name] for name in links):
-        link = motion @ inverse(_along(content, links[:-1]))
-        values |= matrix_values(content, (last, _FROM_LAST), link)
-    followers = takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])
-    moved = [last, *followers]
+        values |= matrix_values(content, (last, _FROM_LAST), motion @ inverse(_along(content, links[:-1])))
+    moved = [last, *takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])]
     for key in (_FROM_IMU, _TO_IMU):
         stated = [name for name in moved if key in content[name]]
         if stated and key not in content[first]:
@@ -151,9 +142,10 @@ def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: s
         for name in moved:
             to_camera = (motion if name == last else _pose(content, name, _FROM_LAST)) @ to_camera
             if name in stated:
-                pose = to_camera if key == _FROM_IMU else inverse(to_camera)
-                values |= matrix_values(content, (name, key), pose)
-    return values
+                values |= matrix_values(content, (name, key), to_camera if key == _FROM_IMU else inverse(to_camera))
+    for side, camera in target.cameras(rig):
+        values |= _TABLE.values(content, names[side], camera)
+    return [values]
 
 
 FORMAT = Format(

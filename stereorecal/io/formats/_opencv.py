@@ -66,7 +66,12 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
     implied = not matrices.has("R") and not matrices.has("T") and matrices.has("R1", "R2", "P1", "P2")
     if not implied:
         matrices.check_whole()
-    size, model = matrices.size(hints), _model(content)
+    size = matrices.size(hints)
+    if any(re.fullmatch(r"(.*[._])?xi[_\d]*", str(name), re.IGNORECASE) for name in content):
+        raise UnsupportedModelError(
+            "xi is a lens of cv2.omnidir; give sr.StereoRig.from_matrices(…, model='omni') with D = xi k1 k2 p1 p2."
+        )
+    model = "equidistant" if content.get(_FISHEYE) else model_named(content.get(_MODEL))
     cameras = []
     for side in (1, 2):
         matrix, key = camera_matrix(content, names[f"K{side}"]), names[f"D{side}"]
@@ -141,16 +146,6 @@ def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Arra
             "(t, 0, 0) or (0, t, 0); add R and T to the file."
         )
     return R2.T @ R1, R2.T @ np.array([P2[0, 3] / P2[0, 0], P2[1, 3] / P2[1, 1], 0.0])
-
-
-def _model(content: Mapping[str, Any]) -> str:
-    """The model of both lenses."""
-    if any(re.fullmatch(r"(.*[._])?xi[_\d]*", str(name), re.IGNORECASE) for name in content):
-        raise UnsupportedModelError(
-            "xi is a lens of cv2.omnidir; give sr.StereoRig.from_matrices(…, model='omni') with D = xi k1 k2 p1 p2."
-        )
-    stated = content.get(_MODEL)
-    return "equidistant" if content.get(_FISHEYE) else Camera.model if stated is None else model_named(stated)
 
 
 FORMAT = Format(

@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 from collections.abc import Iterable, Mapping
-from itertools import chain
 from operator import methodcaller
 from pathlib import Path
 from typing import Any
@@ -57,11 +56,9 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
 def _check_calibrated(folder: Path) -> None:
     """Refuse images with a calibration in another format; the message has the options that read them."""
     sides = [_images_of(folder, side) for side in ("left", "right")]
-    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(map(any, sides)):
+    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(sides):
         return
-    left, right = (
-        single[0] if single else folder / side for side, (single, _) in zip(("left", "right"), sides, strict=True)
-    )
+    left, right = (found[0] if found[0].parent == folder else found[0].parent for found in sides)
     words = shlex.join(["--left", str(left), "--right", str(right), "--calibration", str(folder)])
     raise InputError(
         f"{folder}: there is no {_CALIBRATION_FILE}; for a calibration in another format say {words} (in Python: "
@@ -118,17 +115,17 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
 
 def _side_files(folder: Path, side: str) -> list[Path]:
     """The images of one side: the file `side.*` or those in the folder `side`."""
-    single, several = _images_of(folder, side)
-    if not (single or several):
+    found = _images_of(folder, side)
+    if not found:
         raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")
-    if len(single) > 1 or (single and several):
-        other = single[1] if len(single) > 1 else several[0]
-        raise InputError(f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one.")
-    return single or several
+    if found[0].parent == folder and len(found) > 1:
+        raise InputError(f"{folder}: both {found[0].name} and {found[1].relative_to(folder)} are there; remove one.")
+    return found
 
 
-def _images_of(folder: Path, side: str) -> tuple[list[Path], list[Path]]:
-    return [path for path in images_in(folder) if path.stem == side], images_in(folder / side)
+def _images_of(folder: Path, side: str) -> list[Path]:
+    """The images `side.*`, and those in the folder `side`."""
+    return [path for path in images_in(folder) if path.stem == side] + images_in(folder / side)
 
 
 def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
@@ -147,7 +144,7 @@ def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
     if existing and not overwrite:
         raise InputError(f"{existing[0]}: the file exists already; choose another folder, or say overwrite=True.")
     for side in ("left", "right"):
-        for path in chain(*_images_of(folder, side)):
+        for path in _images_of(folder, side):
             if path not in targets:
                 raise InputError(f"{path}: this image would mix with the scene; choose another folder.")
 

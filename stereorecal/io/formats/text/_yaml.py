@@ -107,15 +107,11 @@ def _node(node: yaml.Node, text: str, before: int) -> Node:
         return made
     if isinstance(node, SequenceNode):
         items = [_node(item, text, before) for item in node.value]
-        return Node(
-            items, start, end, ", " if node.flow_style or not items else _new_item(text, items[-1].start - before)
-        )
+        if node.flow_style or not items:
+            return Node(items, start, end)
+        last = items[-1].start - before
+        line = text[text.rfind("\n", 0, last) + 1 : last]  # what begins an item in a line of its own
+        return Node(items, start, end, "\n" + re.sub(r"[^-\s].*", "", line))
     if not isinstance(node, ScalarNode) or node.style:
         return Node(node.value, start, end)
     return Node(_WORDS.get(node.value.lower(), number_or_word(node.value)), start, end)
-
-
-def _new_item(text: str, last: int) -> str:
-    """What begins an item in a line of its own, as the last one, which begins there."""
-    begin = text.rfind("\n", 0, last) + 1
-    return "\n" + re.sub(r"[^-\s].*", "", text[begin:last])
