@@ -65,11 +65,8 @@ class Target:
 
     def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
         """Those of the rig whose intrinsics are to be written: 0 and the left one, 1 and the right one."""
-        return (
-            (side, camera)
-            for side, (camera, wanted) in enumerate(((rig.left, self.left), (rig.right, self.right)))
-            if wanted
-        )
+        every = zip((0, 1), (rig.left, rig.right), (self.left, self.right), strict=True)
+        return ((side, camera) for side, camera, wanted in every if wanted)
 
 
 @dataclass(frozen=True)

@@ -132,7 +132,7 @@ def _rectify_options(target: Target, matrices: Matrices) -> RectifyOptions:
         P1, P2 = (numbers(matrices.content, matrices.own_name(key) or key, (3, 4)) for key in ("P1", "P2"))
     except InputError:  # missing, or no matrix: it is written anew in any case
         return _RECTIFY
-    return options_of(_read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    return options_of(lambda: _read(target.documents, target.hints), P1, P2, _RECTIFY)
 
 
 def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Array, Array]:

@@ -1,5 +1,6 @@
 """Matrices that calibration files hold beside the calibration (R1, R2, P1, P2, Q, E, F), computed as OpenCV does."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import cv2
@@ -32,11 +33,12 @@ class RectifyOptions:
     matrices: tuple[Array, Array] | None = None  # None: those of `sr.view`'s pinhole
 
 
-def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
+def options_of(read: Callable[[], StereoRig], P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
     """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
     cropped images."""
     if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
         return usual
+    rig = read()
     if rig.is_wide:
         return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
     for flags in (cv2.CALIB_ZERO_DISPARITY, 0):

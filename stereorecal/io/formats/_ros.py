@@ -203,7 +203,7 @@ def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
     files' own options; intrinsics of the cameras of the target."""
     parts = _chosen(target.documents, target.hints)
     P1, P2 = (part.matrix("projection", (3, 4)) for part in parts)
-    options = options_of(_read(target.documents, target.hints), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
+    options = options_of(lambda: _read(target.documents, target.hints), P1, P2, _RECTIFY)
     made, wanted = rectification_of(rig, options), dict(target.cameras(rig))
     found = [dict[Keys, Any]() for _ in target.documents]
     for side, part in enumerate(parts):
