@@ -33,11 +33,8 @@ def write_text(path: str | os.PathLike[str], text: str, *, replace: bool = True)
 
 
 def write_files(contents: Mapping[Path, bytes], *, replace: bool = True) -> None:
-    """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk.
-
-    Raises:
-        InputError: naming the place that cannot be written to.
-    """
+    """Write files that belong together, each as `write_bytes` does; none is replaced before all are on the disk. An
+    InputError names the place that cannot be written to."""
     complete: dict[Path, Path] = {}  # new files, which have no names yet
     try:
         for path, data in contents.items():
@@ -83,20 +80,14 @@ def _rename_exclusively(temporary: Path, final: Path) -> None:
     """As `os.replace`, but a file that another program made meanwhile stays, where the file system has links."""
     try:
         os.link(temporary, final)
-    except FileExistsError:
-        raise
     except OSError as error:
-        if final.is_file():
+        if isinstance(error, FileExistsError) or final.is_file():
             raise FileExistsError from error
         os.replace(temporary, final)
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and its parents, if they do not exist.
-
-    Raises:
-        InputError: if the folder cannot be made.
-    """
+    """Make a folder and its parents, if they do not exist; InputError if that cannot be."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -126,11 +117,7 @@ def _as_input_error(path: Path) -> Iterator[None]:
 
 
 def back_up(path: AnyPath) -> Path:
-    """Copy a file to `next_copy`.
-
-    Raises:
-        InputError: if it cannot be read, or there is no room.
-    """
+    """Copy a file to `next_copy`; InputError if it cannot be read, or there is no room."""
     copy = next_copy(path)
     try:
         data = Path(path).read_bytes()

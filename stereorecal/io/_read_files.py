@@ -18,14 +18,8 @@ _files_read: ContextVar[set[Path] | None] = ContextVar("files that were read", d
 
 
 def read_text(path: Path, if_missing: str = "add it.") -> str:
-    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file.
-
-    Args:
-        if_missing: the end of the message if the file does not exist: what to do about it.
-
-    Raises:
-        InputError: naming the file, if it is missing, unreadable, empty or not UTF-8.
-    """
+    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file. The message about one
+    that does not exist ends in `if_missing`."""
     note_input(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:

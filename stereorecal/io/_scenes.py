@@ -27,19 +27,12 @@ _IF_MISSING = "check the path, or write a calib.json there."
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """The content of a calibration file.
+    """The content of a calibration file."""
 
-    Attributes:
-        size: (width, height) of the images in pixels, as they were taken.
-        rig: side by side; None if both camera matrices of a calib.json are null.
-        reference: "truth" if the rig is known to be exact, such as that of a rendered scene, else "stored".
-        info: the keys of a calib.json that do not describe the rig, unchanged.
-    """
-
-    size: tuple[int, int]
-    rig: StereoRig | None
-    reference: str = "stored"
-    info: Mapping[str, Any] = field(default_factory=dict)
+    size: tuple[int, int]  # (width, height) of the images as they were taken
+    rig: StereoRig | None  # side by side; None if both camera matrices of a calib.json are null
+    reference: str = "stored"  # or "truth", if the rig is exact, such as that of a rendered scene
+    info: Mapping[str, Any] = field(default_factory=dict)  # other keys of a calib.json, unchanged
 
 
 def load_calibration(
@@ -53,23 +46,14 @@ def load_calibration(
                 return _of(image_size(content, "image_size"), None, content)
     rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
     source = file_of(rig)
-    if source is None or source.format != _stereorecal.NAME:
-        return _of(rig.sizes_taken[0], rig, {})
-    return _of(rig.sizes_taken[0], rig, source.documents[0].content)
+    own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
+    return _of(rig.sizes_taken[0], rig, own)
 
 
 def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:
     known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
     info = {key: item for key, item in content.items() if key not in known}
     return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
-
-
-def read_json_object(path: Path) -> dict[str, Any]:
-    """The keys and values of a JSON file beside the images, such as mission.json."""
-    content = read_json(path, if_missing=_IF_MISSING)
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: there is no JSON object of named values in the file; correct it.")
-    return content
 
 
 def gather_scene(
@@ -97,11 +81,10 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-
-    def pairs(sizes: Sizes | None) -> Sequence[Pair]:
-        return load_pairs(left, right, limit, sizes=sizes)
-
-    return calibrated_scene(str(left), pairs, calibration, format=format, unit=unit, cameras=cameras)
+    read = partial(load_pairs, left, right, limit)
+    return calibrated_scene(
+        str(left), lambda sizes: read(sizes=sizes), calibration, format=format, unit=unit, cameras=cameras
+    )
 
 
 def calibrated_scene(
@@ -132,14 +115,8 @@ def bag_scene(
     *,
     unit: str | None = None,
 ) -> Scene:
-    """The scene of pairs of a bag, with the calibration in its own camera_info; the rig is that of no file.
-
-    Raises:
-        InputError: if there is no such camera_info, or it is no calibration of these images.
-
-    Warns:
-        CalibrationWarning: as `load_rig`.
-    """
+    """The scene of pairs of a bag, with the calibration in its own camera_info; the rig is that of no file. Warns as
+    `load_rig`; InputError if there is no such camera_info, or it is no calibration of these images."""
     place = bag_folder(Path(bag))
     infos = camera_infos(place, topics).items()
     documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)
@@ -173,7 +150,9 @@ def _assembled(
     read = pairs(sizes)
     found = load(replace(hints, size=read[0].size if read else None, common_size=True))
     with about(where):
-        scene = scene_of(name, found, read)
+        if found.rig is not None and not read:
+            check_pairs(found.rig, read)  # says that there is none
+        scene = Scene(name, found.rig, tuple(_fitting(found, pair) for pair in read), found.reference, found.info)
     remark_sizes(where, sizes)
     return scene
 
@@ -184,11 +163,7 @@ def _sizes(calibration: Calibration) -> Sizes:
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
-    """Say that the cameras of a calibration have images of two sizes.
-
-    Warns:
-        CalibrationWarning: if they have.
-    """
+    """Say that the cameras of a calibration have images of two sizes."""
     if sizes is not None and sizes[0] != sizes[1]:
         (left, right), (width, height) = (f"{wide}x{high}" for wide, high in sizes), common_size(sizes)
         warnings.warn(
@@ -199,18 +174,8 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
         )
 
 
-def scene_of(name: str, calibration: Calibration, pairs: Sequence[Pair]) -> Scene:
-    """The scene of a calibration and pairs, turned as its rig says."""
-    pairs = tuple(pairs)
-    if calibration.rig is not None and not pairs:
-        check_pairs(calibration.rig, pairs)  # says that there is none
-    pairs = tuple(_fitting(calibration, pair) for pair in pairs)
-    return Scene(name, calibration.rig, pairs, calibration.reference, calibration.info)
-
-
 def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
-    """The pairs, each turned and checked when it is read: InputError about `where` if it does not fit the
-    calibration."""
+    """The pairs, each turned and checked when it is read; messages begin with `where`."""
     return pairs.mapped(partial(_fitting_about, where, calibration))
 
 

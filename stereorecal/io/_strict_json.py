@@ -29,20 +29,12 @@ def json_line(content: Any) -> str:
 
 
 def write_json(path: AnyPath, content: Any) -> None:
-    """Write `json_text(content)` to a file, whole or not at all.
-
-    Raises:
-        InputError: if the place cannot be written to.
-    """
+    """Write `json_text(content)` to a file, whole or not at all; InputError if the place cannot be written to."""
     write_text(path, json_text(content))
 
 
 def strict_json_text(content: Any, *, sort_keys: bool = False) -> str:
-    """As `json_text`, for what must be read back as it was: nothing is converted and nothing becomes null.
-
-    Raises:
-        TypeError, ValueError, RecursionError: if JSON cannot hold a value.
-    """
+    """As `json_text`, for what must be read back as it was: nothing is converted and nothing becomes null."""
     return json.dumps(content, indent=1, sort_keys=sort_keys, allow_nan=False) + "\n"
 
 

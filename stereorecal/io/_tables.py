@@ -13,7 +13,12 @@ from stereorecal.recordings import Odometer, Range
 _SIGNS = ";\t|"  # that divide the columns of other tables
 _COLUMNS = ("pair", "column", "row", "metres", "sigma")
 _ALONG = {"metres": "ray", "depth": "axis"}  # by the name of the column
-_KINDS = (["time_s", "metres"], ["time_s", "speed_mps"], ["time_s", "x", "y"], ["time_s", "x", "y", "z"])
+_KINDS = {  # of odometers, by the header
+    "time_s,metres": Odometer,
+    "time_s,speed_mps": Odometer.from_speeds,
+    "time_s,x,y": Odometer.from_positions,
+    "time_s,x,y,z": Odometer.from_positions,
+}
 
 
 def load_ranges(path: str | Path) -> tuple[Range, ...]:
@@ -24,8 +29,7 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     Raises:
         InputError: if the file cannot be read, or names the line that makes no sense.
     """
-    headings, *lines = _lines(path, "one line for each range")
-    header = headings
+    header, *lines = _lines(path, "one line for each range")
     if len(header) == 1 and any(sign in header[0] for sign in _SIGNS):
         raise InputError(f"{path}: the columns are not divided by commas; write {','.join(_COLUMNS)}.")
     along = _ALONG.get(header[3]) if len(header) > 3 else None
@@ -61,8 +65,9 @@ def load_odometer(path: str | Path) -> Odometer:
     """
     header, *lines = [line for line in _lines(path, "one line for each time") if any(line)] or [[]]
     with about(path):
-        if header not in _KINDS:
-            headers = " or ".join(map(",".join, _KINDS))
+        make = _KINDS.get(",".join(header))
+        if make is None:
+            headers = " or ".join(_KINDS)
             raise InputError(f"the first line is not a header of an odometer file; it must be {headers}.")
         try:
             table = np.array([[float(cell) for cell in line] for line in lines], float).reshape(-1, len(header))
@@ -70,11 +75,7 @@ def load_odometer(path: str | Path) -> Odometer:
             raise InputError(
                 f"a line does not hold {len(header)} numbers ({error}); write them separated by commas."
             ) from None
-        if header == _KINDS[0]:
-            return Odometer(table[:, 0], table[:, 1])
-        if header == _KINDS[1]:
-            return Odometer.from_speeds(table[:, 0], table[:, 1])
-        return Odometer.from_positions(table[:, 0], table[:, 1:])
+        return make(table[:, 0], table[:, 1] if len(header) == 2 else table[:, 1:])
 
 
 def _parsed_number(cell: str) -> float:

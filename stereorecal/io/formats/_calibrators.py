@@ -99,7 +99,7 @@ _EXTRINSICS = ("rt_cam_ref", "extrinsics")  # of mrcal 3, and of those before
 
 
 def _read_mrcal(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of two camera models: the motion from the left camera to the reference, and on to the right one."""
+    """The rig: the motion from the left camera to the reference, and on to the right one."""
     (left, to_left), (right, to_right) = (_camera_of_mrcal(document) for document in documents)
     with about(" and ".join(document.name for document in documents)):
         return rig_of(left, right, to_right @ inverse(to_left))

@@ -25,9 +25,8 @@ from stereorecal.io.formats._format import (
     pose,
     rig_of,
 )
-from stereorecal.io.formats._numbers import coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
-from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values, at
 
 # --- DepthAI: the stereo pair that the file names, or the sockets 1 (left) and 2 (right)
@@ -110,12 +109,10 @@ def _write_depthai(rig: StereoRig, target: Target) -> list[Values]:
     for side, camera in target.cameras(rig):
         data, stated = _data(content, sockets[side])
         size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
-        if camera.model == "equidistant":
-            lens = np.pad(np.asarray(camera.distortion), (0, max(0, least - 4)))
-        else:
-            lens = coefficients(camera, [n for n in (4, 5, 8, 12, 14) if n >= least], "DepthAI", "opencv")
+        counts = [count for count in (4, 5, 8, 12, 14) if count >= least]
+        lens = coefficients(camera, counts, "DepthAI", "opencv", OF_OPENCV)
         values[(*data, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
-        values[(*data, "distortionCoeff")] = lens.tolist()
+        values[(*data, "distortionCoeff")] = np.pad(lens, (0, max(0, least - lens.size))).tolist()
     return [values]
 
 
@@ -215,13 +212,8 @@ _SIZES = {"VGA": (672, 376), "HD": (1280, 720), "FHD": (1920, 1080), "2K": (2208
           "FHD1200": (1920, 1200), "QHDPLUS": (3200, 1800), "4K": (3840, 2160)}  # fmt: skip
 _LENS = ("K1", "K2", "P1", "P2", "K3", "K4", "K5", "K6", "S1", "S2", "S3", "S4")
 _SIDES = ("LEFT", "RIGHT")
+_SECTIONS = {f"{side}_CAM_{name}" for side in _SIDES for name in _SIZES}
 _WIDEST = 0.1  # radians between the two cameras
-
-
-def _looks_like_zed(document: Document) -> bool:
-    """Whether there is a left or a right camera at one of the resolutions, and the section of both."""
-    keys = document.content.keys()
-    return "STEREO" in keys and any(f"{side}_CAM_{name}" in keys for side in _SIDES for name in _SIZES)
 
 
 def _read_zed(documents: Documents, hints: Hints) -> StereoRig:
@@ -265,7 +257,11 @@ def _camera_of_zed(content: Mapping[str, Any], side: str, name: str, size: tuple
 
 
 ZED = Format(
-    "zed", "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)", "mm", _looks_like_zed, _read_zed
+    "zed",
+    "ZED's factory calibration, SN….conf (LEFT_CAM_HD, RIGHT_CAM_HD, STEREO)",
+    "mm",
+    lambda document: "STEREO" in document.content and bool(_SECTIONS & document.content.keys()),
+    _read_zed,
 )
 
 # --- RealSense: both infrared or fisheye cameras

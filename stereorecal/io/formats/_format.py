@@ -56,60 +56,38 @@ class Hints:
 
 @dataclass(frozen=True)
 class Target:
-    """Where a rig is to be written.
+    """Where a rig is to be written."""
 
-    Attributes:
-        documents: the file that it came from, or one without numbers of its own.
-        left, right: whether the intrinsics of that camera are to be written; else those in the file stay.
-        hints: with which the documents were read.
-    """
-
-    documents: Documents
-    left: bool = True
-    right: bool = True
-    hints: Hints = field(default_factory=Hints)
+    documents: Documents  # the file that it came from, or one without numbers of its own
+    left: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
+    right: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
+    hints: Hints = field(default_factory=Hints)  # with which the documents were read
 
     def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
         """Those of the rig whose intrinsics are to be written: 0 and the left one, 1 and the right one."""
-        return (
-            (side, camera)
-            for side, (camera, wanted) in enumerate(((rig.left, self.left), (rig.right, self.right)))
-            if wanted
-        )
+        every = zip((0, 1), (rig.left, rig.right), (self.left, self.right), strict=True)
+        return ((side, camera) for side, camera, wanted in every if wanted)
 
 
 @dataclass(frozen=True)
 class Format:
-    """One format, with lengths in the file's own unit on both ways.
+    """One format, with lengths in the file's own unit on both ways. What is wrong with a document is for `read` to say,
+    in an InputError, which names the file, if there are two; what the format cannot hold, for `blank` and `write`, in
+    one that names a format that can."""
 
-    Attributes:
-        name: as people write it after `--to`.
-        about: what it is, and its files, in a few words.
-        unit: of length, "m", "cm" or "mm"; None if the format says none.
-        looks: whether a document, and each of two, looks like this format; what is wrong with it is for `read` to say.
-        read: makes the rig, with T in the file's unit; what is wrong is an InputError, which names the file, if there
-            are two.
-        files: how many a new calibration takes: 1, or 2, one for each camera.
-        looks_together: the same as `looks` of a format whose numbers may be in any number of files.
-        cameras: names the cameras in documents: the first two are read where none are chosen, and `read` takes any two
-            from its hints. None if the files name none.
-        syntax: endings of file names, and what is written into such a file; the first is usual. None: read only.
-        blank: makes the texts of new files, with all keys; numbers may be anything.
-        write: says what to write into each document: the extrinsics of the rig, with T in the file's unit, the
-            intrinsics that the target asks for, and everything that is derived from them. What the format cannot hold,
-            `blank` and `write` refuse with an InputError that names one that can.
-    """
-
-    name: str
-    about: str
-    unit: str | None
-    looks: Callable[[Document], bool]
-    read: Callable[[Documents, Hints], StereoRig]
-    files: int = 1
-    looks_together: Callable[[Documents], bool] | None = None
+    name: str  # as people write it after `--to`
+    about: str  # what it is, and its files, in a few words
+    unit: str | None  # of length, "m", "cm" or "mm"; None if the format says none
+    looks: Callable[[Document], bool]  # whether a document, and each of two, looks like this format
+    read: Callable[[Documents, Hints], StereoRig]  # makes the rig, with T in the file's unit
+    files: int = 1  # how many a new calibration takes: 1, or 2, one for each camera
+    looks_together: Callable[[Documents], bool] | None = None  # `looks`, where numbers may be in any number of files
+    # Names the cameras: the first two are read unless hints name others. None if the files name none.
     cameras: Callable[[Documents], Sequence[str]] | None = None
+    # Endings of file names, and what is written into such a file; the first is usual. None: read only.
     syntax: Mapping[str, Syntax] = field(default_factory=dict)
-    blank: Callable[[StereoRig, Syntax], Sequence[str]] = lambda rig, syntax: ()
+    blank: Callable[[StereoRig, Syntax], Sequence[str]] = lambda rig, syntax: ()  # new files: all keys, any numbers
+    # What to write into each document: the extrinsics, the intrinsics that the target asks for, and what is derived.
     write: Callable[[StereoRig, Target], Sequence[Values]] = lambda rig, target: ()
 
     def can_read(self, documents: Documents) -> bool:

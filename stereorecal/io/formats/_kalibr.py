@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import reduce
 from itertools import takewhile
 from typing import Any
 
@@ -63,17 +64,12 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
-    motion = _motion(content, first, last, _links(chain, first, last))
+    motion = _motion(content, first, last, chain[chain.index(first) + 1 : chain.index(last) + 1])
     return rig_of(left, right, motion if first == names[0] else inverse(motion))
 
 
-def _links(chain: Sequence[str], first: str, last: str) -> Sequence[str]:
-    """The cameras of the chain after `first`, up to `last`."""
-    return chain[chain.index(first) + 1 : chain.index(last) + 1]
-
-
 def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Motion:
-    """What takes points of one camera to a later one of the chain."""
+    """What takes points of one camera to a later one of the chain, over the cameras after it."""
     if all(_FROM_LAST in content[name] for name in links):
         return _along(content, links)
     stated = [
@@ -95,10 +91,7 @@ def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[s
 
 def _along(content: Mapping[str, Any], links: Sequence[str]) -> Motion:
     """What takes points of the camera before these links to the last one."""
-    motion = np.eye(4)
-    for name in links:
-        motion = _pose(content, name, _FROM_LAST) @ motion
-    return motion
+    return reduce(lambda motion, name: _pose(content, name, _FROM_LAST) @ motion, links, np.eye(4))
 
 
 def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Motion:
@@ -131,24 +124,14 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
 def _write(rig: StereoRig, target: Target) -> list[Values]:
     """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
     all these on the IMU."""
-    content, chain = target.documents[0].content, _cameras(target.documents)
+    content, chain, values = target.documents[0].content, _cameras(target.documents), dict[Keys, Any]()
     names, motion = target.hints.cameras or _TABLE.names, left_to_right(rig)
     first, last = sorted(names, key=chain.index)
-    values = _poses(content, chain, first, last, motion if first == names[0] else inverse(motion))
-    for side, camera in target.cameras(rig):
-        values |= _TABLE.values(content, names[side], camera)
-    return [values]
-
-
-def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: str, motion: Motion) -> dict[Keys, Any]:
-    """What to write where `motion` takes points of one camera to a later one."""
-    values: dict[Keys, Any] = {}
-    links = _links(chain, first, last)
+    motion = motion if first == names[0] else inverse(motion)
+    links = chain[chain.index(first) + 1 : chain.index(last) + 1]
     if all(_FROM_LAST in content[name] for name in links):
-        link = motion @ inverse(_along(content, links[:-1]))
-        values |= matrix_values(content, (last, _FROM_LAST), link)
-    followers = takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])
-    moved = [last, *followers]
+        values |= matrix_values(content, (last, _FROM_LAST), motion @ inverse(_along(content, links[:-1])))
+    moved = [last, *takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])]
     for key in (_FROM_IMU, _TO_IMU):
         stated = [name for name in moved if key in content[name]]
         if stated and key not in content[first]:
@@ -159,9 +142,10 @@ def _poses(content: Mapping[str, Any], chain: Sequence[str], first: str, last: s
         for name in moved:
             to_camera = (motion if name == last else _pose(content, name, _FROM_LAST)) @ to_camera
             if name in stated:
-                pose = to_camera if key == _FROM_IMU else inverse(to_camera)
-                values |= matrix_values(content, (name, key), pose)
-    return values
+                values |= matrix_values(content, (name, key), to_camera if key == _FROM_IMU else inverse(to_camera))
+    for side, camera in target.cameras(rig):
+        values |= _TABLE.values(content, names[side], camera)
+    return [values]
 
 
 FORMAT = Format(

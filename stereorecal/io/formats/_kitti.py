@@ -16,6 +16,7 @@ from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syn
 from stereorecal.io.formats._numbers import check_straight, image_size, numbers
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._table import Lens, Pose, Table
+from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 
 _CHOICES = (("00", "01"), ("02", "03"))  # grey before colour
@@ -57,10 +58,7 @@ def _camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int
 
 
 def _rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple[int, int]) -> StereoRig:
-    """The rig of two cameras: all have the same orientation, and P places each of them.
-
-    Between the colour cameras t differs slightly in y and z too: the four cameras are not exactly on one line.
-    """
+    """The rig of two cameras of one orientation, which P places; those of colour are not exactly on one line."""
     (left, from_left), (right, from_right) = (_camera_and_place(content, key, size) for key in keys)
     return rig_of(left, right, pose(np.eye(3), from_right - from_left))
 
@@ -106,30 +104,23 @@ ODOMETRY = Format(
 # --- calib_cam_to_cam.txt of raw data
 
 
-def _cameras(documents: Documents) -> tuple[str, ...]:
-    """The cameras that there are, those first that are read by default."""
-    pairs = sorted(_CHOICES, key=lambda pair: f"K_{pair[0]}" not in documents[0].content)
-    return tuple(name for pair in pairs for name in pair)
+def _pair(document: Document) -> tuple[str, str]:
+    """The cameras that are read by default: the first pair of which there is one."""
+    return next((pair for pair in _CHOICES if f"K_{pair[0]}" in document.content), _CHOICES[0])
 
 
 def _read_raw(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of the cameras as they are; or as rectified, if the images have the size of the rectified ones alone."""
-    content, cameras = documents[0].content, _chosen(documents, hints)
+    content, cameras = documents[0].content, hints.cameras or _pair(documents[0])
     if _is_rectified(content, cameras, hints):
         keys = f"P_rect_{cameras[0]}", f"P_rect_{cameras[1]}"
         return _rectified_rig(content, keys, image_size(content, f"S_rect_{cameras[0]}"))
     return _TABLE.read(documents, replace(hints, cameras=cameras))
 
 
-def _blank_raw(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """The grey cameras, raw and rectified."""
-    sizes = zip(_CHOICES[0], (rig.left.size, rig.right.size), strict=True)
-    return ("".join(_BLANK.format(name, *size) for name, size in sizes),)
-
-
 def _write_raw(rig: StereoRig, target: Target) -> Sequence[Values]:
     """R and T of the right camera; R_rect and P_rect (alpha 0) of both, where the file has those of no other camera."""
-    content, cameras = target.documents[0].content, _chosen(target.documents, target.hints)
+    content, cameras = target.documents[0].content, target.hints.cameras or _pair(target.documents[0])
     if _is_rectified(content, cameras, target.hints):
         raise InputError(
             "the rig is that of KITTI's rectified images, and the file has no place for a rotation between those; "
@@ -152,12 +143,6 @@ def _write_raw(rig: StereoRig, target: Target) -> Sequence[Values]:
     return [values | derived]
 
 
-def _chosen(documents: Documents, hints: Hints) -> tuple[str, str]:
-    """The pair that the hints name, else the first of which there is one."""
-    left, right = hints.cameras or _cameras(documents)[:2]
-    return left, right
-
-
 def _is_rectified(content: Mapping[str, Any], cameras: tuple[str, str], hints: Hints) -> bool:
     """Whether the images are KITTI's rectified ones: by the hints, else by their size."""
     if hints.rectified is not None:
@@ -175,8 +160,8 @@ RAW = Format(
     "m",
     lambda document: any(f"{key}_{pair[0]}" in document.content for key in ("K", "P_rect") for pair in _CHOICES),
     _read_raw,
-    cameras=_cameras,
+    cameras=lambda documents: sorted(sum(_CHOICES, ()), key=lambda name: name not in _pair(documents[0])),
     syntax=COLONS,
-    blank=_blank_raw,
+    blank=lambda rig, syntax: (_BLANK.format("00", *rig.left.size) + _BLANK.format("01", *rig.right.size),),
     write=_write_raw,
 )

@@ -3,6 +3,7 @@
 import os
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import permutations
 from pathlib import Path
@@ -104,11 +105,7 @@ def read_files(
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
-    """Whether the format of files has a unit of lengths.
-
-    Raises:
-        InputError: as `read_files`, if the format is not recognised.
-    """
+    """Whether the format of files has a unit of lengths; InputError, as of `read_files`, if it is not recognised."""
     return _documents_of(paths, format, Hints(), "check the path.")[1].unit is not None
 
 
@@ -123,11 +120,7 @@ def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> None:
     """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
     than its own; of turned images; and of principal points far from the middle of images, where the user and not the
-    file says the size of these. To be called by the function that users call: the warning points at their line.
-
-    Args:
-        sized: whether the size may have come from the user.
-    """
+    file says the size of these (`sized`: it may). To be called by what users call: the warning points at their line."""
     known = [rig for rig in rigs if rig is not None]
     doubts = [_doubt_of_size] if sized else []
     said = [next(filter(None, map(doubt, known)), None) for doubt in (*doubts, _doubt_of_unit)]
@@ -145,7 +138,7 @@ def _doubt_of_size(rig: StereoRig) -> str | None:
         return None
     for camera in (rig.left, rig.right):
         place, size = np.asarray(camera.matrix)[:2, 2], np.array(camera.size)
-        if (np.abs(place + 0.5 - size / 2.0) > _FAR * size).any() and _fits_any_size(source, source.hints.size):
+        if (np.abs(place + 0.5 - size / 2.0) > _FAR * size).any() and _fits_any_size(source):
             return (
                 f"the file has no image size, and its principal point ({place[0]:.0f}, {place[1]:.0f}) is far from the "
                 f"middle of images of {size[0]}x{size[1]}; if it is for images of another size, give that size, and "
@@ -154,14 +147,12 @@ def _doubt_of_size(rig: StereoRig) -> str | None:
     return None
 
 
-def _fits_any_size(source: RigFile, size: tuple[int, int]) -> bool:
-    """Whether a file is for images of any size that is said, another one than this, too."""
-    other = size[0] + 1, size[1] + 1
-    try:
-        rig = rig_in(source.documents, named(source.format), source.unit, replace(source.hints, size=other))
-    except InputError:
-        return False
-    return rig.left.size == other
+def _fits_any_size(source: RigFile) -> bool:
+    """Whether a file is for images of any size that is said: of another one, too."""
+    other = replace(source.hints, size=tuple(side + 1 for side in source.hints.size or ()))
+    with suppress(InputError):
+        return rig_in(source.documents, named(source.format), source.unit, other).left.size == other.size
+    return False
 
 
 def _doubt_of_unit(rig: StereoRig) -> str | None:

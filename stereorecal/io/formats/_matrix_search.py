@@ -13,48 +13,50 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import Documents
-from stereorecal.io.formats._numbers import Array, array_or_none, unpacked
+from stereorecal.io.formats._format import Documents, Hints
+from stereorecal.io.formats._numbers import Array, array_or_none, image_size, unpacked
 from stereorecal.io.formats.text._document import Document, read_document
 from stereorecal.io.formats.text._nodes import Keys
 
 _SIDES = (("left", "right"), ("l", "r"), ("1", "2"), ("0", "1"), ("first", "second"), ("a", "b"), ("port", "starboard"),
           ("master", "slave"), ("primary", "secondary"), ("izq", "der"), ("links", "rechts"))  # fmt: skip
-WAY_OUT = (  # of a message
+_WAY_OUT = (  # of a message
     "give the numbers to sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), or fill in the calib.json that "
     "`stereorecal convert FILE calib.json --template` writes."
 )
 _LONGEST = 200  # characters of a name
 _DEEPEST = 6  # levels of maps
 _MOST = 1000  # items of a list
-_SHOWN = 12
+_SHOWN, _SHOWN_PARTS = 12, 8
 _LARGEST = 16  # numbers of a matrix of a camera
 _ROWS = {"K": [[None, 0, None], [0, None, None], [0, 0, 1]], "D": [None] * 5}
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A value of a file.
+    """A value of a file."""
 
-    Attributes:
-        place: the number of the document, and the keys in it.
-        name: what messages call it: the keys, joined by dots.
-        array: the numbers, or None if it holds something else.
-    """
-
-    place: Keys
-    name: str
+    place: Keys  # the number of the document, and the keys in it
+    name: str  # what messages call it: the keys, joined by dots
     value: Any
-    array: Array | None
+    array: Array | None  # the numbers, or None if it holds something else
 
     @property
     def words(self) -> list[str]:
         """The words of the name, in small letters: camera, matrix, l of cameraMatrixL."""
         return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", self.name)]
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of the array; () if there is none."""
+        return () if self.array is None else self.array.shape
+
+    def says(self, words: set[str]) -> bool:
+        """Whether any of these words is in its name."""
+        return not words.isdisjoint(self.words)
+
     def __str__(self) -> str:
-        shape = () if self.array is None else self.array.shape
-        return f"{self.name} ({'x'.join(map(str, shape)) or 'one value'})"
+        return f"{self.name} ({'x'.join(map(str, self.shape)) or 'one value'})"
 
 
 def entries_of(documents: Documents) -> list[Entry]:
@@ -87,16 +89,22 @@ def _entries(content: Any, place: Keys) -> Iterator[Entry]:
         yield from _entries(value, (*place, key))
 
 
-def pair_of(entries: Sequence[Entry], what: str) -> tuple[Entry, Entry] | None:
-    """The two entries whose names differ by their side alone, left first; None if there are none."""
-    by_name = {entry.name.lower(): entry for entry in entries}
-    pairs = [(entry, by_name[other]) for name, entry in by_name.items() for other in partners(name) if other in by_name]
-    if len({same_as(*pair) for pair in pairs}) > 1:
-        raise several(what, [f"{one.name} and {other.name}" for one, other in pairs])
+def _pair_of(
+    entries: Sequence[Entry], what: str, fits: Callable[[Entry], bool], better: Callable[[Entry], bool] = bool
+) -> tuple[Entry, Entry] | None:
+    """The two entries that fit, of the better ones if there are any, and whose names differ by their side alone, left
+    first; None if there are none."""
+    found = [entry for entry in entries if fits(entry)]
+    by_name = {entry.name.lower(): entry for entry in [*filter(better, found)] or found}
+    pairs = [
+        (entry, by_name[other]) for name, entry in by_name.items() for other in _partners(name) if other in by_name
+    ]
+    if len({_same_as(*pair) for pair in pairs}) > 1:
+        raise _several(what, [f"{one.name} and {other.name}" for one, other in pairs])
     return pairs[0] if pairs else None
 
 
-def partners(name: str) -> Iterator[str]:
+def _partners(name: str) -> Iterator[str]:
     """What the right camera's name may be if this is the left one's."""
     for left, right in _SIDES:
         if left in name:
@@ -107,14 +115,14 @@ def partners(name: str) -> Iterator[str]:
     yield from (f"{name}2", f"{name}_2")
 
 
-def same_as(*entries: Entry) -> bytes:
+def _same_as(*entries: Entry) -> bytes:
     """What is equal for entries with the same numbers."""
     return b"|".join(b"" if entry.array is None else entry.array.tobytes() for entry in entries)
 
 
-def several(what: str, names: Sequence[str]) -> InputError:
+def _several(what: str, names: Sequence[str]) -> InputError:
     """What to raise where there are two readings of something."""
-    return InputError(f"{what} may be {' or '.join(dict.fromkeys(names))}; remove what is not meant, or {WAY_OUT}")
+    return InputError(f"{what} may be {' or '.join(dict.fromkeys(names))}; remove what is not meant, or {_WAY_OUT}")
 
 
 def said_of(documents: Documents) -> str:
@@ -122,7 +130,7 @@ def said_of(documents: Documents) -> str:
     found = [str(entry) for entry in entries_of(documents) if entry.array is not None and entry.array.size > 1]
     more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
     has = f" It has {', '.join(found[:_SHOWN])}{more}." if found else ""
-    return f"{has} {WAY_OUT[0].upper()}{WAY_OUT[1:]}"
+    return f"{has} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
 
 
 def calibration_template(paths: Sequence[AnyPath]) -> str:
@@ -143,7 +151,88 @@ def calibration_template(paths: Sequence[AnyPath]) -> str:
     return strict_json_text({**content, "found": found})
 
 
-_COUNTS = (1, 2, 3, 4, 5, 8, 12, 14)
+MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
+_DISTORTIONS = ("D", "distCoeffs", "dist_coeffs_", "distortion_coefficients_")
+_SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """The values of some documents, and which of them is which."""
+
+    content: Mapping[str, Any]  # every value by its name: the keys that lead to it, joined by dots
+    places: Mapping[str, Keys]  # for each name, the number of its document, and its keys
+    # Of K1, D1, K2, D2, R, T, and, where the file has them, R1, R2, P1, P2; of others, as OpenCV's samples name them.
+    names: Mapping[str, str]
+    entries: Sequence[Entry]
+
+    def has(self, *roles: str) -> bool:
+        """Whether all of these are there."""
+        return all(self.names.get(role) in self.content for role in roles)
+
+    def own_name(self, key: str) -> str | None:
+        """What a derived matrix, such as P1 or Q, is called, if it is there under its usual key."""
+        if key in self.names or key in self.content:
+            return self.names.get(key, key)
+        inside = [name for name, place in self.places.items() if place[-1] == key]
+        return inside[0] if len(inside) == 1 else None
+
+    def size(self, hints: Hints) -> tuple[int, int]:
+        """(width, height) of the images, of the file or else of the hints."""
+        for key in _SIZES:
+            if key in self.content:
+                return image_size(self.content, key)
+        if "image_width" in self.content:
+            return image_size(self.content, "image_width", "image_height")
+        return _size_in(self.entries) or hints.needed_size("the file has no image size (imageSize)")
+
+    def check_whole(self) -> None:
+        """Refuse one file of the two that stereo_calib writes, and matrices whose names do not say what they are."""
+        content, names = self.content, self.names
+        cameras = any(names[role] in content for role in ("K1", "K2"))
+        between = bool({names["R"], names["T"]} & content.keys())
+        if cameras and between:
+            return
+        of_kind = [str(entry) for entry in self.entries if (_may_be_between if cameras else _may_be_camera)(entry)]
+        if of_kind and (cameras or between):
+            missing = "rotation (R) and translation (T)" if cameras else "a left and a right camera matrix (K1, K2)"
+            raise InputError(f"{missing} are not found among {', '.join(of_kind[:_SHOWN_PARTS])}; {_WAY_OUT}")
+        there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
+        raise InputError(
+            f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
+            "give both, intrinsics first."
+        )
+
+
+def matrices_in(documents: Documents) -> Matrices:
+    """What documents hold, by exact names where there are both cameras', else by search."""
+    entries = entries_of(documents)
+    content, names = {entry.name: entry.value for entry in entries}, dict[str, str]()
+    for role, what, usual, fits, better in (
+        ("K", "the camera matrices", MATRICES, _is_camera, lambda entry: not entry.says(_OF_RECTIFIED)),
+        ("D", "the distortion coefficients", _DISTORTIONS, _is_lens, lambda entry: entry.says(_LENS)),
+    ):
+        both = next((name for name in usual if {f"{name}1", f"{name}2"} <= content.keys()), None)
+        found = None if both else _pair_of(entries, what, fits, better)
+        known = both or next((name for name in usual if {f"{name}1", f"{name}2"} & content.keys()), usual[0])
+        names |= {f"{role}{side}": found[side - 1].name if found else f"{known}{side}" for side in (1, 2)}
+    rotation = translation = None
+    if "R" not in content:  # a matrix, else a vector of that name
+        rotation = _between(entries, _is_rotation, _ROTATION, "the rotation")
+        rotation = rotation or _between(entries, _is_vector, _ROTATION, "the rotation", alone=False)
+    if "T" not in content:
+        others = [entry for entry in entries if not entry.says(_ROTATION)]
+        translation = _between(others, _is_vector, _TRANSLATION, "the translation")
+    names |= {"R": rotation.name if rotation else "R", "T": translation.name if translation else "T"}
+    if not {names["R"], names["T"]} & content.keys():
+        rotations = _pair_of(entries, "the rectifying rotations", _is_rotation)
+        projections = _pair_of(entries, "the projection matrices", lambda entry: entry.shape == (3, 4))
+        for role, pair in (("R", rotations), ("P", projections)) if rotations and projections else ():
+            names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair or (), start=1)}
+    return Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
+
+
+_COUNTS = (0, 1, 2, 3, 4, 5, 8, 12, 14)
 _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
 _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "coefs", "kc"}
@@ -156,61 +245,27 @@ _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window",
 _SMALLEST = 16  # pixels: fewer are squares of a chessboard
 
 
-def cameras_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
-    """The camera matrices; those of rectified images only where there are no others."""
-    found = [entry for entry in entries if is_camera(entry)]
-    raw = [entry for entry in found if not _OF_RECTIFIED & set(entry.words)]
-    return pair_of(raw or found, "the camera matrices")
-
-
 def has_cameras(documents: Documents) -> bool:
     """Whether there are any camera matrices."""
-    return any(is_camera(entry) for entry in entries_of(documents))
-
-
-def lenses_in(entries: Sequence[Entry]) -> tuple[Entry, Entry] | None:
-    """The distortion coefficients: by their names, or the only two vectors that can be some."""
-    found = [entry for entry in entries if _is_lens(entry)]
-    named = [entry for entry in found if _LENS & set(entry.words)]
-    return pair_of(named or found, "the distortion coefficients")
-
-
-def rectifications_in(entries: Sequence[Entry]) -> tuple[tuple[Entry, Entry], tuple[Entry, Entry]] | None:
-    """The rotations that rectify the two cameras, and the projection matrices of the rectified ones."""
-    rotations = pair_of([entry for entry in entries if _is_rotation(entry)], "the rectifying rotations")
-    of_shape = [entry for entry in entries if entry.array is not None and entry.array.shape == (3, 4)]
-    projections = pair_of(of_shape, "the projection matrices")
-    return None if rotations is None or projections is None else (rotations, projections)
-
-
-def rotation_in(entries: Sequence[Entry]) -> Entry | None:
-    """The rotation between the cameras: a matrix, else a vector of that name."""
-    matrix = _between(entries, _is_rotation, _ROTATION, "the rotation", alone=True)
-    return matrix or _between(entries, _is_vector, _ROTATION, "the rotation", alone=False)
-
-
-def translation_in(entries: Sequence[Entry]) -> Entry | None:
-    """The translation between the cameras."""
-    others = [entry for entry in entries if not _ROTATION & set(entry.words)]
-    return _between(others, _is_vector, _TRANSLATION, "the translation", alone=True)
+    return any(_is_camera(entry) for entry in entries_of(documents))
 
 
 def _between(
-    entries: Sequence[Entry], fits: Callable[[Entry], bool], words: set[str], what: str, alone: bool
+    entries: Sequence[Entry], fits: Callable[[Entry], bool], words: set[str], what: str, alone: bool = True
 ) -> Entry | None:
     """What stands once, not once for each camera, and is named so; or, if it may be `alone`, is the only one."""
-    found = [entry for entry in entries if fits(entry) and not (_OF_RECTIFIED | _ELSEWHERE) & set(entry.words)]
+    found = [entry for entry in entries if fits(entry) and not entry.says(_OF_RECTIFIED | _ELSEWHERE)]
     names = {entry.name.lower() for entry in found}
-    paired = {name for one in names for other in partners(one) if other in names for name in (one, other)}
+    paired = {name for one in names for other in _partners(one) if other in names for name in (one, other)}
     single = [entry for entry in found if entry.name.lower() not in paired]
-    named = [entry for entry in single if words & set(entry.words)]
+    named = [entry for entry in single if entry.says(words)]
     chosen = named or (single if alone else [])
-    if len({same_as(entry) for entry in chosen}) > 1:
-        raise several(what, [entry.name for entry in chosen])
+    if len({_same_as(entry) for entry in chosen}) > 1:
+        raise _several(what, [entry.name for entry in chosen])
     return chosen[0] if chosen else None
 
 
-def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
+def _size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     """The (width, height) of the images, under any name that says so."""
     found: dict[str, tuple[int, int]] = {}
     sides: dict[str, dict[tuple[str, ...], int]] = {"width": {}, "height": {}}
@@ -229,23 +284,23 @@ def size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
         if of in sides["height"]:
             found[" ".join((*of, "width and height"))] = (width, sides["height"][of])
     if len(set(found.values())) > 1:
-        raise several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
+        raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
     return next(iter(found.values()), None)
 
 
-def may_be_between(entry: Entry) -> bool:
+def _may_be_between(entry: Entry) -> bool:
     """Whether it may be a rotation, a translation, or both in a matrix."""
     array = entry.array
     pose = array is not None and array.shape in ((3, 4), (4, 4)) and np.abs(array[:3, :3]).max() < 1.001
     return _is_rotation(entry) or _is_vector(entry) or pose
 
 
-def may_be_camera(entry: Entry) -> bool:
+def _may_be_camera(entry: Entry) -> bool:
     """Whether it may be the intrinsics of a camera, or one number of them."""
-    return is_camera(entry) or (entry.array is not None and bool(_INTRINSICS & set(entry.words)))
+    return _is_camera(entry) or (entry.array is not None and entry.says(_INTRINSICS))
 
 
-def is_camera(entry: Entry) -> bool:
+def _is_camera(entry: Entry) -> bool:
     """Whether it may be a camera matrix, of 3x3 or 3x4, transposed or a little off: with focal lengths that no rotation
     has."""
     array = entry.array
@@ -256,10 +311,10 @@ def is_camera(entry: Entry) -> bool:
 
 
 def _is_lens(entry: Entry) -> bool:
-    words, array = set(entry.words), entry.array
-    if array is None or array.ndim != 1 or array.size not in (0, *_COUNTS) or _OF_RECTIFIED & words:
+    shape = entry.shape
+    if len(shape) != 1 or shape[0] not in _COUNTS or entry.says(_OF_RECTIFIED):
         return False
-    return bool(_LENS & words) or (array.size >= 4 and not _NO_LENS & words)
+    return entry.says(_LENS) or (shape[0] >= 4 and not entry.says(_NO_LENS))
 
 
 def _is_rotation(entry: Entry) -> bool:
@@ -268,4 +323,4 @@ def _is_rotation(entry: Entry) -> bool:
 
 
 def _is_vector(entry: Entry) -> bool:
-    return entry.array is not None and entry.array.shape == (3,)
+    return entry.shape == (3,)

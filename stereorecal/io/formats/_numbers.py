@@ -20,19 +20,11 @@ Array = Float[np.ndarray, "..."]
 _WIDEST = 1 << 20
 
 
-def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Array:
-    """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`.
-
-    Axes of length one are dropped, so that rows and columns are vectors: (1, 5) and (5, 1) become (5,).
-
-    Args:
-        shape: what the array must have; (-1,) is a vector of any length.
-
-    Raises:
-        InputError: naming the key, if it is missing or holds anything else, such as text, true or false, null, NaN, a
-            number too large for a float64, or rows of different lengths.
-    """
-    array = _array(unpacked(value(content, key)), key).squeeze()
+def numbers(content: Mapping[str, Any], key: str | Keys, shape: tuple[int, ...]) -> Array:
+    """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`, of this
+    shape; (-1,) is any length. Axes of length one are dropped: (1, 5) and (5, 1) become (5,)."""
+    stated, key = value(content, key), key_name(key)
+    array = _array(unpacked(stated), key).squeeze()
     if len(shape) == 1:
         array = np.atleast_1d(array)
     if shape not in (array.shape, (-1,) * array.ndim):
@@ -42,7 +34,7 @@ def numbers(content: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Arr
     return array
 
 
-def scalars(content: Mapping[str, Any], keys: Sequence[str]) -> Float[np.ndarray, "n"]:
+def scalars(content: Mapping[str, Any], keys: Sequence[str | Keys]) -> Float[np.ndarray, "n"]:
     """The numbers under these keys, one under each."""
     return np.array([float(numbers(content, key, ())) for key in keys])
 
@@ -56,13 +48,20 @@ def array_or_none(stated: Any) -> Array | None:
     return np.atleast_1d(array.squeeze()) if array.ndim else array
 
 
-def value(content: Mapping[str, Any], key: str) -> Any:
-    """The value under a key."""
-    if key not in content:
-        close = _misspelt(key, content)
-        hint = f"rename {close!r} if that is meant" if close else "add it"
-        raise InputError(f"the key {key!r} is missing; {hint}, or copy the file again.")
-    return content[key]
+def value(content: Any, keys: str | Keys) -> Any:
+    """The value under a key, or that keys lead to."""
+    for key in (keys,) if isinstance(keys, str) else keys:
+        if isinstance(key, str) and key not in content:
+            close = _misspelt(key, content)
+            hint = f"rename {close!r} if that is meant" if close else "add it"
+            raise InputError(f"the key {key!r} is missing; {hint}, or copy the file again.")
+        content = content[key]
+    return content
+
+
+def key_name(keys: str | Sequence[str | int]) -> str:
+    """What messages call a value: its key; an item of a list, that of the list."""
+    return keys if isinstance(keys, str) else next(key for key in reversed(keys) if isinstance(key, str))
 
 
 def optional(content: Mapping[str, Any], key: str) -> Any:
@@ -97,13 +96,14 @@ def unpacked(stated: Any) -> Any:
             return stated
 
 
-def image_size(content: Mapping[str, Any], *keys: str) -> tuple[int, int]:
+def image_size(content: Mapping[str, Any], *keys: str | Keys) -> tuple[int, int]:
     """The (width, height) of an image in pixels: two numbers under a key, or one under each of two."""
     width, height = numbers(content, keys[0], (2,)) if len(keys) == 1 else scalars(content, keys)
     for number, key in ((width, keys[0]), (height, keys[-1])):
         if number != np.rint(number) or not 1 <= number <= _WIDEST:
             raise InputError(
-                f"{key} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; correct it."
+                f"{key_name(key)} is {number:g}, but an image size is a whole number of pixels from 1 to {_WIDEST}; "
+                "correct it."
             )
     return int(width), int(height)
 
@@ -167,10 +167,8 @@ def lens_coefficients(content: Mapping[str, Any], key: str) -> Float[np.ndarray,
 
 
 def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[Keys, Any]:
-    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape.
-
-    A vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector.
-    """
+    """What to write for an array where the file has a map of rows (or sizes), cols and data, or lists of any shape. A
+    vector may be longer than the one in the file; a camera matrix stays one of 3x4, and a rotation a vector."""
     stated, array = at(content, keys), np.asarray(array, float)
     if array.shape == (3, 3) and size_of(content, keys) in (3, 12):
         array = np.pad(array, ((0, 0), (0, 1))) if size_of(content, keys) == 12 else cv2.Rodrigues(array)[0]
@@ -204,6 +202,7 @@ def size_of(content: Mapping[str, Any], keys: Keys) -> int:
         return 0
 
 
+OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has
 ROUNDING = 1e-9  # radians; and parts of the baseline
 # Formats that have a place for a lens model, for messages.
 _HOLDERS = {
@@ -233,12 +232,7 @@ def pinhole_numbers(camera: Camera) -> list[float]:
 
 
 def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
-    """Refuse a lens of a model that a format has no place for.
-
-    Args:
-        models: that it holds.
-        what: for the message: whose lens models these are.
-    """
+    """Refuse a lens of another model than the format that is called `what` has a place for."""
     if camera.model not in models:
         raise InputError(
             f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} "
@@ -251,16 +245,15 @@ def has_lens(rig: StereoRig) -> bool:
     return any(camera.model != "radtan" or bool(np.any(camera.distortion)) for camera in (rig.left, rig.right))
 
 
-def coefficients(camera: Camera, counts: Sequence[int], what: str, instead: str) -> Float[np.ndarray, "n"]:
-    """The radial-tangential distortion in OpenCV's order, with as many coefficients as a file takes: the first count
-    that is enough.
-
-    Args:
-        counts: that are possible, rising.
-        what, instead: for the message: whose lens model is too small, and the formats that hold more.
-    """
-    check_held(camera, ("radtan",), what or "this file")
+def coefficients(
+    camera: Camera, counts: Sequence[int], what: str, instead: str, models: Sequence[str] = ("radtan",)
+) -> Float[np.ndarray, "n"]:
+    """The distortion in OpenCV's order; of a pinhole as many coefficients as a file takes, the first of the counts that
+    is enough. `what` is, for messages, whose lens models these are, and `instead` names the formats that hold more."""
+    check_held(camera, models, what or "this file")
     own = np.asarray(camera.distortion, float)
+    if camera.model != Camera.model:
+        return own
     needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
     for count in counts:
         if count >= needed:
@@ -290,11 +283,7 @@ def check_no_lens(model: object, lens: Float[np.ndarray, "n"]) -> None:
 
 
 def check_straight(rig: StereoRig, what: str, off_line: object = False) -> None:
-    """Refuse a rotation of more than rounding, or a lens, in a format of rectified images.
-
-    Args:
-        off_line: whether there is anything else that such a format has no place for.
-    """
+    """Refuse a rotation of more than rounding, a lens, or anything else that a format of rectified images lacks."""
     turned = np.abs(np.asarray(rig.extrinsics)[:3]).max() > ROUNDING
     if turned or off_line or has_lens(rig):
         raise InputError(

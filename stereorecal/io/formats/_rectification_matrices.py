@@ -1,5 +1,6 @@
 """Matrices that calibration files hold beside the calibration (R1, R2, P1, P2, Q, E, F), computed as OpenCV does."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import cv2
@@ -25,25 +26,19 @@ _SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the opti
 
 @dataclass(frozen=True)
 class RectifyOptions:
-    """The options of `cv2.stereoRectify`.
+    """The options of `cv2.stereoRectify`; of lenses that it does not know, the two rectified cameras."""
 
-    Attributes:
-        alpha: 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice.
-        flags: CALIB_ZERO_DISPARITY puts points at infinity at disparity 0.
-        matrices: of lenses that `cv2.stereoRectify` does not know: the two rectified cameras; default `sr.view`'s
-            pinhole.
-    """
-
-    alpha: float
-    flags: int = cv2.CALIB_ZERO_DISPARITY
-    matrices: tuple[Array, Array] | None = None
+    alpha: float  # 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice
+    flags: int = cv2.CALIB_ZERO_DISPARITY  # points at infinity have disparity 0
+    matrices: tuple[Array, Array] | None = None  # None: those of `sr.view`'s pinhole
 
 
-def options_of(rig: StereoRig, P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
+def options_of(read: Callable[[], StereoRig], P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
     """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
     cropped images."""
     if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
         return usual
+    rig = read()
     if rig.is_wide:
         return replace(usual, matrices=(P1[:, :3], P2[:, :3]))
     for flags in (cv2.CALIB_ZERO_DISPARITY, 0):
@@ -65,27 +60,18 @@ def rectification_of(rig: StereoRig, options: RectifyOptions) -> dict[str, Array
     if first != second:  # rectified images are upright
         made = rectification_of(rig.turned(turns), options)
         return made | {"R1": made["R1"] @ turn_of(first), "R2": made["R2"] @ turn_of(second)}
-    left, right, turned, turn = rig.left, rig.right, rig.turned(turns), turn_of(first)
+    turned, turn = rig.turned(turns), turn_of(first)
     # OpenCV's own rotations forget turns below 1e-7; some formats have no other place for the extrinsics. Where the
     # right camera is the first one of a file, the baseline lies along x as well, and not against it.
     found = rectifying_rotations(turned.rotation, -_sign(turned) * np.asarray(turned.translation))
     R1, R2 = (turn.T @ np.asarray(rotation) @ turn for rotation in found)
     if rig.is_wide:
         return {"R1": R1, "R2": R2, **_projections(turned, options, first)}
-    _, _, P1, P2, Q, roi1, roi2 = cv2.stereoRectify(
-        np.asarray(left.matrix, float),
-        np.asarray(left.distortion, float),
-        np.asarray(right.matrix, float),
-        np.asarray(right.distortion, float),
-        left.size,
-        np.asarray(rig.rotation, float),
-        np.asarray(rig.translation, float).reshape(3, 1),
-        flags=options.flags,
-        alpha=options.alpha,
-    )
-    regions = (np.array(region, float) for region in (roi1, roi2))
+    K1, D1, K2, D2 = (np.asarray(x, float) for one in (rig.left, rig.right) for x in (one.matrix, one.distortion))
+    R, T = np.asarray(rig.rotation, float), np.asarray(rig.translation, float).reshape(3, 1)
+    _, _, *made = cv2.stereoRectify(K1, D1, K2, D2, rig.left.size, R, T, flags=options.flags, alpha=options.alpha)
     names = ("R1", "R2", "P1", "P2", "Q", "roi1", "roi2")
-    return dict(zip(names, (*map(np.asarray, (R1, R2, P1, P2, Q)), *regions), strict=True))
+    return {name: np.asarray(one, float) for name, one in zip(names, (R1, R2, *made), strict=True)}
 
 
 def _projections(rig: StereoRig, options: RectifyOptions, quarters: int) -> dict[str, Array]:

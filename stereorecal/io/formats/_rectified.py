@@ -9,7 +9,6 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._numbers import ROUNDING, check_straight, image_size, numbers
-from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _CAMERAS = ("cam0", "cam1")
@@ -34,12 +33,6 @@ def _write_middlebury(rig: StereoRig, target: Target) -> list[Values]:
     if (target.left or target.right) and "doffs" in target.documents[0].content:
         values[("doffs",)] = [float(rig.right.matrix[0, 2] - rig.left.matrix[0, 2])]
     return [values]
-
-
-def _looks_like_k_txt(document: Document) -> bool:
-    """Whether there are nine numbers on a line, or on three, and one more on the last."""
-    rows = document.content["numbers"] if document.syntax is Syntax.NUMBERS else []
-    return [np.size(row) for row in rows] in ([9, 1], [3, 3, 3, 1])
 
 
 def _read_k_txt(documents: Documents, hints: Hints) -> StereoRig:
@@ -67,6 +60,9 @@ FOUNDATION_STEREO = Format(
     "foundationstereo",
     "FoundationStereo's K.txt: the nine numbers of the camera matrix, and the baseline in metres",
     "m",
-    _looks_like_k_txt,
+    # Nine numbers on a line, or on three, and one more on the last.
+    lambda document: (
+        document.syntax is Syntax.NUMBERS and list(map(np.size, document.content["numbers"])) in ([9, 1], [3, 3, 3, 1])
+    ),
     _read_k_txt,
 )

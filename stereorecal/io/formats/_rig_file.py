@@ -12,8 +12,8 @@ from typing import Any, Protocol, runtime_checkable
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rig_from_data, same_rig
-from stereorecal.io._read_files import about, read_text
-from stereorecal.io._strict_json import parse_json
+from stereorecal.io._read_files import about
+from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._stereorecal import NAME
 from stereorecal.io.formats.text._document import Syntax, document
@@ -24,17 +24,11 @@ ENDING = ".prior.json"
 
 @dataclass(frozen=True)
 class StoredPrior:
-    """A prior as read from a file, not yet checked.
+    """A prior as read from a file, not yet checked."""
 
-    Attributes:
-        place: its name in messages.
-        content: None if it cannot be read.
-        problem: why it cannot be read.
-    """
-
-    place: str
-    content: Any
-    problem: str | None = None
+    place: str  # its name in messages
+    content: Any  # None if it cannot be read
+    problem: str | None = None  # why it cannot be read
 
     def of(self, rig: StereoRig) -> bool:
         """Whether it belongs to a rig."""
@@ -43,11 +37,7 @@ class StoredPrior:
         )
 
     def read(self, reader: Callable[[Any], Any]) -> Any:
-        """The content as a reader has it.
-
-        Raises:
-            InputError: naming the place, if it cannot be read, or the reader says so.
-        """
+        """The content as a reader has it."""
         if self.problem is not None:
             raise InputError(self.problem)
         with about(self.place):
@@ -56,23 +46,14 @@ class StoredPrior:
 
 @dataclass(frozen=True)
 class RigFile:
-    """A calibration file, as needed to write a rig into a copy of it.
+    """A calibration file, as needed to write a rig into a copy of it."""
 
-    Attributes:
-        format: its name.
-        documents: the texts, with what they said.
-        hints: with which they were read.
-        unit: of lengths in the file.
-        inferred: whether the unit was inferred from the baseline.
-        beside: the prior in the file beside it.
-    """
-
-    format: str
-    documents: Documents
-    hints: Hints
-    unit: str
-    inferred: bool = False
-    beside: StoredPrior | None = None
+    format: str  # its name
+    documents: Documents  # the texts, with what they said
+    hints: Hints  # with which they were read
+    unit: str  # of lengths in the file
+    inferred: bool = False  # whether the unit was inferred from the baseline
+    beside: StoredPrior | None = None  # the prior in the file beside it
 
     @property
     def prior(self) -> StoredPrior | None:
@@ -115,9 +96,7 @@ def read_stored_prior(path: Path) -> StoredPrior | None:
     except OSError:  # a name that is too long
         return None
     try:
-        text = read_text(place)
-        with about(place):
-            return StoredPrior(str(place), parse_json(text))
+        return StoredPrior(str(place), read_json(place, "add it."))
     except InputError as error:
         return StoredPrior(str(place), None, str(error))
 

@@ -2,7 +2,7 @@
 messages that were printed one after the other, or ost.txt, which camera_calibration writes beside its YAML files (read
 only). The extrinsics are implied by the rectification."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,7 +15,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
-    check_held,
+    OF_OPENCV,
     check_no_lens,
     coefficients,
     image_size,
@@ -32,12 +32,15 @@ from stereorecal.io.formats.text._nodes import Keys, Values
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
-_SPELLINGS = (  # of files, and of the messages of ROS 1 and ROS 2
-    "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
-    "width height K D R P",
-    "width height k d r p",
-    "width height camera_matrix distortion rectification projection",  # of ost.txt, with spaces for underscores
-)
+_SPELLINGS: list[dict[str, str]] = [  # of files, and of the messages of ROS 1 and ROS 2
+    dict(zip(_ROLES, keys.split(), strict=True))
+    for keys in (
+        "image_width image_height camera_matrix distortion_coefficients rectification_matrix projection_matrix",
+        "width height K D R P",
+        "width height k d r p",
+        "width height camera_matrix distortion rectification projection",  # of ost.txt, with spaces for underscores
+    )
+]
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
 _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
@@ -45,22 +48,29 @@ _RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
 
 @dataclass(frozen=True)
 class _Part:
-    """What a document says of one camera.
+    """What a document says of one camera."""
 
-    Attributes:
-        document: as if it said nothing else.
-        places: where that stands in the whole; several, if its message was printed several times.
-        name: of the camera.
-    """
+    where: str  # the name of the document
+    content: Mapping[str, Any]  # as if it said nothing else
+    keys: Mapping[str, str]  # the keys that it has, by what they hold
+    places: tuple[Keys, ...] = ((),)  # of the content in the whole; several, if its message was printed several times
+    name: str = ""  # of the camera
 
-    document: Document
-    places: tuple[Keys, ...]
-    name: str
+    @property
+    def said(self) -> list[Any]:
+        """What is equal for messages of one calibration."""
+        return [self.content.get(key) for key in ("distortion_model", *self.keys.values())]
+
+    def matrix(self, role: str, shape: tuple[int, int]) -> Array:
+        """A matrix, whose rows may stand one after the other."""
+        stated = self.content.get(self.keys[role])
+        flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
+        return numbers(self.content, self.keys[role], (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
 def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
-    several, found = document.content.get(DOCUMENTS), list[tuple[_Part, list[Any]]]()
+    several, found = document.content.get(DOCUMENTS), list[_Part]()
     maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
         sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
@@ -70,74 +80,81 @@ def _parts_of(document: Document) -> list[_Part]:
             for key, one in sections.items()
         ]
     for place, content in maps or [((), document.content)]:
-        part = replace(document, content=content)
-        keys = _spelling(part)
+        keys = _spelling(content)
         if keys is None:
-            continue
-        said = [content.get(key) for key in ("distortion_model", *keys.split())]
-        known = next((at for at, (_, other) in enumerate(found) if other == said), None)
-        if known is not None:
-            earlier, _ = found[known]
-            found[known] = (replace(earlier, places=(*earlier.places, place)), said)
             continue
         header = content.get("header")
         frame = header.get("frame_id") if isinstance(header, Mapping) else None
         name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
-        found.append((_Part(part, (place,), str(name)), said))
-    return [part for part, _ in found]
+        part = _Part(document.name, content, keys, (place,), str(name))
+        known = next((at for at, other in enumerate(found) if other.said == part.said), None)
+        if known is None:
+            found.append(part)
+        else:
+            found[known] = replace(found[known], places=(*found[known].places, place))
+    return found
 
 
-def _only(document: Document) -> _Part:
-    """The one camera of a file, or the file itself, whose reader says what it lacks."""
-    parts = _parts_of(document) or [_Part(document, ((),), "")]
-    if len(parts) > 1:
-        raise InputError(
-            f"{document.name}: it holds {len(parts)} calibrations that differ; keep one of each camera: in a file for "
-            "each, or both in one, which is given alone."
-        )
-    return parts[0]
+def _chosen(documents: Documents, hints: Hints) -> list[_Part]:
+    """The left and the right camera: of one file the first two, unless the hints name them; of two files the one camera
+    of each, or the file itself, whose reader says what it lacks."""
+    parts = [_parts_of(document) for document in documents]
+    if len(parts) == 1:
+        names = _camera_names(documents)
+        if len(names) > 2:
+            raise InputError(
+                f"it has {len(names)} calibrations that differ ({', '.join(names)}); keep those of the left and the "
+                "right camera."
+            )
+        if len(names) < 2:
+            raise IndexError  # not arranged as this format is
+        return [parts[0][names.index(name)] for name in hints.cameras or names]
+    for document, found in zip(documents, parts, strict=True):
+        if len(found) > 1:
+            raise InputError(
+                f"{document.name}: it holds {len(found)} calibrations that differ; keep one of each camera: in a file "
+                "for each, or both in one, which is given alone."
+            )
+    return [
+        found[0] if found else _Part(document.name, document.content, _SPELLINGS[0])
+        for document, found in zip(documents, parts, strict=True)
+    ]
 
 
-def _spelling(document: Document) -> str | None:
-    """The keys that a file has; None if it has those of none."""
+def _camera_names(documents: Documents) -> tuple[str, ...]:
+    """The names of the cameras in one file, or their numbers where these are not different names."""
+    names = tuple(part.name for part in _parts_of(documents[0]))
+    return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
+
+
+def _spelling(content: Mapping[str, Any]) -> dict[str, str] | None:
+    """The keys that a camera has, by what they hold; None if it has those of none."""
     for keys in _SPELLINGS:
-        _, _, matrix, _, *rectified = keys.split()
-        more = {"distortion_model"} if len(matrix) == 1 else set()  # K, R and P alone may be anybody's
-        if {matrix, *rectified, *more} <= document.content.keys():
+        needed = {keys[role] for role in ("matrix", "rotation", "projection")}
+        # K, R and P alone may be anybody's.
+        if needed | ({"distortion_model"} if len(keys["matrix"]) == 1 else set()) <= content.keys():
             return keys
     return None
 
 
-def _names(document: Document) -> dict[str, str]:
-    """The keys of a file by what they hold; those of camera_info YAML if it has the keys of none."""
-    return dict(zip(_ROLES, (_spelling(document) or _SPELLINGS[0]).split(), strict=True))
-
-
-def _matrix(document: Document, key: str, shape: tuple[int, int]) -> Array:
-    stated = document.content.get(key)
-    flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
-    return numbers(document.content, key, (shape[0] * shape[1],) if flat else shape).reshape(shape)
-
-
-def _rig_of(*documents: Document) -> StereoRig:
-    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t].
-
-    KITTI's cameras have x, y and z; cameras one above the other, y.
-    """
-    (left, to_left, left_place), (right, to_right, place) = (_camera(document) for document in documents)
-    with about(" and ".join(dict.fromkeys(document.name for document in documents))):
+def _read(documents: Documents, hints: Hints) -> StereoRig:
+    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t];
+    t has x, of cameras one above the other y, of KITTI's all three."""
+    parts = _chosen(documents, hints)
+    (left, to_left, left_place), (right, to_right, place) = map(_camera, parts)
+    with about(" and ".join(dict.fromkeys(part.where for part in parts))):
         if np.array_equal(place, left_place):
             raise InputError(
-                f"{_names(documents[1])['projection']} has no baseline (its fourth column is the same in both files); "
+                f"{parts[1].keys['projection']} has no baseline (its fourth column is the same in both files); "
                 "calibrate the two as stereo."
             )
         return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (place - left_place)))
 
 
-def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
+def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:
     """A camera, the rotation that rectifies it, and t of its projection matrix K [I | t]."""
-    content, names = document.content, _names(document)
-    with about(document.name):
+    content, names = part.content, part.keys
+    with about(part.where):
         size = image_size(content, names["width"], names["height"])
         lens = numbers(content, names["lens"], (-1,))
         # ROS itself reads a file without a model as plumb_bob; four coefficients could be equidistant.
@@ -147,8 +164,8 @@ def _camera(document: Document) -> tuple[Camera, Array, Vec3]:
             raise unsupported(stated)
         check_no_lens(stated, lens)
         model = "equidistant" if stated in _EQUIDISTANT else Camera.model
-        matrix, rotation = (_matrix(document, names[role], (3, 3)) for role in ("matrix", "rotation"))
-        projection = _matrix(document, names["projection"], (3, 4))
+        matrix, rotation = (part.matrix(role, (3, 3)) for role in ("matrix", "rotation"))
+        projection = part.matrix("projection", (3, 4))
         if not np.any(matrix):
             raise InputError(f"{names['matrix']} is 0: this camera is not calibrated; calibrate it.")
         if not np.any(rotation):  # as ZED's driver leaves it for its rectified images
@@ -181,15 +198,16 @@ def _filled(rows: int, columns: int, number: float) -> dict[str, Any]:
     return {"rows": rows, "cols": columns, "data": [float(number)] * rows * columns}
 
 
-def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, Any]]:
-    """What to write for the left and for the right camera, everywhere where it is printed: rectification and projection
-    matrices, with the files' own options; intrinsics of the cameras of the target."""
-    documents = [part.document for part in parts]
-    P1, P2 = (_matrix(document, _names(document)["projection"], (3, 4)) for document in documents)
-    options = options_of(_rig_of(*documents), P1, P2, _RECTIFY) if np.any(P1) else _RECTIFY
-    made, wanted, found = rectification_of(rig, options), dict(target.cameras(rig)), []
+def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
+    """What to write for each camera, everywhere where it is printed: rectification and projection matrices, with the
+    files' own options; intrinsics of the cameras of the target."""
+    parts = _chosen(target.documents, target.hints)
+    P1, P2 = (part.matrix("projection", (3, 4)) for part in parts)
+    options = options_of(lambda: _read(target.documents, target.hints), P1, P2, _RECTIFY)
+    made, wanted = rectification_of(rig, options), dict(target.cameras(rig))
+    found = [dict[Keys, Any]() for _ in target.documents]
     for side, part in enumerate(parts):
-        content, names, values = part.document.content, _names(part.document), dict[Keys, Any]()
+        content, names, values = part.content, part.keys, dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
         if side in wanted:
             model, lens = _lens(wanted[side], size_of(content, (names["lens"],)))
@@ -201,18 +219,15 @@ def _values(rig: StereoRig, target: Target, *parts: _Part) -> list[dict[Keys, An
                 values |= {("distortion_model",): model} if "distortion_model" in content else {}
         for key, array in arrays.items():
             values.update(matrix_values(content, (key,), array))
-        found.append({(*place, *keys): value for place in part.places for keys, value in values.items()})
+        found[-side] |= {(*place, *keys): value for place in part.places for keys, value in values.items()}
     return found
 
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
-    check_held(camera, (Camera.model, "equidistant"), "ROS")
-    if camera.model == "equidistant":
-        return camera.model, np.asarray(camera.distortion)
     counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
-    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal")
-    return "plumb_bob" if lens.size < 8 else "rational_polynomial", lens
+    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal", OF_OPENCV)
+    return camera.model if camera.model != Camera.model else _MODELS[lens.size >= 8], lens
 
 
 FORMAT = Format(
@@ -220,48 +235,20 @@ FORMAT = Format(
     "ROS camera_info (left and right YAML file, or the messages as `rostopic echo` prints them)",
     "m",
     lambda document: bool(_parts_of(document)),
-    lambda documents, hints: _rig_of(*(_only(document).document for document in documents)),
+    _read,
     files=2,
     syntax=YAML,
     blank=_blank,
-    write=lambda rig, target: _values(rig, target, *map(_only, target.documents)),
+    write=_write,
 )
-
-
-# --- both cameras in one file
-
-
-def _names_of_parts(documents: Documents) -> tuple[str, ...]:
-    """The names of the cameras, or their numbers where these are not different names."""
-    names = tuple(part.name for part in _parts_of(documents[0]))
-    return names if all(names) and len(set(names)) == len(names) else tuple(map(str, range(len(names))))
-
-
-def _both(documents: Documents, hints: Hints) -> tuple[_Part, _Part]:
-    """Left before right, unless the hints name them."""
-    parts, names = _parts_of(documents[0]), _names_of_parts(documents)
-    if len(parts) > 2:
-        raise InputError(
-            f"it has {len(parts)} calibrations that differ ({', '.join(names)}); keep those of the left and the right "
-            "camera."
-        )
-    left, right = hints.cameras or (names[0], names[1])  # without two it is not arranged as this format is
-    return parts[names.index(left)], parts[names.index(right)]
-
-
-def _write_both(rig: StereoRig, target: Target) -> list[Values]:
-    left, right = _values(rig, target, *_both(target.documents, target.hints))
-    return [{**left, **right}]
-
-
 IN_ONE_FILE = Format(
     "camera_info",
     "ROS camera_info of both cameras in one file (echoed messages, ost.txt)",
     "m",
     lambda document: len(_parts_of(document)) > 1,
-    lambda documents, hints: _rig_of(*(part.document for part in _both(documents, hints))),
-    cameras=_names_of_parts,
+    _read,
+    cameras=_camera_names,
     syntax=YAML,
     blank=lambda rig, syntax: ("---\n".join(_blank(rig, syntax)),),
-    write=_write_both,
+    write=_write,
 )

@@ -99,7 +99,10 @@ def save_rig(
     name = _chosen_format(paths, source, format).name
     prior_path = prior_place(paths, name)
     if name == _stereorecal.NAME:
-        texts[0] = with_prior(_with_info(texts[0], info or {}), known)
+        content, others = parse_json(texts[0]), {key: item for key, item in (info or {}).items() if key != KEY}
+        # Byte for byte, if it has these keys already.
+        text = texts[0] if others.keys() <= content.keys() else calibration_text({**others, **content})
+        texts[0] = with_prior(text, known)
     contents = dict(zip(paths, texts, strict=True))
     if known is not None and prior_path is not None:
         contents[prior_path] = prior_text(known)
@@ -110,11 +113,7 @@ def save_rig(
 
 
 def check_savable(rig: StereoRig, path: Paths, *, format: str | None = None, unit: str | None = None) -> None:
-    """All that `save_rig` refuses but for files that exist; nothing is written.
-
-    Raises:
-        InputError: as `save_rig`.
-    """
+    """Refuse all that `save_rig` refuses, with its InputErrors, but for files that exist; nothing is written."""
     _texts_of(rig, paths_of(path), file_of(rig), format, unit)
 
 
@@ -146,11 +145,8 @@ def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
 
 
 def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
-    """Write a calib.json to be filled in, with the arrays of calibration files of no known form beside.
-
-    Raises:
-        InputError: if a file is missing, or the place cannot be written to.
-    """
+    """Write a calib.json to be filled in, with the arrays of calibration files of no known form beside; InputError if
+    one is missing, or the place cannot be written to."""
     write_files({Path(path): calibration_template(paths).encode()}, replace=overwrite)
 
 
@@ -168,12 +164,6 @@ def _read_template(template: Paths, unit: str | None, rig: StereoRig) -> StereoR
     if own is not None and found is not None and found.inferred and found.format == own.format:
         return read_files(paths, unit=own.unit, hints=hints)
     return template_rig
-
-
-def _with_info(text: str, info: Mapping[str, Any]) -> str:
-    """A calib.json with other keys, which come first; byte for byte, if it has them already."""
-    content, info = parse_json(text), {key: item for key, item in info.items() if key != KEY}
-    return text if info.keys() <= content.keys() else calibration_text({**info, **content})
 
 
 def save_maps(rig: StereoRig, path: AnyPath, overwrite: bool = False, view: AnyView = None) -> None:
@@ -205,9 +195,7 @@ def _texts_of(
 ) -> tuple[str, ...]:
     """What is to be written for a rig; reading it gives the rig back.
 
-    Args:
-        source: the file to write into, if the format is its own; all that was not estimated stays.
-        unit: of a new file whose format says none; default: that of the source, if the format is its own, else metres.
+    It is written into the source, if the format is its own; else `unit` is that of a format that says none.
     """
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)

@@ -89,12 +89,6 @@ _BASALT = Table(
 )
 
 
-def _looks_like_basalt(document: Document) -> bool:
-    """Whether there are poses of cameras on an IMU."""
-    inside = document.content.get("value0")
-    return isinstance(inside, Mapping) and "T_imu_cam" in inside
-
-
 def _cameras_of_basalt(documents: Documents) -> tuple[str, ...]:
     """The numbers of the cameras."""
     poses = documents[0].content["value0"]["T_imu_cam"]
@@ -117,7 +111,7 @@ BASALT = Format(
     "basalt",
     "Basalt's calibration.json (value0: T_imu_cam, intrinsics, resolution)",
     "m",
-    _looks_like_basalt,
+    lambda document: isinstance(inside := document.content.get("value0"), Mapping) and "T_imu_cam" in inside,
     _BASALT.read,
     cameras=_cameras_of_basalt,
     syntax=JSON,
@@ -169,6 +163,7 @@ VINS = Format(
 
 # --- ORB-SLAM: Camera1.fx …, Camera2.fx … and Stereo.T_c1_c2 (or Tlr), or rectified images with Camera.bf
 
+_FIRST = ("Camera1", "Camera")
 _RIGHT_TO_LEFT, _BASELINES = ("Stereo.T_c1_c2", "Tlr"), ("Stereo.b", "Camera.bf")
 _LENSES = {"pinhole": ("radtan", ("k1", "k2", "p1", "p2", "k3")), "rectified": ("radtan", ()),
            "kannalabrandt8": ("equidistant", ("k1", "k2", "k3", "k4"))}  # fmt: skip
@@ -180,17 +175,14 @@ def _looks_like_orb_slam(document: Document) -> bool:
     content = document.content
     depth = any(str(key).endswith("DepthMapFactor") for key in content)
     stereo = {*_RIGHT_TO_LEFT, *_BASELINES} & content.keys()
-    return _first(content) is not None and bool(stereo) and not depth and "LEFT.K" not in content
-
-
-def _first(content: Mapping[str, Any]) -> str | None:
-    return next((name for name in ("Camera1", "Camera") if f"{name}.fx" in content), None)
+    return any(f"{name}.fx" in content for name in _FIRST) and bool(stereo) and not depth and "LEFT.K" not in content
 
 
 def _read_orb_slam(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of stereo settings; T_c1_c2 takes points from the right camera to the left one."""
     content = documents[0].content
-    left = _camera_of_orb_slam(content, _first(content) or "Camera1", hints)
+    first = next((name for name in _FIRST if f"{name}.fx" in content), _FIRST[0])
+    left = _camera_of_orb_slam(content, first, hints)
     key = next((key for key in _RIGHT_TO_LEFT if key in content), None)
     if key is not None:
         motion = numbers(content, key, (3, 4) if size_of(content, (key,)) == 12 else (4, 4))

@@ -30,17 +30,26 @@ def _looks(document: Document) -> bool:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    rig = rig_from(documents[0].content)
-    if rig is None:
+    """The rig; a camera is one without distortion where its coefficients are null."""
+    content, cameras = documents[0].content, []
+    if all(value(content, f"K_{side}") is None for side in _SIDES):
         raise InputError("the camera matrices are null; give a file with a calibration.")
-    return rig
+    model, size = model_named(optional(content, "distortion_model")), image_size(content, "image_size")
+    for side in _SIDES:
+        matrix, key = numbers(content, f"K_{side}", (3, 3)), f"D_{side}"
+        distortion = np.zeros(0) if value(content, key) is None else numbers(content, key, (-1,))
+        with about(f"{side} camera"):
+            cameras.append(Camera(size, matrix, distortion, model=model))
+    left, right = cameras
+    return rig_of(left, right, pose(numbers(content, "R", (3, 3)), numbers(content, "T", (3,))))
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:
     """R, T and the baseline, and the intrinsics of the cameras of the target; a changed rig is no ground truth."""
     if rig.left.size != rig.right.size:
+        one, other = (f"{width}x{height}" for width, height in (rig.left.size, rig.right.size))
         raise InputError(
-            f"the cameras have images of {_size(rig.left)} and {_size(rig.right)}, but a calib.json has one size for "
+            f"the cameras have images of {one} and {other}, but a calib.json has one size for "
             "both; write the rig as kalibr or ros, or resize the images of one and its camera with `Camera.resized`."
         )
     content = target.documents[0].content
@@ -59,17 +68,8 @@ def calibration_text(content: Mapping[str, Any]) -> str:
         raise InputError(f"info cannot be written as JSON ({error}); use plain finite values.") from error
 
 
-def rig_from(content: Mapping[str, Any]) -> StereoRig | None:
-    """The rig that a calib.json describes; None if both camera matrices are null."""
-    if all(value(content, key) is None for key in ("K_left", "K_right")):
-        return None
-    model, size = model_named(optional(content, "distortion_model")), image_size(content, "image_size")
-    left, right = (_camera(content, side, size, model) for side in _SIDES)
-    return rig_of(left, right, pose(numbers(content, "R", (3, 3)), numbers(content, "T", (3,))))
-
-
 def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, Any]:
-    """The inverse of `rig_from`: the keys of a calib.json for a rig; all null but `image_size` if `rig` is None."""
+    """The keys of a calib.json for a rig; all null but `image_size` if there is none."""
     if rig is None:
         nothing = dict.fromkeys(("K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m"))
         return {"image_size": list(size), **nothing}
@@ -78,30 +78,15 @@ def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, An
             f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
             "both; write the rig as kalibr or basalt instead."
         )
-    cameras: dict[str, Any] = {}
+    found: dict[str, Any] = {"image_size": list(rig.left.size)}
     for side, camera in zip(_SIDES, (rig.left, rig.right), strict=True):
-        cameras[f"K_{side}"] = np.asarray(camera.matrix).tolist()
-        cameras[f"D_{side}"] = np.asarray(camera.distortion).tolist()
-    return {
-        "image_size": list(rig.left.size),
-        **cameras,
+        found |= {f"K_{side}": np.asarray(camera.matrix).tolist(), f"D_{side}": np.asarray(camera.distortion).tolist()}
+    return found | {
         "distortion_model": "opencv" if rig.left.model == Camera.model else rig.left.model,
         "R": np.asarray(rig.rotation).tolist(),
         "T": np.asarray(rig.translation).tolist(),
         "baseline_m": float(rig.baseline),
     }
-
-
-def _camera(content: Mapping[str, Any], side: str, size: tuple[int, int], model: str) -> Camera:
-    """One without distortion where its coefficients are null."""
-    matrix, key = numbers(content, f"K_{side}", (3, 3)), f"D_{side}"
-    distortion = np.zeros(0) if value(content, key) is None else numbers(content, key, (-1,))
-    with about(f"{side} camera"):
-        return Camera(size, matrix, distortion, model=model)
-
-
-def _size(camera: Camera) -> str:
-    return f"{camera.size[0]}x{camera.size[1]}"
 
 
 FORMAT = Format(

@@ -20,10 +20,12 @@ from stereorecal.io.formats._numbers import (
     coefficients,
     has_lens,
     image_size,
+    key_name,
     matrix_values,
     numbers,
     pinhole_matrix,
     pinhole_numbers,
+    scalars,
     size_of,
     unsupported,
     value,
@@ -42,19 +44,13 @@ def places(above: str, keys: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class Pose:
-    """How a camera stands: the motion from a body to the camera.
+    """How a camera stands: the motion from a body to the camera."""
 
-    Attributes:
-        rotation: nine numbers, or four rows with the translation in them.
-        inverted: whether the file has the motion from the camera to the body.
-        between: whether the body is the left camera.
-        decode, encode: what else than a matrix the rotation is: make the matrix of the numbers, and the numbers of it.
-    """
-
-    rotation: Places
+    rotation: Places  # nine numbers, or four rows with the translation in them
     translation: Places = ()
-    inverted: bool = False
-    between: bool = False
+    inverted: bool = False  # whether the file has the motion from the camera to the body
+    between: bool = False  # whether the body is the left camera
+    # Where the rotation is no matrix: the matrix of its numbers, and the numbers of a matrix.
     decode: Callable[[Array], Array] = lambda turn: turn.reshape(3, 3)
     encode: Callable[[Array], Array] = lambda turn: turn
 
@@ -76,51 +72,30 @@ class Pose:
 
 @dataclass(frozen=True)
 class Lens:
-    """What a file has of a lens.
+    """What a file has of a lens."""
 
-    Attributes:
-        terms: the coefficients, in the order of `Camera`; with radial ones apart, the tangential two.
-        model: that of `Camera`.
-        counts: how many coefficients of a pinhole may be written, rising.
-        before: how many coefficients stand before fx.
-        becomes: of a lens that is said to have none, the word for it once it has some.
-        radial: the place of k1 k2 k3, as many as there are, where they are a list of their own.
-    """
-
-    terms: Places = ()
-    model: str = Camera.model
-    counts: tuple[int, ...] = (4,)
-    before: int = 0
-    becomes: str = ""
-    radial: str = ""
+    terms: Places = ()  # the coefficients, in the order of `Camera`; with radial ones apart, the tangential two
+    model: str = Camera.model  # that of `Camera`
+    counts: tuple[int, ...] = (4,)  # how many coefficients of a pinhole may be written, rising
+    before: int = 0  # how many coefficients stand before fx
+    becomes: str = ""  # of a lens that is said to have none, the word for it once it has some
+    radial: str = ""  # the place of k1 k2 k3, as many as there are, where they are a list of their own
 
 
 @dataclass(frozen=True)
 class Table:
-    """Where the numbers of a rig stand.
+    """Where the numbers of a rig stand."""
 
-    Attributes:
-        size: (width, height).
-        matrix: fx fy cx cy, or the camera matrix, if it is `square`.
-        lenses: by the words that tell the lens, with spaces between them.
-        words: where they stand.
-        pose: None if a table cannot say it.
-        names: of the left and the right camera, if none are chosen.
-        where: what messages about a camera begin with, if not with the first of several keys.
-        holder: whose model of a lens it is, for messages.
-        fixed: what else a new file has, by places.
-    """
-
-    size: Places
-    matrix: Places
-    lenses: Mapping[str, Lens]
-    words: tuple[str, ...] = ()
-    pose: Pose | None = None
+    size: Places  # (width, height)
+    matrix: Places  # fx fy cx cy, or the camera matrix, if it is `square`
+    lenses: Mapping[str, Lens]  # by the words that tell the lens, with spaces between them
+    words: tuple[str, ...] = ()  # where they stand
+    pose: Pose | None = None  # None if a table cannot say it
     square: bool = False
-    names: tuple[str, str] = ("left", "right")
-    where: str = ""
-    holder: str = ""
-    fixed: Mapping[str, Any] = field(default_factory=dict)
+    names: tuple[str, str] = ("left", "right")  # of the left and the right camera, if none are chosen
+    where: str = ""  # what messages about a camera begin with, if not with the first of several keys
+    holder: str = ""  # whose model of a lens it is, for messages
+    fixed: Mapping[str, Any] = field(default_factory=dict)  # what else a new file has, by places
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""
@@ -185,7 +160,7 @@ class Table:
 
     def lens(self, content: Any, name: str) -> Lens:
         """What the file says that a lens is."""
-        said = [value(*holder_of(content, place, name)) for place in self.words]
+        said = [value(content, keys_of(content, place, name)) for place in self.words]
         found = self.lenses.get(" ".join(map(str, said)))
         if found is None:
             raise unsupported(said[-1], *said[:-1])
@@ -202,11 +177,8 @@ class Table:
             if lens.becomes:
                 check_no_lens("none", terms)
                 terms = np.zeros(4) if lens.before else terms
-            if isinstance(self.size, str):
-                size = image_size(*holder_of(content, self.size, name))
-            else:
-                (holder, wide), (_, high) = (holder_of(content, place, name) for place in self.size)
-                size = image_size(holder, wide, high)
+            sizes = (self.size,) if isinstance(self.size, str) else self.size
+            size = image_size(content, *(keys_of(content, place, name) for place in sizes))
             matrix = matrix.reshape(3, 3) if self.square else pinhole_matrix(matrix)
             return Camera(size, matrix, np.concatenate([first, terms]), model=lens.model)
 
@@ -230,20 +202,20 @@ class Table:
 
 def _with_radial(content: Any, place: str, name: str, tangential: Array) -> Array:
     """The coefficients in OpenCV's order; without a third radial one, four."""
-    holder, key = holder_of(content, place, name)
-    radial = numbers(holder, key, (-1,)) if holder.get(key) else np.zeros(0)
+    keys = keys_of(content, place, name)
+    radial = numbers(content, keys, (-1,)) if at(content, keys) else np.zeros(0)
     if radial.size > 3:
-        raise InputError(f"{key} has {radial.size} terms, and OpenCV's model three; calibrate with fewer.")
+        raise InputError(f"{keys[-1]} has {radial.size} terms, and OpenCV's model three; calibrate with fewer.")
     return np.array([*np.pad(radial[:2], (0, max(0, 2 - radial.size))), *tangential, *radial[2:]])
 
 
 def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[Keys, Any]:
     """What to write for the radial coefficients: as many as the file has, or more if they are needed."""
-    holder, key = holder_of(content, place, name)
-    count, needed = size_of(holder, (key,)), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
+    keys = keys_of(content, place, name)
+    count, needed = size_of(content, keys), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
     if needed and not count:
-        raise InputError(f"{name}: the file has no {key} terms; add `{key}: [0.0, 0.0]` to write new ones.")
-    return {keys_of(content, place, name): radial[: max(count, needed)].tolist()} if count else {}
+        raise InputError(f"{name}: the file has no {keys[-1]} terms; add `{keys[-1]}: [0.0, 0.0]` to write new ones.")
+    return {keys: radial[: max(count, needed)].tolist()} if count else {}
 
 
 def yaml_text(content: Mapping[str, Any]) -> str:
@@ -267,27 +239,16 @@ def _about_place(place: Places, name: str) -> AbstractContextManager[None]:
     return about(first) if more else nullcontext()
 
 
-def holder_of(content: Any, place: str, name: str) -> tuple[Any, str]:
-    """What holds the last key of a place, and that key; of an item of a list, the list's."""
-    key, *more = place.format(name).split("/")
-    for last in more:
-        inside = value(content, key)
-        if not isinstance(inside, list):
-            content, key = inside, last
-        elif not last.isdecimal():
-            raise InputError(f"{key} is a list, and must have the key {last!r}; correct it, or copy the file again.")
-        elif len(inside) < max(2, int(last) + 1):
-            raise InputError(f"{key} has not two cameras; give a calibration of a stereo rig.")
-        else:
-            content = {key: inside[int(last)]}
-    return content, key
-
-
 def keys_of(content: Any, place: str, name: str) -> Keys:
     """The keys of a place, which are numbers in lists."""
     found: list[str | int] = []
     for key in place.format(name).split("/"):
-        found.append(int(key) if isinstance(content, list) else key)
+        of_list, above = isinstance(content, list), key_name(found or key)
+        if of_list and not key.isdecimal():
+            raise InputError(f"{above} is a list, and must have the key {key!r}; correct it, or copy the file again.")
+        if of_list and len(content) < max(2, int(key) + 1):
+            raise InputError(f"{above} has not two cameras; give a calibration of a stereo rig.")
+        found.append(int(key) if of_list else key)
         content = at(content, (found[-1],))
     return tuple(found)
 
@@ -295,11 +256,11 @@ def keys_of(content: Any, place: str, name: str) -> Keys:
 def stated(content: Any, place: Places, name: str, shape: tuple[int, ...]) -> Array:
     """The array at a place; nine numbers may stand in rows."""
     if not isinstance(place, str):
-        return np.array([float(numbers(*holder_of(content, one, name), ())) for one in place])
-    holder, key = holder_of(content, place, name)
-    if shape == (9,) and isinstance(holder.get(key), list):
-        holder = {key: list(leaves(holder[key]))}
-    return numbers(holder, key, shape)
+        return scalars(content, [keys_of(content, one, name) for one in place])
+    keys = keys_of(content, place, name)
+    if shape == (9,) and isinstance(rows := at(content, keys), list):
+        content, keys = {keys[-1]: [*leaves(rows)]}, keys[-1:]
+    return numbers(content, keys, shape)
 
 
 def to_write(content: Any, place: Places, name: str, array: Array) -> dict[Keys, Any]:

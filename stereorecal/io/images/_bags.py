@@ -41,12 +41,7 @@ def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, Frame
 
 
 def camera_infos(path: Path, topics: tuple[str, str]) -> dict[str, str]:
-    """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw.
-
-    Raises:
-        InputError: as `bag_sources`; if there is none, it is the same for both, it changes, or it describes raw images,
-            and these are rectified.
-    """
+    """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw."""
     bag = _opened(path)
     found = dict(bag.camera_info(topic) for topic in topics)
     if len(found) < 2:
@@ -83,12 +78,10 @@ class _Bag:
         topic = images.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
         connections = [one for one in self._reader.connections if one.topic == topic and one.msgtype == _INFO]
         said: dict[str, dict[str, Any]] = {}
-        with _sound(self.path):
-            for connection, _, data in self._reader.messages(connections) if connections else ():
-                message = self._reader.deserialize(data, connection.msgtype)
-                fields = {key: getattr(message, key, getattr(message, key.upper(), None)) for key in _FIELDS}
-                content = {key: item.tolist() if isinstance(item, np.ndarray) else item for key, item in fields.items()}
-                said[json.dumps(content)] = content
+        for _, _, message in self._messages(connections) if connections else ():
+            fields = {key: getattr(message, key, getattr(message, key.upper(), None)) for key in _FIELDS}
+            content = {key: item.tolist() if isinstance(item, np.ndarray) else item for key, item in fields.items()}
+            said[json.dumps(content)] = content
         if not said:
             known = in_a_line(", ".join(sorted({c.topic for c in self._reader.connections if c.msgtype == _INFO})))
             raise InputError(
@@ -107,6 +100,14 @@ class _Bag:
             )
         return topic, text
 
+    def _messages(self, connections: list[Any], **span: int) -> Iterator[tuple[int, int, Any]]:
+        """When each was stamped and recorded, in nanoseconds, and the message."""
+        with _sound(self.path):
+            for connection, recorded, data in self._reader.messages(connections, **span):
+                message = self._reader.deserialize(data, connection.msgtype)
+                stamp = message.header.stamp
+                yield stamp.sec * 10**9 + stamp.nanosec or recorded, recorded, message
+
     def source(self, topic: str) -> FrameSource:
         """The images of a topic, in the order of their stamps."""
         connections = [one for one in self._reader.connections if one.topic == topic]
@@ -116,24 +117,16 @@ class _Bag:
                 f"{self.path}: there are no images on the topic {topic}; "
                 + (f"choose from {in_a_line(', '.join(known))}." if known else "the bag has no images at all.")
             )
-        entries = []  # when it was stamped, when it was recorded
-        with _sound(self.path):
-            for connection, recorded, data in self._reader.messages(connections=connections):
-                stamp = self._reader.deserialize(data, connection.msgtype).header.stamp
-                entries.append((stamp.sec * 10**9 + stamp.nanosec or recorded, recorded))
-        entries.sort()
+        entries = sorted((stamp, recorded) for stamp, recorded, _ in self._messages(connections))
         if not entries:
             raise InputError(f"{self.path}: the topic {topic} is empty; choose another.")
         stamps = [stamp for stamp, _ in entries]
 
         def read(index: int) -> Image:
             stamp, recorded = entries[index]
-            with _sound(self.path):
-                for connection, _, data in self._reader.messages(connections, start=recorded, stop=recorded + 1):
-                    message = self._reader.deserialize(data, connection.msgtype)
-                    own = message.header.stamp
-                    if (own.sec * 10**9 + own.nanosec or recorded) == stamp:
-                        return image_of_message(message, f"{self.path}, {topic}, {stamp}")
+            for own, _, message in self._messages(connections, start=recorded, stop=recorded + 1):
+                if own == stamp:
+                    return image_of_message(message, f"{self.path}, {topic}, {stamp}")
             raise InputError(f"{self.path}: the message {stamp} on {topic} has gone; was the bag written to?")
 
         names = tuple(f"{topic} {stamp / 1e9:.3f}" for stamp in stamps)

@@ -17,19 +17,12 @@ Image = Any  # an array as OpenCV has it: (h, w), or (h, w, 3 or 4) in BGR order
 
 @dataclass(frozen=True, eq=False)
 class FrameSource:
-    """Frames by number.
+    """Frames by number."""
 
-    Attributes:
-        where: what error messages are about.
-        names: of the frames.
-        times: (n,) seconds, ascending; None if they are not known.
-        read: makes the image of a number; raises InputError if it is damaged.
-    """
-
-    where: str
-    names: tuple[str, ...]
-    times: Float[np.ndarray, "n"] | None
-    read: Callable[[int], Image]
+    where: str  # what error messages are about
+    names: tuple[str, ...]  # of the frames
+    times: Float[np.ndarray, "n"] | None  # (n,) seconds, ascending; None if they are not known
+    read: Callable[[int], Image]  # makes the image of a number; raises InputError if it is damaged
 
 
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
@@ -56,11 +49,8 @@ _EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
 
 
 def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
-    """Numbers of left and right frames that belong together: each the other's nearest, and near enough.
-
-    Args:
-        tolerance: seconds; default a quarter of the usual interval between left frames.
-    """
+    """Numbers of left and right frames that belong together: each the other's nearest, and near enough, in seconds; by
+    default within a quarter of the usual interval between left frames."""
     for source in (left, right):
         if source.times is None:
             raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
@@ -69,7 +59,10 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
     if not tolerance >= 0.0:
         raise InputError(f"a tolerance of {tolerance} s makes no sense; give seconds, such as 0.005.")
-    partners, back = _nearest(first, second), _nearest(second, first)
+    # The nearest of the other side changes half-way between two; of two as near it is the earlier one.
+    partners, back = (
+        np.searchsorted((others[1:] + others[:-1]) / 2.0, times) for times, others in ((first, second), (second, first))
+    )
     found = [
         (index, int(partner))
         for index, partner in enumerate(partners)
@@ -82,15 +75,6 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
             f"{gap:.4g} s apart; check the clocks, or give a larger tolerance."
         )
     return found
-
-
-def _nearest(times: Float[np.ndarray, "n"], others: Float[np.ndarray, "m"]) -> np.ndarray:
-    """The number of the nearest of `others`, which ascend."""
-    after = np.clip(np.searchsorted(others, times), 1, max(len(others) - 1, 1))
-    if len(others) == 1:
-        return np.zeros(len(times), int)
-    before = after - 1
-    return np.where(np.abs(times - others[before]) <= np.abs(others[after] - times), before, after)
 
 
 _COUNT = 16  # digits and more of a name that counts fractions of seconds
@@ -122,11 +106,8 @@ def counts_per_second(stems: Sequence[str]) -> float | None:
 
 
 def time_of(stem: str, per_second: float) -> float:
-    """Seconds, of a name such as 12.345 or left_1403715273262142976: the number that it is, or the one time in it.
-
-    Args:
-        per_second: counts of a number of 16 digits or more.
-    """
+    """Seconds, of a name such as 12.345 or left_1403715273262142976: the number that it is (one of 16 digits or more
+    counts `per_second`), or the one time in it."""
     try:
         text, value = stem, float(stem)
     except ValueError:

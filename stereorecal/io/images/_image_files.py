@@ -5,7 +5,7 @@ import re
 import struct
 import zlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import cv2
@@ -105,12 +105,8 @@ def images_in(folder: Path) -> list[Path]:
 
 def natural_order(paths: Iterable[Path]) -> list[Path]:
     """The paths sorted so that 9 comes before 10."""
-
-    def key(path: Path) -> tuple[list[str | int], str]:
-        parts = re.split(r"([0-9]+)", str(path))
-        return [int(part) if index % 2 else part for index, part in enumerate(parts)], str(path)
-
-    return sorted(paths, key=key)
+    split = re.compile(r"([0-9]+)").split
+    return sorted(paths, key=lambda path: ([int(x) if i % 2 else x for i, x in enumerate(split(str(path)))], str(path)))
 
 
 def read_image(path: str) -> tuple[Pixels, int]:
@@ -131,11 +127,7 @@ def image_bytes(path: str) -> bytes:
 
 
 def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
-    """What `read_image` gives, of what an image file holds; a TIFF has orientation 1, since OpenCV always turns it.
-
-    Raises:
-        InputError: about `where`, if the pixels are too many, truncated, or of no kind that OpenCV can read.
-    """
+    """What `read_image` gives, of what an image file holds; a TIFF has orientation 1, since OpenCV always turns it."""
     if not data:
         raise InputError(f"{where}: the file is empty; copy or record it again.")
     width, height = announced_size(data) or (0, 0)
@@ -143,14 +135,11 @@ def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
         raise InputError(f"{where}: the image claims to be {width}x{height}; at most {MOST_PIXELS} pixels are read.")
     if len(data) > _MOST_BYTES:
         raise InputError(f"{where}: the image takes more than {_MOST_BYTES >> 20} MB; store it grey, or with 8 bit.")
-    if data.startswith(_PNG) and not _is_whole(data):
-        raise InputError(f"{where}: the image is truncated or damaged; copy or record it again.")
-    with quiet_opencv():
-        try:
+    image, kinds, facts, damaged = None, (), (), data.startswith(_PNG) and not _is_whole(data)
+    with quiet_opencv(), suppress(cv2.error):
+        if not damaged:
             image, kinds, facts = cv2.imdecodeWithMetadata(np.frombuffer(data, np.uint8), flags=cv2.IMREAD_UNCHANGED)
-        except cv2.error:
-            image, kinds, facts = None, (), ()
-    if image is None and data.startswith(_JPEG):
+    if damaged or (image is None and data.startswith(_JPEG)):
         raise InputError(f"{where}: the image is truncated or damaged; copy or record it again.")
     if image is None:
         raise InputError(f"{where}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF.")
@@ -163,11 +152,8 @@ def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
 
 
 def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
-    """Write a grey image as 8-bit PNG, values rounded and clipped to 0..255; missing folders are made.
-
-    Raises:
-        InputError: if the place cannot be written to.
-    """
+    """Write a grey image as 8-bit PNG, values rounded and clipped to 0..255; missing folders are made. InputError if
+    the place cannot be written to."""
     make_folder(path.parent)
     write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
 

@@ -21,27 +21,18 @@ from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 Size = tuple[int, int]
 Sizes = tuple[Size, Size]  # (width, height) of the left and of the right camera's images
-Tags = tuple[int, int]  # EXIF orientations, 1 to 8, of the left and the right image
-UPRIGHT = (1, 1)
+Shot = tuple[Any, int]  # an image as OpenCV has it, in BGR order, and its EXIF orientation, 1 to 8
 _EXIF = (b"Exif", b"eXIf", b"EXIF")  # what files that state one have in them: JPEG, PNG, WebP
 
 
-def fitted_pair(images: Sequence[Any], tags: Tags, sizes: Sizes | None, about: str, name: str, **more: Any) -> Pair:
-    """The pair of a left and a right image as OpenCV has them, in BGR order, fitted to their cameras and checked.
+def fitted_pair(shots: Sequence[Shot], sizes: Sizes | None, about: str, name: str, **more: Any) -> Pair:
+    """The pair of a left and a right image, fitted to their cameras and checked.
 
     Pixels are used as stored, unless only turned images have the sizes of their cameras (or, if these are not known,
-    one size); the larger of two sizes is resampled to the smaller.
-
-    Args:
-        about: what errors call it.
-        more: its origin and its time.
-
-    Raises:
-        InputError: about `about`, if the sizes differ, or are not those of cameras that differ.
+    one size); the larger of two sizes is resampled to the smaller. Errors are about `about`.
     """
-    if _only_turned_fit(images, tags, sizes):
-        images = [_turned(image, tag) for image, tag in zip(images, tags, strict=True)]
-    left, right = images
+    turned = _only_turned_fit(shots, sizes)
+    left, right = images = [_turned(*shot) if turned else shot[0] for shot in shots]
     if sizes is not None and sizes[0] != sizes[1]:
         if _sizes(images) != sizes:
             found, wanted = (
@@ -73,9 +64,9 @@ def _sizes(images: Sequence[Any]) -> Sizes:
     return left, right
 
 
-def _only_turned_fit(images: Sequence[Any], tags: Tags, sizes: Sizes | None) -> bool:
+def _only_turned_fit(shots: Sequence[Shot], sizes: Sizes | None) -> bool:
     """Whether images have the sizes of their cameras only once they are turned."""
-    as_stored, turned = _sizes(images), _sizes([_turned(image, tag) for image, tag in zip(images, tags, strict=True)])
+    as_stored, turned = _sizes([image for image, _ in shots]), _sizes([_turned(*shot) for shot in shots])
     if sizes is None:
         return as_stored[0] != as_stored[1] and turned[0] == turned[1]
     return as_stored != sizes and turned == sizes
@@ -113,14 +104,8 @@ def read_pair(left: str, right: str, time: float | None, sizes: Sizes | None) ->
     """The pair of two files, fitted to cameras of these sizes; without remarks, since it is read again and again."""
     if left == right:
         raise InputError(f"{left}: this file is both the left and the right image; give two files.")
-    images, tags = _read_both(left, right)
-    origin = (read_pair, (left, right, time, sizes))
-    return fitted_pair(images, tags, sizes, f"{left} and {right}", Path(left).name, origin=origin, time=time)
-
-
-def _read_both(left: str, right: str) -> tuple[tuple[Any, Any], Tags]:
-    (first, tag), (second, other) = read_image(left), read_image(right)
-    return (first, second), (tag, other)
+    shots, origin = (read_image(left), read_image(right)), (read_pair, (left, right, time, sizes))
+    return fitted_pair(shots, sizes, f"{left} and {right}", Path(left).name, origin=origin, time=time)
 
 
 def _remark(left: str, right: str, sizes: Sizes | None) -> None:
@@ -128,21 +113,21 @@ def _remark(left: str, right: str, sizes: Sizes | None) -> None:
     try:
         if not any(name in image_bytes(path) for path in (left, right) for name in _EXIF):
             return  # without decoding them
-        images, tags = _read_both(left, right)
+        shots = (_, first), (_, second) = read_image(left), read_image(right)
     except InputError:
         return
-    if tags == UPRIGHT:
+    if first == second == 1:
         return
-    if _only_turned_fit(images, tags, sizes):
+    if _only_turned_fit(shots, sizes):
         what = "applied, since the sizes of images and calibration fit only then."
     else:
         what = (
             "not applied; the calibration may be for turned images, as cv2.imread and viewers give them: if it is, "
             "turn the files, with cv2.imwrite(name, cv2.imread(name))"
-            f"{', or say --fix turned' if tags == (3, 3) else ''}."
+            f"{', or say --fix turned' if first == second == 3 else ''}."
         )
-    said = f"EXIF orientation {tags[0]}" if tags[0] == tags[1] else f"EXIF orientations {tags[0]} and {tags[1]}"
-    warnings.warn(f"{left if tags[0] > 1 else right}: {said} {what}", CalibrationWarning, stacklevel=3)
+    said = f"EXIF orientation {first}" if first == second else f"EXIF orientations {first} and {second}"
+    warnings.warn(f"{left if first > 1 else right}: {said} {what}", CalibrationWarning, stacklevel=3)
 
 
 def load_pairs(

@@ -5,7 +5,6 @@ import re
 import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -28,36 +27,22 @@ _HOW = "give both images of a pair the same number, or a tolerance if the names 
 
 @dataclass(frozen=True)
 class MatchedFiles:
-    """The files of both sides, matched.
+    """The files of both sides, matched."""
 
-    Attributes:
-        matched: the files of each pair, in the order of the left ones.
-        unmatched: those without partner, left ones first.
-        by_order: whether the files were matched by their order, since no names corresponded.
-    """
-
-    matched: Matched
-    unmatched: tuple[Path, ...] = ()
-    by_order: bool = False
+    matched: Matched  # the files of each pair, in the order of the left ones
+    unmatched: tuple[Path, ...] = ()  # those without partner, left ones first
+    by_order: bool = False  # whether the files were matched by their order, since no names corresponded
 
 
 def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
     """The files that belong together by their names; those that one camera lost are unmatched. If no name has a
-    partner, files are matched in the order given.
-
-    Raises:
-        InputError: if most have no partner, or names can be read in two ways.
-
-    Warns:
-        PairingWarning: if files were matched by their order.
-    """
+    partner, files are matched in the order given, with a warning."""
     lefts, rights = _by_name(left, right)
     matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
     if not matched:
         return MatchedFiles(_in_order(left, right), by_order=len(left) > 1)
-    unmatched = [
-        path for files, others in ((lefts, rights), (rights, lefts)) for key, path in files.items() if key not in others
-    ]
+    unmatched = [lefts[key] for key in lefts if key not in rights]
+    unmatched += [rights[key] for key in rights if key not in lefts]
     if not _correspond(lefts, rights):  # equal by chance, it seems
         side = "right" if unmatched[0] in lefts.values() else "left"
         raise InputError(
@@ -68,11 +53,7 @@ def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
 
 
 def without_lost_frames(found: MatchedFiles) -> Matched:
-    """The files of pairs.
-
-    Warns:
-        PairingWarning: if there are others; a few are named.
-    """
+    """The files of pairs."""
     if found.unmatched:
         number, few = len(found.unmatched), ", ".join(map(str, found.unmatched[:_FEW]))
         warnings.warn(
@@ -96,26 +77,15 @@ def match_equal(left: Path, right: Path) -> Matched:
 
 
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
-    """The files with equal keys, in the order of the left ones.
-
-    Raises:
-        InputError: naming a file without a partner.
-    """
+    """The files with equal keys, in the order of the left ones; an InputError names a file without a partner."""
     for files, others, side in ((left, right, "right"), (right, left, "left")):
-        for key, path in files.items():
-            if key not in others:
-                raise InputError(
-                    f"{path}: this image has no partner on the {side} side; add the partner or leave it out."
-                )
+        for path in (path for key, path in files.items() if key not in others):
+            raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
     return [(path, right[key]) for key, path in left.items()]
 
 
 def by_stem(folder: Path) -> dict[str, Path]:
-    """The images of a folder by their names without suffix, in natural order.
-
-    Raises:
-        InputError: if there is none.
-    """
+    """The images of a folder by their names without suffix, in natural order; InputError if there is none."""
     files = {path.stem: path for path in images_in(folder)}
     if not files:
         raise InputError(f"{folder}: there is no such folder, or no image in it; copy or unpack the images.")
@@ -126,7 +96,7 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
     the first under which any has; empty if none has."""
     by_chance: _Sides = {}, {}
-    for read in (partial(_without, markers=("", ""), last=False), _by_parts, _by_markers, _by_one_number):
+    for read in (_by_stem, _by_parts, _by_markers, _by_one_number):
         sides = read(left, right)
         if _correspond(*sides):
             return sides
@@ -137,18 +107,21 @@ def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
 
 def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
     """Both sides by the first markers without which any names correspond; empty if there are none."""
-    found = (_without(left, right, markers, last) for last, markers in product((False, True), _MARKERS))
+    found = (
+        (_without(left, one, last), _without(right, other, last)) for last in (False, True) for one, other in _MARKERS
+    )
     return next((sides for sides in found if sides[0].keys() & sides[1].keys()), ({}, {}))
 
 
-def _without(left: Sequence[Path], right: Sequence[Path], markers: tuple[str, str], last: bool) -> _Sides:
-    """Both sides by names without the side's marker where it stands first, or last; none where a name lacks it."""
-    found = []
-    for files, marker in zip((left, right), markers, strict=True):
-        parts = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files if marker]
-        parts = [start + end for start, given, end in parts if given] if marker else [path.stem for path in files]
-        found.append(_unique(parts, files) if len(parts) == len(files) else {})
-    return found[0], found[1]
+def _without(files: Sequence[Path], marker: str, last: bool) -> _Keys:
+    """Files by names without a marker where it stands first, or last; none where a name lacks it."""
+    cut = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files]
+    return _unique([start + end for start, _, end in cut], files) if all(given for _, given, _ in cut) else {}
+
+
+def _by_stem(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
+    """Both sides by their names."""
+    return _unique([path.stem for path in left], left), _unique([path.stem for path in right], right)
 
 
 def _unique(keys: Sequence[Hashable], files: Sequence[Path]) -> _Keys:

@@ -12,7 +12,7 @@ from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._frame_source import FrameSource, counts_per_second, halves, has_time, pairs_by_time, time_of
 from stereorecal.io.images._image_files import read_image
-from stereorecal.io.images._load_pairs import UPRIGHT, Sizes, find_images, fitted_pair, load_matched
+from stereorecal.io.images._load_pairs import Sizes, find_images, fitted_pair, load_matched
 from stereorecal.io.images._match_by_name import find_partners
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair
@@ -95,23 +95,28 @@ def open_pairs(
 def _opened(places: _Places) -> Recorded:
     left, right, topics, tolerance = Path(places.left), places.right, places.topics, places.tolerance
     if topics is not None:
-        sources, stream = bag_sources(left, topics), True
+        sources = bag_sources(left, topics)
     elif is_bag(left):
         raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
     elif right is None:
-        sources, stream = halves(_source(left)), is_video(left)
-        return _with_counts(places, *sources, [(i, i) for i in range(len(sources[0].names))], stream)
+        if is_video(left):
+            source = video_source(left)
+        else:
+            files = find_images(left)
+            names = tuple(file.name for file in files)
+            source = FrameSource(str(left), names, None, lambda index: read_image(str(files[index]))[0])
+        return _with_counts(places, *halves(source), [(i, i) for i in range(len(source.names))], is_video(left))
     elif is_video(left) != is_video(Path(right)):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
     elif is_video(left):
-        sources, stream = (_source(left), _source(Path(right))), True
+        sources = video_source(left), video_source(Path(right))
     elif tolerance is not None or _times_alone_tell(left, Path(right)):
         return _files_by_time(left, Path(right), tolerance, places.sizes)
     else:
         found = find_partners(find_images(left), find_images(right))
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched, sizes=places.sizes), alone, False, found.by_order)
-    return _with_counts(places, *sources, pairs_by_time(*sources, tolerance), stream)
+    return _with_counts(places, *sources, pairs_by_time(*sources, tolerance), stream=True)
 
 
 def _with_counts(
@@ -123,8 +128,8 @@ def _with_counts(
         first, second = found[number]
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
-        images, origin = (left.read(first), right.read(second)), (_read_in_worker, (places, number))
-        return fitted_pair(images, UPRIGHT, places.sizes, about, name, origin=origin, time=times[number])
+        shots, origin = ((left.read(first), 1), (right.read(second), 1)), (_read_in_worker, (places, number))
+        return fitted_pair(shots, places.sizes, about, name, origin=origin, time=times[number])
 
     frames = [_Frame(places, number, read) for number in range(len(found))]
     pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)
@@ -176,14 +181,6 @@ class _Frame:
 
     def __reduce__(self):
         return partial, (_read_in_worker, self._places, self._number)
-
-
-def _source(path: Path) -> FrameSource:
-    if is_video(path):
-        return video_source(path)
-    files = find_images(path)
-    names = tuple(file.name for file in files)
-    return FrameSource(str(path), names, None, lambda index: read_image(str(files[index]))[0])
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:

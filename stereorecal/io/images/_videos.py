@@ -21,11 +21,7 @@ def is_video(path: Path) -> bool:
 
 
 def video_source(path: Path) -> FrameSource:
-    """The frames of a video, named by their number; their times follow from the frame rate.
-
-    Raises:
-        InputError: if the file is missing, empty, or no video that OpenCV can read.
-    """
+    """The frames of a video, named by their number; their times follow from the frame rate."""
     video = _Video(path)
     names = tuple(f"{path.name} {number:06d}" for number in range(video.frames))
     return FrameSource(str(path), names, np.arange(video.frames) / video.rate, video.read)

@@ -65,7 +65,12 @@ def load_log(folder: AnyPath, limit: int | None = None) -> Log:
     """
     folder = existing_folder(folder)
     if is_scene_folder(folder):
-        log = _log_of_scene(folder, limit)
+        found, pairs = open_scene_folder(folder, limit)
+        name = folder_name(folder)
+        if found.rig is None:
+            raise InputError(f"{name}: the scene has no calibration; a log needs one.")
+        truth = found.rig if found.reference == "truth" else None
+        log = Log(name, {"stored": found.rig}, (Mission(name, "stored", pairs, truth=truth),))
     elif (layout := _layout_of(folder)) is not None:
         log = layout.read(folder, limit)
     else:
@@ -138,13 +143,3 @@ def _layout_of(folder: Path) -> Layout | None:
 def _layouts() -> tuple[Layout, ...]:
     """Those above, and the modules that entry points of distributions name."""
     return (*_LAYOUTS, *(point.load() for point in entry_points(group=_GROUP)))
-
-
-def _log_of_scene(folder: Path, limit: int | None) -> Log:
-    """A scene folder as a log."""
-    found, pairs = open_scene_folder(folder, limit)
-    name = folder_name(folder)
-    if found.rig is None:
-        raise InputError(f"{name}: the scene has no calibration; a log needs one.")
-    truth = found.rig if found.reference == "truth" else None
-    return Log(name, {"stored": found.rig}, (Mission(name, "stored", pairs, truth=truth),))

@@ -5,9 +5,7 @@ import math
 import os
 import re
 import shlex
-from bisect import bisect_right
-from collections.abc import Mapping
-from itertools import chain
+from collections.abc import Iterable, Mapping
 from operator import methodcaller
 from pathlib import Path
 from typing import Any
@@ -19,11 +17,12 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath, about
-from stereorecal.io._scenes import Calibration, fitting, load_calibration, read_json_object
+from stereorecal.io._scenes import Calibration, fitting, load_calibration
 from stereorecal.io.formats._load_rig import load_rig, looks_calibrated
 from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
 from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
+from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
 from stereorecal.io.images._load_pairs import Size, load_matched
 from stereorecal.io.images._match_by_name import match_all
@@ -57,11 +56,9 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
 def _check_calibrated(folder: Path) -> None:
     """Refuse images with a calibration in another format; the message has the options that read them."""
     sides = [_images_of(folder, side) for side in ("left", "right")]
-    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(map(any, sides)):
+    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(sides):
         return
-    left, right = (
-        single[0] if single else folder / side for side, (single, _) in zip(("left", "right"), sides, strict=True)
-    )
+    left, right = (found[0] if found[0].parent == folder else found[0].parent for found in sides)
     words = shlex.join(["--left", str(left), "--right", str(right), "--calibration", str(folder)])
     raise InputError(
         f"{folder}: there is no {_CALIBRATION_FILE}; for a calibration in another format say {words} (in Python: "
@@ -70,21 +67,12 @@ def _check_calibrated(folder: Path) -> None:
 
 
 def load_sides(folder: Path, limit: int | None, times: Any = None, size: Size | None = None) -> LazyPairs:
-    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names.
-
-    Args:
-        times: when they were taken, in seconds, as a calib.json has them; what is no such list is passed over.
-        size: of the images that the calibration is for.
-    """
+    """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names; with the times of a
+    calib.json, in seconds, if these are some, and fitted to the size that the calibration is for."""
     matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
-    sizes = None if size is None else (size, size)
-    return load_matched(matched, limit, times if _are_times(times, len(matched)) else None, sizes)
-
-
-def _are_times(times: Any, pairs: int) -> bool:
-    if not isinstance(times, list) or len(times) != pairs:
-        return False
-    return all(isinstance(time, int | float) and math.isfinite(time) for time in times)
+    sizes, known = None if size is None else (size, size), isinstance(times, list) and len(times) == len(matched)
+    known = known and all(isinstance(time, int | float) and math.isfinite(time) for time in times)
+    return load_matched(matched, limit, times if known else None, sizes)
 
 
 def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
@@ -127,17 +115,17 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
 
 def _side_files(folder: Path, side: str) -> list[Path]:
     """The images of one side: the file `side.*` or those in the folder `side`."""
-    single, several = _images_of(folder, side)
-    if not (single or several):
+    found = _images_of(folder, side)
+    if not found:
         raise InputError(f"{folder}: there is no image {side}.* and no folder {side} with images; add them.")
-    if len(single) > 1 or (single and several):
-        other = single[1] if len(single) > 1 else several[0]
-        raise InputError(f"{folder}: both {single[0].name} and {other.relative_to(folder)} are there; remove one.")
-    return single or several
+    if found[0].parent == folder and len(found) > 1:
+        raise InputError(f"{folder}: both {found[0].name} and {found[1].relative_to(folder)} are there; remove one.")
+    return found
 
 
-def _images_of(folder: Path, side: str) -> tuple[list[Path], list[Path]]:
-    return [path for path in images_in(folder) if path.stem == side], images_in(folder / side)
+def _images_of(folder: Path, side: str) -> list[Path]:
+    """The images `side.*`, and those in the folder `side`."""
+    return [path for path in images_in(folder) if path.stem == side] + images_in(folder / side)
 
 
 def _file_names(pairs: tuple[Pair, ...]) -> list[str]:
@@ -156,7 +144,7 @@ def _check_free(folder: Path, targets: set[Path], overwrite: bool) -> None:
     if existing and not overwrite:
         raise InputError(f"{existing[0]}: the file exists already; choose another folder, or say overwrite=True.")
     for side in ("left", "right"):
-        for path in chain(*_images_of(folder, side)):
+        for path in _images_of(folder, side):
             if path not in targets:
                 raise InputError(f"{path}: this image would mix with the scene; choose another folder.")
 
@@ -200,36 +188,30 @@ def read(folder: Path, limit: int | None) -> Log:
 
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
-    facts = read_json_object(folder / _FACTS) if (folder / _FACTS).exists() else {}
+    facts = read_document(folder / _FACTS, Syntax.JSON).content if (folder / _FACTS).exists() else {}
     truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
-        calibration, starred = _mission_facts(facts)
-        unknown = starred - set(pairs.names)
+        calibration, starred = facts.get("calibration"), facts.get("starred", [])
+        if not isinstance(calibration, str | None):
+            raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
+        if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
+            raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
+        unknown = set(starred) - set(pairs.names)
         if unknown and limit is None:
             raise InputError(f"starred names {min(unknown)}, which is no left image of the sequence; correct it.")
-    name = calibration or _latest(folder.name, list(calibrations))
+    name = calibration or _latest(folder.name, calibrations)
     rig = calibrations.get(name)  # the log says if there is none
     if rig is not None:
         pairs = fitting(folder, Calibration(rig.sizes_taken[0], rig), pairs)
-    return Mission(folder.name, name, pairs, starred, truth)
+    return Mission(folder.name, name, pairs, frozenset(starred), truth)
 
 
-def _mission_facts(facts: Mapping[str, Any]) -> tuple[str | None, frozenset[str]]:
-    """The calibration and the starred images that a mission.json names."""
-    calibration, starred = facts.get("calibration"), facts.get("starred", [])
-    if not isinstance(calibration, str | None):
-        raise InputError("calibration must be the name of a calibration, in quotes; correct it.")
-    if not (isinstance(starred, list) and all(isinstance(name, str) for name in starred)):
-        raise InputError('starred must be a list of image names, such as ["0004.png"]; correct it.')
-    return calibration, frozenset(starred)
-
-
-def _latest(name: str, dates: list[str]) -> str:
-    before = bisect_right(sorted(dates), name)
-    if before == 0:
+def _latest(name: str, dates: Iterable[str]) -> str:
+    before = [date for date in dates if date <= name]
+    if not before:
         raise InputError(
             f"{name}: no calibration is of that date or before it; begin the names of sequences and of calibrations "
             f"with a date such as 2026-05-31, or name the calibration in {_FACTS}."
         )
-    return sorted(dates)[before - 1]
+    return max(before)

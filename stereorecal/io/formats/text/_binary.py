@@ -29,12 +29,7 @@ _OBJECTS = (
 
 
 def variables(data: bytes) -> dict[str, Any]:
-    """The variables of a file by their names: arrays of float64, texts, dicts of structs, lists of cells.
-
-    Raises:
-        InputError: if there are objects among them, such as stereoParameters.
-        ValueError, zlib.error: if it is damaged.
-    """
+    """The variables of a file by their names: arrays of float64, texts, dicts of structs, lists of cells."""
     reader = _Reader("<" if data[126:128] == b"IM" else ">")
     found: dict[str, Any] = {}
     for kind, content in reader.elements(data[128:]):
@@ -113,11 +108,7 @@ _DAMAGED = "cannot be read, or truncated; copy or write it again."
 
 
 def binary_text(path: Path) -> str | None:
-    """The content of a binary file as JSON, which is never executed; None if it is no such file.
-
-    Raises:
-        InputError: naming the file, if it is of such a kind, but cannot be read.
-    """
+    """The content of a binary file as JSON, which is never executed; None if it is no such file."""
     try:
         with path.open("rb") as file:
             head = file.read(128)

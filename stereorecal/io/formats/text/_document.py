@@ -59,17 +59,12 @@ _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Document:
-    """A text and what it says.
+    """A text and what it says."""
 
-    Attributes:
-        name: what messages call the file.
-        content: keys and plain values, matrices as the file has them.
-    """
-
-    name: str
+    name: str  # what messages call the file
     text: str
     syntax: Syntax
-    content: Mapping[str, Any]
+    content: Mapping[str, Any]  # keys and plain values, matrices as the file has them
 
     def with_values(self, values: Values) -> str:
         """The text with other values under some keys, and everything else as it was."""
@@ -87,12 +82,7 @@ class Document:
 
 
 def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
-    """A text, parsed.
-
-    Args:
-        syntax: default: as the text looks; a text that looks like none has no values.
-        lines: whether it may look like lines of keys and values.
-    """
+    """A text, parsed; without a syntax as it looks, perhaps like `lines` of keys and values, or without any values."""
     with about(name):
         first = (line.strip() for line in text.splitlines() if not line.lstrip().startswith("#"))
         guessed = syntax is None and lines and not _YAML.match(next(filter(None, first), ""))
@@ -119,11 +109,7 @@ def read_document(
     path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.", *, lines: bool = True
 ) -> Document:
     """The text of a file, parsed; `syntax` and `lines` as of `document`. That of a binary file is what it would be as
-    JSON.
-
-    Raises:
-        InputError: naming the file, if it is missing, unreadable or cannot be parsed.
-    """
+    JSON."""
     binary = binary_text(path)
     if binary is not None:
         return document(path, binary, Syntax.JSON)

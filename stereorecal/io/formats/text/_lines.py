@@ -45,7 +45,7 @@ def numbers_in(text: str) -> list[list[float]] | None:
     rows = []
     for line in text.splitlines():
         stated = line.partition("#")[0].replace(",", " ").replace(";", " ").split()
-        row = [number for word in stated if isinstance(number := number_or_word(word), float)]
+        row = [number for word in stated if not isinstance(number := number_or_word(word), str)]
         if len(row) < len(stated):
             return None
         rows += [row] if row else []

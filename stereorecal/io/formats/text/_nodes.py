@@ -12,22 +12,18 @@ from stereorecal.io._strict_json import without_duplicates
 Keys = tuple[str | int, ...]
 Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
 Edit = tuple[int, int, str]  # from, to, what stands there then
+_WHOLE = re.compile(r"[-+]?\d{1,15}")
+_NOT_FINITE = re.compile(r"\A([-+]?)\.(inf|nan)\Z", re.IGNORECASE)  # as YAML and OpenCV write them
 
 
 @dataclass(frozen=True)
 class Node:
-    """A value of a text.
+    """A value of a text."""
 
-    Attributes:
-        value: a number, a word, a truth or None; or the nodes inside, by their keys or as a list.
-        start, end: the characters from `start` to before `end`.
-        between: what separates two items of a list, if it has fewer.
-    """
-
-    value: Any
-    start: int
-    end: int
-    between: str = ", "
+    value: Any  # a number, a word, a truth or None; or the nodes inside, by their keys or as a list
+    start: int  # the characters from `start` to before `end`
+    end: int  # the characters from `start` to before `end`
+    between: str = ", "  # what separates two items of a list, if it has fewer
 
 
 def mapping(pairs: Sequence[tuple[str, Node]], start: int, end: int) -> Node:
@@ -36,24 +32,21 @@ def mapping(pairs: Sequence[tuple[str, Node]], start: int, end: int) -> Node:
     return Node(dict(pairs), start, end)
 
 
-def number_or_word(word: str) -> float | str:
+def number_or_word(word: str) -> float | int | str:
     """A word of a text file as a number if it is one, else as it is."""
+    if not word.isascii() or "_" in word:  # float() would read "1_0" as 10
+        return word
     try:
-        return float(word) if word.isascii() and "_" not in word else word  # float() would read "1_0" as 10
+        return int(word) if _WHOLE.fullmatch(word) else float(_NOT_FINITE.sub(r"\1\2", word))
     except ValueError:
         return word
 
 
-def whole_or_word(word: str) -> float | int | str:
-    """As `number_or_word`; whole numbers as such."""
-    number = number_or_word(word)
-    return int(word) if isinstance(number, float) and re.fullmatch(r"[-+]?\d{1,15}", word) else number
-
-
-def words(text: str, start: int, end: int, read: Callable[[str], Any] = number_or_word) -> Node:
+def words(text: str, start: int, end: int) -> Node:
     """A node of the words in a part of a text, and what each of them says."""
     found = [(start + one.start(), start + one.end()) for one in re.finditer(r"\S+", text[start:end])]
-    return Node([Node(read(text[first:last]), first, last) for first, last in found], start, end, between=" ")
+    nodes = [Node(number_or_word(text[first:last]), first, last) for first, last in found]
+    return Node(nodes, start, end, between=" ")
 
 
 def plain(node: Node) -> Any:

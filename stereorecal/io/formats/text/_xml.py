@@ -1,25 +1,15 @@
 """XML as OpenCV's FileStorage writes it: its values, and where they stand."""
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 from xml.parsers import expat
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats.text._nodes import Node, mapping, whole_or_word, words
+from stereorecal.io.formats.text._nodes import Node, mapping, words
 
 _DAMAGED = "not an XML file as OpenCV writes it, or truncated; correct or copy it again."
 _ATTRIBUTES = r"""(?:"[^"]*"|'[^']*'|[^>"'])*?"""
 _TAG = re.compile(rf"<!--.*?-->|<\?.*?\?>|<(?P<ends>/?)(?P<name>[^\s/>]+){_ATTRIBUTES}(?P<empty>/?)>", re.DOTALL)
-
-
-@dataclass
-class _Element:
-    """An element; its text goes from `start` to the first tag or comment in it, at `end`."""
-
-    name: str
-    start: int
-    end: int | None = None
-    inside: list["_Element"] = field(default_factory=list)
 
 
 def tree(text: str) -> tuple[str, Node]:
@@ -30,27 +20,28 @@ def tree(text: str) -> tuple[str, Node]:
         expat.ParserCreate("utf-8").Parse(text.lstrip().encode(), True)
     except (expat.ExpatError, ValueError):
         raise InputError(_DAMAGED) from None
-    path = [_Element("", 0)]
-    for tag in _TAG.finditer(text):
-        path[-1].end = tag.start() if path[-1].end is None else path[-1].end
-        if tag["name"] and not tag["ends"]:
-            path.append(_Element(tag["name"], tag.end()))
-            path[-2].inside.append(path[-1])
-        if tag["ends"] or tag["empty"]:
-            path.pop()
-    root = _node(text, path[0].inside[0])
+    tags = _TAG.finditer(text)
+    root = _node(text, next(tag for tag in tags if tag["name"]), tags)
     if not isinstance(root.value, dict):
         raise InputError(_DAMAGED)
     return text, root
 
 
-def _node(text: str, element: _Element) -> Node:
-    start, end = element.start, element.start if element.end is None else element.end
-    if element.inside and all(child.name == "_" for child in element.inside):
-        return Node([_node(text, child) for child in element.inside], start, end)
-    if element.inside:
-        return mapping([(child.name, _node(text, child)) for child in element.inside], start, end)
+def _node(text: str, first: re.Match[str], tags: Iterator[re.Match[str]]) -> Node:
+    """The element that begins with `first`; takes its other tags. Its text goes to the first tag or comment in it."""
+    start, end, inside = first.end(), None, list[tuple[str, Node]]()
+    for tag in () if first["empty"] else tags:
+        end = tag.start() if end is None else end
+        if tag["ends"]:
+            break
+        if tag["name"]:
+            inside.append((tag["name"], _node(text, tag, tags)))
+    end = start if end is None else end
+    if inside and all(name == "_" for name, _ in inside):
+        return Node([node for _, node in inside], start, end)
+    if inside:
+        return mapping(inside, start, end)
     if (quoted := text[start:end].strip()).startswith('"'):
         return Node(quoted.strip('"'), start, end)
-    found = words(text, start, end, lambda word: whole_or_word(word.replace(".Inf", "inf").replace(".Nan", "nan")))
-    return found.value[0] if len(found.value) == 1 and element.name != "data" else found
+    found = words(text, start, end)
+    return found.value[0] if len(found.value) == 1 and first["name"] != "data" else found

@@ -3,17 +3,15 @@
 import math
 import re
 from dataclasses import replace
-from typing import Any
 
 import yaml
 from yaml.composer import Composer
 from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats.text._nodes import Node, mapping, whole_or_word
+from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word
 
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
-_NOT_FINITE = re.compile(r"([-+]?)\.(inf|nan)", re.IGNORECASE)
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
 _END = re.compile(r"(\n(---|\.\.\.)[ \t\r]*)+\s*\Z")  # after a message, as `ros2 topic echo` writes it
 _NO_SPACE = re.compile(r"^([ \t]*[\w.]+:)\[", re.MULTILINE)  # data:[1], which OpenCV reads, and YAML does not
@@ -109,20 +107,11 @@ def _node(node: yaml.Node, text: str, before: int) -> Node:
         return made
     if isinstance(node, SequenceNode):
         items = [_node(item, text, before) for item in node.value]
-        return Node(
-            items, start, end, ", " if node.flow_style or not items else _new_item(text, items[-1].start - before)
-        )
-    return Node(_scalar(node.value) if isinstance(node, ScalarNode) and not node.style else node.value, start, end)
-
-
-def _scalar(word: str) -> Any:
-    if word.lower() in _WORDS:
-        return _WORDS[word.lower()]
-    found = _NOT_FINITE.fullmatch(word)
-    return float(found[1] + found[2]) if found else whole_or_word(word)
-
-
-def _new_item(text: str, last: int) -> str:
-    """What begins an item in a line of its own, as the last one, which begins there."""
-    begin = text.rfind("\n", 0, last) + 1
-    return "\n" + re.sub(r"[^-\s].*", "", text[begin:last])
+        if node.flow_style or not items:
+            return Node(items, start, end)
+        last = items[-1].start - before
+        line = text[text.rfind("\n", 0, last) + 1 : last]  # what begins an item in a line of its own
+        return Node(items, start, end, "\n" + re.sub(r"[^-\s].*", "", line))
+    if not isinstance(node, ScalarNode) or node.style:
+        return Node(node.value, start, end)
+    return Node(_WORDS.get(node.value.lower(), number_or_word(node.value)), start, end)
