@@ -235,7 +235,7 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
         return
     if len(repairs) > 1:
         console = table_console()
-        console.print(repairs_table([repair.as_dict(expected=False) for repair in repairs], console.width))
+        console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
         shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
         for line in dict.fromkeys(map(str, shared)):  # each once
             print_lines(line)

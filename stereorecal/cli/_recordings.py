@@ -89,6 +89,8 @@ def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
     scenes = _recordings(options, first).scenes
     if len(scenes) != 1:
         raise InputError("one rig is watched at a time; give one scene.")
+    if len(every) != 1:
+        raise InputError("folders are watched one after the other; give one, and the next with the same --state.")
     return scenes[0], every[0]
 
 

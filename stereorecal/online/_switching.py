@@ -213,7 +213,7 @@ def _after_solution(state: State, solution: Solution) -> Outcome:
     if not state.config.repair or reading(state).late:
         return state, events
     state, more = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
-    return state, [*events, *more]
+    return state.replace(ready=0), [*events, *more]  # looks may correct it at once
 
 
 def too_far(state: State) -> bool:

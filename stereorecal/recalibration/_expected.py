@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -41,37 +42,43 @@ class Expected:
     intrinsics, and the misfit.
 
     Attributes:
-        rows: (13, 17) row in the left rectified image less row in the right one, in pixels of the view, of points at 10
-            baselines, over the view; NaN where not both cameras see the point.
-        rows_deviation: (13, 17) the standard deviation of that.
+        estimated, used, view: the true rig is where the estimate says, and `used` is read in the view.
         rows_px: |row error| where the images show something, as the decision has it; pixels.
-        depth_percent: error of depth at 5, 10, 30 and 100 baselines, with its 95 % interval.
     """
 
-    rows: Float[np.ndarray, "h w"]
-    rows_deviation: Float[np.ndarray, "h w"]
+    estimated: Estimate
+    used: StereoRig
+    view: View
     rows_px: float
-    depth_percent: Mapping[int, Interval]
+
+    @cached_property
+    def depth_percent(self) -> Mapping[int, Interval]:
+        """The error of depth at 5, 10, 30 and 100 baselines, with its 95 % interval."""
+        found = self.estimated.depth_error_percent(self.estimated.chart.coordinates_of(self.used))
+        return {int(distance): Interval(*ends) for distance, ends in found.items()}
+
+    @cached_property
+    def rows(self) -> Float[np.ndarray, "h w"]:
+        """(13, 17) row in the left rectified image less row in the right one, in pixels of the view, of points at 10
+        baselines, over the view; NaN where not both cameras see the point."""
+        return self._rows_if(self.estimated.theta)
+
+    @cached_property
+    def rows_deviation(self) -> Float[np.ndarray, "h w"]:
+        """(13, 17) the standard deviation of that."""
+        slopes = central_differences(self._rows_if, self.estimated.theta, STEP)
+        variance = np.einsum("hwi,ij,hwj->hw", slopes, self.estimated.posterior.covariance, slopes)
+        return np.sqrt(np.maximum(variance, 0.0))
+
+    def _rows_if(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
+        """The rows, if the rig at θ is the true one."""
+        columns, rows = (np.linspace(0, size - 1, n) for size, n in zip(self.view.size, _GRID, strict=True))
+        return row_errors_of(self.used, self.estimated.chart.rig_at(theta), self.view, columns, rows, (_ROWS_AT,))[0]
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
         depth = {distance: error.as_dict() for distance, error in self.depth_percent.items()}
         return json_data({"rows_px": self.rows_px, "depth_error_percent": depth})
-
-
-def expected_of(estimated: Estimate, used: StereoRig, view: View, rows_px: float) -> Expected:
-    """What to expect of a rig, the true one being where the estimate says; the decision tells the rows of the rig."""
-    width, height = view.size
-    columns, rows = np.linspace(0, width - 1, _GRID[0]), np.linspace(0, height - 1, _GRID[1])
-
-    def row_errors(theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "h w"]:
-        return row_errors_of(used, estimated.chart.rig_at(theta), view, columns, rows, (_ROWS_AT,))[0]
-
-    slopes = central_differences(row_errors, estimated.theta, STEP)
-    variance = np.einsum("hwi,ij,hwj->hw", slopes, estimated.posterior.covariance, slopes)
-    found = estimated.depth_error_percent(estimated.chart.coordinates_of(used))
-    depth = {int(distance): Interval(*ends) for distance, ends in found.items()}
-    return Expected(row_errors(estimated.theta), np.sqrt(np.maximum(variance, 0.0)), rows_px, depth)
 
 
 @dataclass(frozen=True)

@@ -48,13 +48,9 @@ class Repair:
     fault: Fault | None = None
     traceback: str | None = field(default=None, repr=False)
 
-    def as_dict(self, *, expected: bool = True) -> dict[str, Any]:
-        """Plain data for JSON; what is missing is None.
-
-        Args:
-            expected: whether to say what to expect, which takes a while for many recordings.
-        """
-        found = {} if self.solution is None else self.solution.to_dict(expected=expected)
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON; what is missing is None."""
+        found = {} if self.solution is None else self.solution.to_dict()
         return {"scene": self.name, "error": self.error, "fault": self.fault and self.fault.name.lower(), **found}
 
 

@@ -14,7 +14,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.recalibration._difference import Difference, difference
-from stereorecal.recalibration._expected import DepthError, Expected, expected_of, reported_depths
+from stereorecal.recalibration._expected import DepthError, Expected, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
@@ -248,7 +248,7 @@ class AbstractResult:
         if self.estimate is None or self.decision is None or self.found is None or not self.reason.healthy:
             return None
         rows_px = float(self.decision.rows_px[int(self.accepted), 0])
-        return expected_of(self.estimate, self.rig, self.view, rows_px)
+        return Expected(self.estimate, self.rig, self.view, rows_px)
 
     @property
     def found(self) -> Correspondences | None:

@@ -56,12 +56,8 @@ class Solution(AbstractResult):
         searched: False of a look, which says what a repair begins with.
     """
 
-    def to_dict(self, *, expected: bool = True) -> dict[str, Any]:
-        """Plain data for JSON: lists, text and finite numbers; None where a number is missing or infinite.
-
-        Args:
-            expected: whether to say what to expect, for which a covariance is solved for.
-        """
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for JSON: lists, text and finite numbers; None where a number is missing or infinite."""
         baseline, telling = float(self.initial.baseline), self.reason not in SAYS_NOTHING
         found = (self.row_errors, self.uncertainty, self.misfit, self.estimate, self.decision)
         rows, known, misfit, estimate, decision = found if telling else (None,) * 5  # of matches by chance
@@ -101,7 +97,7 @@ class Solution(AbstractResult):
                 "left_out": list(self.left_out),
                 "disagreeing": list(self.disagreeing),
                 "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
-                "expected": self.expected.as_dict() if expected and self.expected else None,
+                "expected": self.expected and self.expected.as_dict(),
                 "depth_error_percent": dict(self.depth_error_percent) if telling else {},
                 "depth": [
                     {"distance_m": before.distance, "before": before.as_dict(), "used": used.as_dict()}

@@ -61,7 +61,7 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
         content["repairs"][0]["ranges"] = RangesSeen(5, 4, 1).as_dict()
         given = sr.io.load_scene(drifted_scene)
         repaired = sr.recalibrate(given.rig, given.pairs, budget=1)
-        content["repairs"][0]["motion"] = replace(repaired, estimate=MOVED).to_dict(expected=False)["motion"]
+        content["repairs"][0]["motion"] = replace(repaired, estimate=MOVED).to_dict()["motion"]
     if schema == "compare":  # of a scene whose true rig is not known
         (trial,), (row,) = content["trials"], content["summary"]
         assert trial["by_truth"] is row["harmful"] is row["row_error_px_median"] is None

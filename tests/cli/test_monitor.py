@@ -152,6 +152,7 @@ def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path
     answer = command("monitor", recalibrated, *words)
     answer.refuses("belongs to another calibration than the given one; name another file")
     command("monitor", scene, recalibrated).refuses("one rig is watched at a time; give one scene")
+    command("monitor", f"{scene}+{recalibrated}").refuses("folders are watched one after the other")
     assert state.read_bytes() == kept
 
 
