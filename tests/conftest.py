@@ -37,25 +37,22 @@ def pytest_configure(config: pytest.Config) -> None:
     if _is_worker(config):
         _keep_to_own_cores(config)
         folder = os.environ[_CACHE]
+        config.option.slow = config.workerinput["slow"]
     else:
+        config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS
         folder = os.environ.get(_CACHE) or tempfile.mkdtemp(prefix="stereorecal-tests-")
         if _CACHE not in os.environ:
             config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
         os.environ[_CACHE] = os.environ["JAX_COMPILATION_CACHE_DIR"] = folder
         os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
-    if _is_worker(config):
-        config.option.slow = config.workerinput["slow"]
-    else:
-        config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS
+        # Each core has a worker of its own: threads of BLAS would only wait for each other.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if not config.option.slow:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_FAST))
         settings.load_profile("quick")
     # Commands that tests start read the library as one of them has compiled it.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    if not _is_worker(config):
-        # Each core has a worker of its own: threads of BLAS would only wait for each other.
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
     jax.config.update("jax_compilation_cache_dir", folder)
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)

@@ -59,8 +59,8 @@ class Target:
     """Where a rig is to be written."""
 
     documents: Documents  # the file that it came from, or one without numbers of its own
-    left: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
-    right: bool = True  # whether the intrinsics of that camera are to be written; else those in the file stay
+    left: bool = True  # whether the intrinsics of the left camera are to be written; else those in the file stay
+    right: bool = True  # the same of the right one
     hints: Hints = field(default_factory=Hints)  # with which the documents were read
 
     def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
