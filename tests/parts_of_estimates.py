@@ -50,7 +50,6 @@ from stereorecal.online._filter import (
     at_start as at_start,
 )
 from stereorecal.online._moving import small as small, turn as turn
-from stereorecal.online._pair_estimate import RowSolution as RowSolution
 from stereorecal.scoring._correspondences import _means_of_cells as _means_of_cells
 from stereorecal.scoring._count import _soft_area as _soft_area
 from stereorecal.scoring._rectify import Rectified as Rectified

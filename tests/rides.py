@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stereorecal.geometry import StereoRig
 from stereorecal.online import State, Stepped
+from stereorecal.online._filter import FilterEstimate
 from stereorecal.recordings import Pair
 from stereorecal.synthetic import Knock, photographs, plan_drive
 
@@ -38,3 +40,9 @@ def kinds(steps: list[Stepped]) -> list[str]:
 def error(state: State, truth: StereoRig) -> np.ndarray:
     """Of the rig in use: pitch, yaw, roll [deg]."""
     return np.abs(state.using - state.offset_of(truth))[:3]
+
+
+def standing_at(state: State, offset: ArrayLike, covariance: np.ndarray) -> FilterEstimate:
+    """The state's estimate, if the true rig stood at an offset, as well known as that, and lenses were as given."""
+    lenses = len(state.theta) - 5
+    return state.estimate.moved(np.pad(np.asarray(offset, float), (0, lenses)), np.pad(covariance, (0, lenses)))

@@ -79,8 +79,8 @@ def drive() -> None:
     for frame, stepped in enumerate(sr.online.run(taken.rig, sr.synthetic.photographs(taken))):
         truth = stepped.state.offset_of(taken.truth(frame))
         used.append(stepped.state.using - truth)
-        found.append(stepped.state.estimate.offset - truth)
-        half.append(1.96 * np.sqrt(np.diag(stepped.state.estimate.of_offset)))
+        found.append(stepped.state.offset - truth)
+        half.append(1.96 * np.sqrt(np.diag(stepped.state.of_offset)))
         happened += [(frame, event.kind) for event in stepped.events]
     used, found, half = np.array(used), np.array(found), np.array(half)
     figure, rows = plt.subplots(3, 1, figsize=(9.0, 6.0), sharex=True, layout="constrained")

@@ -39,8 +39,13 @@ from stereorecal.estimation._least_squares import (
     estimate_together as estimate_together,
     fitted as fitted,
 )
-from stereorecal.estimation._linear_groups import rows_of_groups as rows_of_groups
-from stereorecal.estimation._losses import Losses as Losses, Matters as Matters, points_shown as points_shown
+from stereorecal.estimation._linear_groups import normal_of_pair as normal_of_pair, rows_of_groups as rows_of_groups
+from stereorecal.estimation._losses import (
+    Losses as Losses,
+    Matters as Matters,
+    extrinsics_like as extrinsics_like,
+    points_shown as points_shown,
+)
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,

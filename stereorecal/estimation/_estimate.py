@@ -31,6 +31,7 @@ from stereorecal.estimation._losses import (
     errors_near,
     least_loss,
     losses,
+    points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
@@ -105,6 +106,8 @@ class Estimate:
         other_rigs: frames that show another rig than the others, the farthest first.
         matched_ranges: ranges that took part.
         shown: the mean row differences that it rests on; None where there are none.
+        points: (m, 3) in the frame of the left camera, that stand for what images show, and their weights (m,); None:
+            those that `shown` shows.
         windows: pairs of pairs that told of the rig's motion.
         matters: what counts as an error, for losses and candidates.
         view: in which rows and depth are judged; None: the rig's own.
@@ -122,6 +125,7 @@ class Estimate:
     other_rigs: tuple[OtherRig, ...] = ()
     matched_ranges: MatchedRanges = NO_RANGES
     shown: Groups | None = None
+    points: tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]] | None = None
     windows: Windows = NO_WINDOWS
     matters: Matters = USUAL
     view: View | None = None
@@ -185,7 +189,10 @@ class Estimate:
     @cached_property
     def _errors(self) -> Errors:
         """Of rigs, if the one at the posterior's mean is true."""
-        return errors_near(self.chart, self.theta, self.matters, self.view, self.shown)
+        points = self.points
+        if points is None and self.shown is not None:
+            points = points_shown(self.shown, self.chart, self.theta, self.view)
+        return errors_near(self.chart, self.theta, self.matters, self.view, points)
 
     @cached_property
     def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:

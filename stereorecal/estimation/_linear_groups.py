@@ -27,6 +27,7 @@ DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the fiel
 COMMON = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2)  # pixels, of the field that all frames have in common
 USUAL = 0.07  # pixels, of the field of a frame: that of most good pairs, or more
 _LENGTH = 1.5  # places
+_ROUNDS, _REDESCENDS = 5, 1.5  # of the fit of one pair; robust deviations
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
 _OWN = np.array([0.5, 0.5, 0.5, 0.5, 0.5])  # degrees and percent: how far the rig may have moved between frames
@@ -182,6 +183,39 @@ def rows_of_groups(
     deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
     share = groups.count / groups.count.mean()
     return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
+
+
+def normal_of_pair(
+    found: Correspondences,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    mean: Float[np.ndarray, "n"],
+    covariance: Float[np.ndarray, "n n"],
+) -> tuple[Normal, Float[np.ndarray, "n"]] | None:
+    """What one pair says of θ, linear near a θ that is not far off; and the most probable θ after it. None, if there
+    are too few groups.
+
+    Args:
+        mean, covariance: of θ before, by which it is told what has no say.
+
+    Of each pair a robust fit (iterated reweighting; Holland & Welsch 1977): what moved has no say in the end. Nothing
+    is asked of misfit and nuisances, which are the next pair's as well or none of its.
+    """
+    groups = grouped(found, chart, theta)
+    if len(groups) < FEWEST_GROUPS:
+        return None
+    rows, deviation = groups.rows(chart, theta), np.hypot(groups.deviation, USUAL)
+    jacobian = rows.jacobian[:, 0]
+    at_zero, weight = rows.differences[0] - theta @ jacobian, np.ones(len(groups))
+    a, b = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
+    for _ in range(_ROUNDS):
+        weighted = jacobian * (weight / deviation**2)
+        a, b = weighted @ jacobian.T, -weighted @ at_zero
+        theta = mean + np.linalg.solve(np.eye(len(b)) + covariance @ a, covariance @ (b - a @ mean))
+        away = np.abs(at_zero + theta @ jacobian) / deviation
+        scale = max(1.0, 1.4826 * float(np.median(np.repeat(away, groups.count))))
+        weight = np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / scale**2
+    return Normal(a, b, 0.0), theta
 
 
 @dataclass(frozen=True)

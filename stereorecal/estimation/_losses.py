@@ -23,6 +23,7 @@ from stereorecal.estimation._consequences import (
 )
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._posterior import Posterior, merged
+from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import StereoRig, View, reread
 from stereorecal.objectives import RigChart
 
@@ -151,14 +152,24 @@ class Errors:
 
 
 def errors_near(
-    chart: RigChart, at: Float[np.ndarray, "n"], matters: Matters, view: View | None, groups: Groups | None
+    chart: RigChart,
+    at: Float[np.ndarray, "n"],
+    matters: Matters,
+    view: View | None,
+    shown: tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]] | None,
 ) -> Errors:
-    """Linear near the rig at θ = at, of what the images show as well, where there are groups."""
-    true, points, weights = chart.rig_at(at), [], np.zeros(0)
-    if groups is not None:
-        shown, weights = points_shown(groups, chart, at, view)
-        points = [shown] if len(shown) else []
-    return Errors(matters, consequences(chart, at, matters.distances, view, points), at, true, chart, view, weights)
+    """Linear near the rig at θ = at, of points that stand for what the images show as well, if they and their weights
+    are known."""
+    points, weights = shown if shown is not None else (np.zeros((0, 3)), np.zeros(0))
+    near = consequences(chart, at, matters.distances, view, [points] if len(points) else [])
+    return Errors(matters, near, at, chart.rig_at(at), chart, view, weights)
+
+
+def extrinsics_like(chart: RigChart, view: View | None) -> Float[np.ndarray, "5 n"]:
+    """The change of the extrinsics that is most like each parameter's in what it does to rows and depth."""
+    errors = errors_near(chart, np.zeros(chart.dim), USUAL, view, None)
+    slopes = np.sqrt(errors.weights)[:, None] * errors.slopes
+    return np.linalg.lstsq(slopes[:, : len(DRIFTING)], slopes, rcond=None)[0]
 
 
 def points_shown(

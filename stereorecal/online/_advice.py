@@ -13,12 +13,12 @@ from jaxtyping import Float, Int
 
 from stereorecal.estimation import Normal, consequences, one_blas_thread, window
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._config import Kind
-from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, Measurement
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._moving import AHEAD, motion_measurement
 from stereorecal.online._pair_estimate import as_taken, band_of, part_of
-from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, chart_and_keystone, reading
+from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, chart_around, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import NORMAL_95, Condition
 from stereorecal.scoring import Tracks
@@ -87,9 +87,9 @@ class Advice:
 def advice(state: State) -> Advice:
     """What is missing until the answer on the calibration in use stands, and what to show next."""
     blind = state.reported is Kind.TOO_LITTLE_TEXTURE
-    estimate = state.estimate
-    if not estimate.is_finite:
+    if not state.estimate.is_finite:
         return Advice((), (), None, blind, stands=False)
+    estimate = state.estimate.moved(state.posterior.mean, state.posterior.covariance)
     chart, around = _around(state.initial, tuple(state.using.tolist()), state.view, _distances(state))
     errors = _errors(around, state.config.tolerances.good_rows_px)
     wide = sorted((one for one in errors if one.excess(estimate) > 1.0), key=lambda one: -one.excess(estimate))
@@ -97,7 +97,7 @@ def advice(state: State) -> Advice:
     show = next((best for one in wide if (best := _best(estimate, one, candidates))), None)
     deviations = np.sqrt(np.diag(estimate.covariance))[:SIZE]
     alone = [NORMAL_95 * deviations * np.linalg.norm(one.by[:, :SIZE], axis=0) / one.matters for one in errors]
-    axes = tuple(name for name, most in zip(state.chart.names, np.max(alone, axis=0), strict=True) if most > 1.0)
+    axes = tuple(name for name, most in zip(EXTRINSICS, np.max(alone, axis=0), strict=True) if most > 1.0)
     undetermined = tuple(one.told(estimate) for one in wide)
     return Advice(undetermined, axes, show, blind, stands=not (wide or blind) and _settled(state, reading(state)))
 
@@ -131,17 +131,17 @@ class _Around:
         distance: in baselines.
         points: (p, 3) metres.
         part: (p,) the part of the view in which each appears.
-        rows: (p, 11) row differences, pixels.
+        rows: (p, m) row differences, pixels.
         weight: (p,) of the points in a mean over the view.
-        depth: (11,) error of depth, percent.
+        depth: (m,) error of depth, percent.
     """
 
     distance: float
     points: Float[np.ndarray, "p 3"]
     part: Int[np.ndarray, "p"]
-    rows: Float[np.ndarray, "p 11"]
+    rows: Float[np.ndarray, "p m"]
     weight: Float[np.ndarray, "p"]
-    depth: Float[np.ndarray, "11"]
+    depth: Float[np.ndarray, "m"]
 
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use
@@ -149,9 +149,8 @@ def _around(
     initial: StereoRig, using: tuple[float, ...], view: View, distances: tuple[float, ...]
 ) -> tuple[RigChart, tuple[_Around, ...]]:
     """Changes of the calibration in use, and what they do at each distance."""
-    chart, keystone = chart_and_keystone(initial, using, view)
-    by_filter = np.zeros((chart.dim, KEYSTONE + 2))
-    by_filter[:SIZE, :SIZE], by_filter[:, KEYSTONE] = np.eye(SIZE), keystone
+    chart = chart_around(initial, using)
+    by_filter = np.eye(chart.dim, chart.dim + 4)
     near = consequences(chart, np.zeros(chart.dim), distances, view)
     each = zip(distances, near.points, near.rows, near.weights, near.mean_nearness, strict=True)
     return chart, tuple(
@@ -166,13 +165,13 @@ class _Error:
 
     Attributes:
         error, distance, matters: as `Undetermined` has them.
-        by: (q, 11) derivatives by the numbers of the filter of q parts, whose squares sum up to the error's.
+        by: (q, m) derivatives by the numbers of the filter of q parts, whose squares sum up to the error's.
     """
 
     error: str
     distance: float
     matters: float
-    by: Float[np.ndarray, "q 11"]
+    by: Float[np.ndarray, "q m"]
 
     def half_width(self, estimate: FilterEstimate) -> float:
         """Half the width of its 95 % interval."""
@@ -201,6 +200,7 @@ class _Candidate:
     part: tuple[int, int] | None
     distance: float | None
     measures: Measurement
+    motion: bool = False
 
 
 def _best(estimate: FilterEstimate, error: _Error, candidates: Sequence[_Candidate]) -> Showing | None:
@@ -210,21 +210,23 @@ def _best(estimate: FilterEstimate, error: _Error, candidates: Sequence[_Candida
     if left[best] > _WORTH * error.half_width(estimate):
         return None
     one = candidates[best]
-    return Showing(error.told(estimate), left[best], one.part, one.distance, motion=not one.measures.keystone)
+    return Showing(error.told(estimate), left[best], one.part, one.distance, one.motion)
 
 
 def _looks(state: State, around: Sequence[_Around]) -> list[_Candidate]:
     """Something in each part of the view, at each distance, while the rig is held still."""
     return [
-        _Candidate(as_taken(part, state.initial), at.distance, _look(state, at.rows[at.part == part, :SIZE]))
+        _Candidate(as_taken(part, state.initial), at.distance, _look(state, at.rows[at.part == part]))
         for at in around
         for part in np.unique(at.part).tolist()
     ]
 
 
-def _look(state: State, rows: Float[np.ndarray, "p 5"]) -> Measurement:
-    """What row differences would measure, by their derivatives by the offset."""
-    return Measurement(state.estimate.offset, rows.T @ rows / _NOISE**2, np.zeros(SIZE))
+def _look(state: State, rows: Float[np.ndarray, "p m"]) -> Measurement:
+    """What row differences would measure, by their derivatives by the numbers of the filter."""
+    by_theta = rows[:, : state.chart.dim]
+    a = by_theta.T @ by_theta / _NOISE**2
+    return Measurement(Normal(a, a @ state.estimate.theta, 0.0), np.zeros(3))
 
 
 def _motions(state: State, chart: RigChart, around: tuple[_Around, ...]) -> list[_Candidate]:
@@ -233,7 +235,7 @@ def _motions(state: State, chart: RigChart, around: tuple[_Around, ...]) -> list
         return []
     covered = tuple(map(tuple, (state.coverage > 0).tolist()))
     return [
-        _Candidate(None, distance, motion_measurement(state, of_motion, np.zeros(3)))
+        _Candidate(None, distance, motion_measurement(state, of_motion, np.zeros(3)), motion=True)
         for distance, of_motion in _tracked(chart, around, covered)
     ]
 

@@ -103,7 +103,9 @@ class Config:
     @property
     def limits(self) -> Tolerances:
         """Tolerances of what may be switched: those of a recording where nothing is, and so nothing taken back."""
-        return replace(self.tolerances, harm=self.harm, better=1.0 - self.harm) if self.repair else self.tolerances
+        surely = 1.0 - self.harm
+        loose = replace(self.tolerances, harm=self.harm, better=surely, leaves=surely)
+        return loose if self.repair else self.tolerances
 
     @property
     def view(self) -> dict[str, str | float | None]:

@@ -1,12 +1,10 @@
-"""A recursive estimate of where the true rig stands, and by how much a shutter is late.
+"""A recursive estimate of the true rig, and of how late a shutter is.
 
-A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over eleven numbers: the offset of the true
-rig from the one that was given first (pitch, yaw, roll in degrees, y, z in percent of the baseline), the delay of the
-right shutter in frames, the rates at which the angles drift, in degrees a frame, and the keystone: the yaw that rows
-show beyond the one that depth shows, since the intrinsics are not what the calibration says; and what the same lenses
-leave of the yaw that the rig's motion tells, in all windows alike, which are no surer of it for being many. What one
-look measures is the offset plus the delay times the rig's own turn between frames, and the keystone besides; what the
-rig's motion tells is the offset, and what the lenses leave besides. The offset walks; what is of lenses is constant.
+A Kalman filter in its information form (Anderson & Moore 1979, chapter 6), over θ, the changes of all parameters of the
+rig from the one that was given first; the delay of the right shutter in frames; and the rates at which the angles
+drift, in degrees a frame. What a look at rows or a window of the rig's motion says is a normal likelihood of θ, as an
+estimate of recordings has it; a look sees θ plus the delay times the rig's own turn between frames. The extrinsics
+walk, the lenses stay as the calibration left them.
 
 Heat drifts one way for minutes. A rate that is forgotten slowly (a process of Ornstein and Uhlenbeck) follows it; a
 random walk alone would lag behind, and not know it.
@@ -22,18 +20,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import is_exact
+from stereorecal.estimation import Normal
+from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._config import Config
 
-SIZE = 5
+SIZE = len(EXTRINSICS)  # what drifts: the first of θ
+DRIFT = np.ones(SIZE)  # degrees and percent of the baseline: standard deviations of a drift that is thought possible
 _DELAY = 0.5  # frames: standard deviation before anything is known
 _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a delay
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
-_RATES = slice(SIZE + 1, SIZE + 4)
-KEYSTONE = SIZE + 4
-_OF_LENSES = 0.02  # degrees: a yaw that the lenses of a calibrated rig leave in what its motion tells
-_YAW = np.eye(SIZE)[1]
+_LATE, _RATES = -4, slice(-3, None)  # after θ
 # Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
 _PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
 _USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
@@ -43,49 +40,46 @@ _FARTHEST = 25.0  # squared standard deviations of one measurement: outliers do 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What one look says of the offset, in directions that do not depend on each other.
+    """What a look or a window says of the rig.
 
     Attributes:
-        offset: (5,) measured.
-        information: (5, 5) inverse covariance; singular where the look says nothing.
-        turn: (5,) by which a delay of one frame would move it.
-        keystone: whether it is measured by rows, which what the calibration left bends like a yaw; else by the rig's
-            motion, of which it leaves something as well.
+        normal: the likelihood of θ (n,).
+        turn: (3,) by which a delay of one frame would turn the right camera, degrees; None if that is not known.
     """
 
-    offset: Float[np.ndarray, "5"]
-    information: Float[np.ndarray, "5 5"]
-    turn: Float[np.ndarray, "5"]
-    keystone: bool = True
+    normal: Normal
+    turn: Float[np.ndarray, "3"] | None
 
     @property
-    def design(self) -> Float[np.ndarray, "5 11"]:
-        """What is measured of an estimate."""
-        of_lenses = np.outer(_YAW, [self.keystone, not self.keystone])
-        return np.column_stack([np.eye(SIZE), self.turn, np.zeros((SIZE, 3)), of_lenses])
+    def design(self) -> Float[np.ndarray, "n m"]:
+        """What is measured of an estimate: θ, and what the delay makes of the turn."""
+        n = len(self.normal.b)
+        design = np.eye(n, n + 4)
+        design[:3, _LATE] = 0.0 if self.turn is None else self.turn
+        return design
 
     def weighed(self, share: float) -> "Measurement":
         """The same with a share of its information."""
-        return replace(self, information=share * self.information)
+        a, b, c = self.normal.a, self.normal.b, self.normal.c
+        return replace(self, normal=Normal(share * a, share * b, share * c))
 
 
 @dataclass(frozen=True, eq=False)
 class FilterEstimate:
-    """Mean (11,) and covariance (11, 11): the offset, the delay, the rates of the angles, the keystone, and what the
-    lenses leave of the yaw that motion tells."""
+    """Mean (m,) and covariance (m, m) of θ, the delay, and the rates of the angles."""
 
-    mean: Float[np.ndarray, "11"]
-    covariance: Float[np.ndarray, "11 11"]
-
-    @property
-    def offset(self) -> Float[np.ndarray, "5"]:
-        """Of the true rig, degrees and percent."""
-        return self.mean[:SIZE]
+    mean: Float[np.ndarray, "m"]
+    covariance: Float[np.ndarray, "m m"]
 
     @property
-    def of_offset(self) -> Float[np.ndarray, "5 5"]:
-        """The covariance of the offset."""
-        return self.covariance[:SIZE, :SIZE]
+    def theta(self) -> Float[np.ndarray, "n"]:
+        """Changes of all parameters of the rig, in the units of people."""
+        return self.mean[:_LATE]
+
+    @property
+    def of_theta(self) -> Float[np.ndarray, "n n"]:
+        """The covariance of those."""
+        return self.covariance[:_LATE, :_LATE]
 
     @property
     def is_finite(self) -> bool:
@@ -95,12 +89,12 @@ class FilterEstimate:
     @property
     def delay(self) -> float:
         """Of the right shutter, in frames."""
-        return float(self.mean[SIZE])
+        return float(self.mean[_LATE])
 
     @property
-    def keystone(self) -> float:
-        """The yaw that rows show beyond that of depth, degrees."""
-        return float(self.mean[KEYSTONE])
+    def of_delay(self) -> float:
+        """Its variance."""
+        return float(self.covariance[_LATE, _LATE])
 
     def later(self, config: Config) -> "FilterEstimate":
         """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
@@ -109,17 +103,19 @@ class FilterEstimate:
         onwards[_RATES, _RATES] = lasting * np.eye(3)
         rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
         delay = 0.0 if config.synchronous else _DELAY_WANDER
-        steps = np.array([*config.wander, config.shift, config.shift, delay, *rates, 0.0, 0.0]) ** 2
-        covariance = onwards @ self.covariance @ onwards.T + np.diag(steps)
+        steps = np.zeros(len(self.mean))
+        steps[:SIZE] = [*config.wander, config.shift, config.shift]
+        steps[_LATE], steps[_RATES] = delay, rates
+        covariance = onwards @ self.covariance @ onwards.T + np.diag(steps**2)
         # Row and column together: an element that is cut alone leaves what is no covariance.
         shrinkage = np.ones(len(self.mean))
-        shrinkage[SIZE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[SIZE, SIZE])))
+        shrinkage[_LATE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[_LATE, _LATE])))
         return FilterEstimate(onwards @ self.mean, covariance * np.outer(shrinkage, shrinkage))
 
     def updated(self, measured: Measurement) -> "FilterEstimate":
         """With one more measurement."""
-        design, information = measured.design, measured.information
-        pull = design.T @ information @ (measured.offset - design @ self.mean)
+        design, information = measured.design, measured.normal.a
+        pull = design.T @ (measured.normal.b - information @ (design @ self.mean))
         # Not the inverse of the covariance: what does not drift at all has none.
         known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
         covariance = np.linalg.solve(known, self.covariance)
@@ -139,23 +135,27 @@ class FilterEstimate:
 
     def _innovation(self, measured: Measurement) -> tuple[int, float, float]:
         """How many numbers are measured, how far they are from the estimate, squared standard deviations, and the
-        logarithm of the determinant of the covariance of that."""
+        logarithm of the determinant of the covariance of that. Numbers of what drifts: the pull on them, by what is
+        measured, of an estimate that is not there (a score test: Rao 1948); lenses, hardly measured, would hide it."""
         measured = self.doubted(measured)
-        values, axes = np.linalg.eigh(measured.information)
-        measured_axes = values > 1e-9 * max(float(values[-1]), 1e-12)
-        design = axes[:, measured_axes].T @ measured.design
-        innovation = axes[:, measured_axes].T @ measured.offset - design @ self.mean
-        spread = design @ self.covariance @ design.T + np.diag(1.0 / values[measured_axes])
-        squared_distance = float(innovation @ np.linalg.solve(spread, innovation))
-        return int(measured_axes.sum()), squared_distance, float(np.linalg.slogdet(spread)[1])
+        information, design = measured.normal.a, measured.design
+        pull = (measured.normal.b - information @ (design @ self.mean))[:SIZE]
+        by_state = information[:SIZE] @ design
+        spread = information[:SIZE, :SIZE] + by_state @ self.covariance @ by_state.T
+        values, axes = np.linalg.eigh(information[:SIZE, :SIZE])
+        some = values > 1e-9 * max(float(values[-1]), 1e-12)
+        told = axes[:, some] / np.sqrt(values[some])
+        pull, spread = told.T @ pull, told.T @ spread @ told
+        return len(pull), float(pull @ np.linalg.solve(spread, pull)), float(np.linalg.slogdet(spread)[1])
 
     def doubted(self, measured: Measurement) -> Measurement:
         """The measurement, less sure by what the delay makes of an error of the turn."""
-        turn = _TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))
-        doubt = np.diag([turn**2] * 3 + [0.0, 0.0])
-        return replace(
-            measured, information=measured.information @ np.linalg.inv(np.eye(SIZE) + doubt @ measured.information)
-        )
+        a, b, c = measured.normal.a, measured.normal.b, measured.normal.c
+        doubt = np.zeros(len(b))
+        if measured.turn is not None:
+            doubt[:3] = (_TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))) ** 2
+        less = np.linalg.inv(np.eye(len(b)) + a * doubt)
+        return replace(measured, normal=Normal(less @ a, less @ b, c))
 
     def followed(self, measured: Measurement, together: int = 1) -> "FilterEstimate":
         """With one more measurement, less sure by the turn's error, of which so many err together: none votes twice."""
@@ -163,59 +163,53 @@ class FilterEstimate:
 
     def late(self) -> "FilterEstimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
-        return self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL, _DELAY])
+        widened = self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL])
+        widened.covariance[_LATE, _LATE] += _DELAY**2
+        return widened
 
-    def after_knock(self, prior: Float[np.ndarray, "5"]) -> "FilterEstimate":
-        """After a knock: as far away as the prior says."""
-        return self._widened(prior)
+    def after_knock(self) -> "FilterEstimate":
+        """After a knock: as far away as a rig may drift."""
+        return self._widened(DRIFT)
 
     def of_shutters(self, synchronous: bool) -> "FilterEstimate":
         """With a delay of 0, if it is said that the shutters open at once; with any, if it is no more."""
         mean, known = self.mean.copy(), self.covariance.copy()
-        mean[SIZE], known[SIZE], known[:, SIZE] = 0.0, 0.0, 0.0
-        known[SIZE, SIZE] = 0.0 if synchronous else _DELAY**2
+        mean[_LATE], known[_LATE], known[:, _LATE] = 0.0, 0.0, 0.0
+        known[_LATE, _LATE] = 0.0 if synchronous else _DELAY**2
         return FilterEstimate(mean, known)
 
     def turned(self, yaw: float) -> "FilterEstimate":
         """After a yaw of so many degrees that is not the rig's: of other things that move."""
         return self._widened([0.0, yaw])
 
-    def with_yaw_of_others(self, yaw: float) -> "FilterEstimate":
-        """After rows may have taken a yaw of so many degrees for the keystone: what they know of the sum stays."""
-        both = np.zeros(len(self.mean))
-        both[1], both[KEYSTONE] = yaw, -yaw
-        return replace(self, covariance=self.covariance + np.outer(both, both))
+    def with_yaw_in_doubt(self, yaw: float) -> "FilterEstimate":
+        """With a yaw that is known worse by so many degrees, and all that rows show to go with it."""
+        of_yaw = self.covariance[:, 1] / max(float(self.covariance[1, 1]), 1e-30)
+        of_yaw[_LATE:] = 0.0
+        return replace(self, covariance=self.covariance + yaw**2 * np.outer(of_yaw, of_yaw))
 
-    def moved(self, offset: Float[np.ndarray, "5"], covariance: Float[np.ndarray, "5 5"]) -> "FilterEstimate":
-        """With an offset from elsewhere; delay and rates stay, and depend on it no more."""
-        return self._replaced(list(range(SIZE)), offset, covariance)
-
-    def told(self, numbers: Float[np.ndarray, "6"], covariance: Float[np.ndarray, "6 6"]) -> "FilterEstimate":
-        """The same with the keystone as well, after the offset."""
-        return self._replaced([*range(SIZE), KEYSTONE], numbers, covariance)
-
-    def _replaced(
-        self, which: list[int], numbers: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"]
-    ) -> "FilterEstimate":
-        mean, known = self.mean.copy(), self.covariance.copy()
-        mean[which] = numbers
-        known[which], known[:, which] = 0.0, 0.0
-        known[np.ix_(which, which)] = covariance
+    def moved(self, theta: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"]) -> "FilterEstimate":
+        """With the first k numbers of θ from elsewhere; what is left depends on them no more."""
+        mean, known, k = self.mean.copy(), self.covariance.copy(), len(theta)
+        mean[:k], known[:k], known[:, :k] = theta, 0.0, 0.0
+        known[:k, :k] = covariance
         return FilterEstimate(mean, known)
 
-    def _widened(self, by: Sequence[float] | Float[np.ndarray, "n"]) -> "FilterEstimate":
+    def _widened(self, by: Sequence[float] | Float[np.ndarray, "k"]) -> "FilterEstimate":
         """By standard deviations of the first numbers."""
         variances = np.zeros(len(self.mean))
         variances[: len(by)] = np.square(by)
         return replace(self, covariance=self.covariance + np.diag(variances))
 
 
-def at_start(prior: Float[np.ndarray, "5"], config: Config, keystone: float = 0.0) -> FilterEstimate:
-    """The rig that was given, and how far it may be off, standard deviations; of the keystone, degrees."""
-    delay = 0.0 if config.synchronous else _DELAY
-    lenses = 0.0 if is_exact(config.prior) else _OF_LENSES
-    spread = np.array([*prior, delay, *config.heating, keystone, lenses])
-    return FilterEstimate(np.zeros(len(spread)), np.diag(spread**2))
+def at_start(of_theta: Float[np.ndarray, "n n"], config: Config) -> FilterEstimate:
+    """The rig that was given, and how far it may be off: a covariance of θ."""
+    n = len(of_theta)
+    covariance = np.zeros((n + 4, n + 4))
+    covariance[:n, :n] = of_theta
+    covariance[_LATE, _LATE] = 0.0 if config.synchronous else _DELAY**2
+    covariance[_RATES, _RATES] = np.diag(np.square(config.heating))
+    return FilterEstimate(np.zeros(n + 4), covariance)
 
 
 @dataclass(frozen=True, eq=False)

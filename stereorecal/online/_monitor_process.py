@@ -225,8 +225,8 @@ def _set(state: State, fresh: State) -> State:
         known = matcher if matcher.num_disparities is not None else None
         state = state.replace(matcher=known, job=None, unmatched_in_a_row=0, outlier=None)
     if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
-        first, estimate = init(state.initial, config), state.estimate
-        wide = first.estimate.moved(estimate.offset, estimate.of_offset + first.estimate.of_offset)
+        first = init(state.initial, config)
+        wide = first.estimate.moved(state.offset, state.of_offset + first.of_offset)
         state = state.standing_at(wide).replace(view=first.view, outlier=None)
     return state
 

@@ -8,9 +8,10 @@ import cv2
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from stereorecal.estimation import Normal, rig_parameters, window
+from stereorecal.estimation import Normal, window
 from stereorecal.geometry import Camera, vector_from_rotation
-from stereorecal.online._filter import SIZE, Measurement
+from stereorecal.online._calibration_kinds import calibration_root
+from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.recordings import Pair
@@ -32,7 +33,7 @@ _FITS = 1e-3  # chance: two windows that fit less are not of the same yaw
 _WIDTH = 320  # pixels, at which corners are followed
 _OF_TURN, _FEWEST_OF_TURN = 200, 20  # corners
 _BESIDE = 10  # pixels, the half width of the windows in which they are followed
-_ROUNDS = 5
+_ROUNDS, _LOST = 5, 5.0  # pixels that corners are off after them: of another place
 
 Small = UInt8[np.ndarray, "h w"]
 
@@ -60,10 +61,10 @@ def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
         return state.replace(corners=None)
     if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
         return state.replace(corners=None)
-    tracks, chart = corner_tracks(before, pair), rig_parameters(state.rig)
+    tracks = corner_tracks(before, pair)
     if pair.readout and state.corners_time is not None and pair.time is not None:
         tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
-    tracked = window(tracks, chart, np.zeros(chart.dim))
+    tracked = window(tracks, state.chart, state.theta)
     lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
     gap = state.tracked_pairs
     if lost:
@@ -86,12 +87,9 @@ def _within_tracking_time(first: float | None, second: float | None, pairs: int)
 
 
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
-    """What a window says of the offset, near the calibration in use; the rig turned by the rotation vector `turned`
-    from one pair to the next, degrees."""
-    a, b = normal.a[:SIZE, :SIZE], normal.b[:SIZE]
-    offset = state.using + np.linalg.pinv(a, rcond=1e-9, hermitian=True) @ b
-    turn = np.zeros(SIZE) if state.config.synchronous else np.pad(turned, (0, SIZE - len(turned)))
-    return Measurement(offset, a / _WORSE**2, turn, keystone=False)
+    """What a window says of the rig, which turned by a rotation vector from one pair to the next, degrees."""
+    worse = Normal(normal.a / _WORSE**2, normal.b / _WORSE**2, normal.c)
+    return Measurement(worse, np.zeros(3) if state.config.synchronous else turned)
 
 
 def _after_window(state: State, measured: Measurement) -> State:
@@ -110,13 +108,20 @@ def _after_window(state: State, measured: Measurement) -> State:
     state = state.replace(outlier_motion=measured)
     if first is None:
         return state
-    turned = estimate.with_yaw_of_others(float(state.prior[1])).updated(first)
+    turned = estimate.with_yaw_in_doubt(_OWN_YAW).updated(first)
     if turned.chance_of(measured) < _FITS:
         return state
     turned = turned.updated(measured)
-    if abs(turned.keystone) > abs(estimate.keystone):  # a boat tells the same yaw twice, too; rows know of none
+    # A boat tells the same yaw twice, too; rows know of none.
+    if _of_lenses(state, turned) > _of_lenses(state, estimate):
         return state
     return state.standing_at(turned).replace(outlier_motion=None, others=_COME)
+
+
+def _of_lenses(state: State, estimate: FilterEstimate) -> float:
+    """How far the rig is from those that calibrations leave, drifts aside: squared standard deviations."""
+    root = calibration_root(state.initial, state.config.prior)[SIZE:]
+    return float(np.sum((np.linalg.pinv(root) @ estimate.theta[SIZE:]) ** 2))
 
 
 def small(image: Float[np.ndarray, "h w"]) -> Small:
@@ -144,13 +149,13 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
     if len(wanted) < _FEWEST_OF_TURN:
         return None
-    weight, found = np.ones_like(wanted), np.zeros(3)
+    weight, found, spread = np.ones_like(wanted), np.zeros(3), 0.0
     for _ in range(_ROUNDS):
         found = np.linalg.lstsq(design * weight[:, None] ** 0.5, wanted * weight**0.5, rcond=None)[0]
         residuals = wanted - design @ found
         spread = max(1.4826 * float(np.median(np.abs(residuals))), 1e-5)
         weight = 1.0 / (1.0 + (residuals / spread) ** 2)
-    return found
+    return found if spread * float(camera.focal[0]) < _LOST * zoom else None
 
 
 def _on_plane(

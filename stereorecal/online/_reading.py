@@ -16,20 +16,18 @@ from stereorecal.estimation import (
     Estimate,
     Posterior,
     Prior,
-    as_prior,
-    consequences,
     is_exact,
+    points_of_view,
     rig_parameters,
 )
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._filter import KEYSTONE, SIZE, FilterEstimate, at_start
+from stereorecal.online._calibration_kinds import calibration_root
+from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate
+from stereorecal.online._pair_estimate import PARTS, part_of
 from stereorecal.online._state import State, rig_with
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
-_SHIFTS = np.array([index for index, name in enumerate(EXTRINSICS) if name != "yaw"])
-_YAW, _PRINCIPAL_POINT = EXTRINSICS.index("yaw"), "right.cx"
-_ROWS_AT, _DEPTH_AT = 10, 30  # baselines, as a keystone is measured
 FAR = 30  # baselines
 DEPTH_MATTERS = 5.0  # percent there
 LATE = 4.0  # standard errors
@@ -38,91 +36,70 @@ _ROTATION = EXTRINSICS[:3]  # y and z are left alone where a late shutter could 
 _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
-def known(initial: StereoRig, using: tuple[float, ...], filtered: FilterEstimate, view: View) -> Estimate:
-    """The posterior of the rig, as changes of the calibration in use, whose offset from the initial one is `using`;
-    rows and depth are judged in a view."""
-    chart, keystone = chart_and_keystone(initial, using, view)
-    numbers = [*range(SIZE), KEYSTONE]
-    ways = np.column_stack([np.eye(chart.dim)[:, :SIZE], keystone])
-    true = rig_with(initial, filtered.offset)
-    mean = chart.coordinates(np.asarray(true.extrinsics, float)) + filtered.keystone * keystone
-    covariance = ways @ filtered.covariance[np.ix_(numbers, numbers)] @ ways.T
-    posterior = Posterior(np.ones(1), mean[None], covariance[None])
-    return Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.diag(covariance), view=view)
+def known(
+    initial: StereoRig, using: tuple[float, ...], of_rig: Posterior, view: View, coverage: bytes = b""
+) -> Estimate:
+    """The estimate of the rig, as changes of the calibration in use, whose offset from the initial one is `using`; rows
+    and depth are judged in a view, and where looks showed something."""
+    chart = chart_around(initial, using)
+    posterior = replace(of_rig, means=of_rig.means - np.pad(using, (0, chart.dim - len(using))))
+    points, looks = _points_of_parts(initial, view), np.frombuffer(coverage, int)
+    shown = (points, looks / looks.sum()) if looks.any() else None
+    variance = np.diag(posterior.covariance)
+    return Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), variance, points=shown, view=view)
+
+
+@lru_cache(maxsize=2)
+def _points_of_parts(initial: StereoRig, view: View) -> Float[np.ndarray, "m 3"]:
+    """A point in the middle of each part of the view at each distance, in the order of coverage; metres."""
+    found = np.zeros((PARTS[0] * PARTS[1], len(DISTANCES), 3))
+    for index, distance in enumerate(DISTANCES):
+        points = points_of_view(initial, distance, view)
+        part = part_of(initial, points)
+        for number in range(len(found)):
+            inside = points[part == number]
+            found[number, index] = inside[len(inside) // 2] if len(inside) else points[len(points) // 2]
+    return found.reshape(-1, 3)
 
 
 def prior_now(state: State) -> Prior:
     """What is known of the calibration in use, for an estimate by other pairs: of exact intrinsics only that they are;
-    else its errors, with the keystone, which rows show and no change of the extrinsics should take up."""
+    else all that looks have told, lenses included."""
     if is_exact(state.config.prior) or not state.estimate.is_finite:
         return state.config.prior
-    posterior = known(state.initial, tuple(state.using.tolist()), state.estimate, state.view).posterior
-    names = rig_parameters(state.rig).names
-    some = [index for index, variance in enumerate(np.diag(posterior.covariance)) if variance > 0.0]
-    covariance = posterior.covariance[np.ix_(some, some)]
-    return CalibrationCovariance([names[index] for index in some], covariance, posterior.mean[some])
+    names, covariance = state.chart.names, state.posterior.covariance
+    some = np.flatnonzero(np.diag(covariance) > 0.0)
+    mean = (state.posterior.mean - state.theta)[some]
+    return CalibrationCovariance([names[index] for index in some], covariance[np.ix_(some, some)], mean)
 
 
 def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstimate:
-    """The filter's estimate that knows of offset and keystone what an estimate by some pairs does: the inverse of
-    `known`.
+    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`.
 
     Args:
         estimate: with `prior_now` as its prior, of changes of the calibration in use.
         trusted: standard deviation of what these pairs may have in common, degrees and percent of the baseline.
     """
-    chart, keystone = chart_and_keystone(state.initial, tuple(state.using.tolist()), state.view)
-    principal_point = chart.names.index(_PRINCIPAL_POINT)
-    numbers = np.eye(SIZE + 1, chart.dim)
-    numbers[SIZE] = np.eye(chart.dim)[principal_point] / keystone[principal_point]
-    numbers[:SIZE] -= np.outer(keystone[:SIZE], numbers[SIZE])
-    offset = np.pad(numbers[:SIZE] @ estimate.theta, (0, chart.dim - SIZE))
-    covariance = numbers @ estimate.posterior.covariance @ numbers.T
+    covariance = estimate.posterior.covariance.copy()
     covariance[:SIZE, :SIZE] += trusted**2 * np.eye(SIZE)
-    mean = np.append(state.offset_of(chart.rig_at(offset)), numbers[SIZE] @ estimate.theta)
-    return state.estimate.told(mean, covariance)
+    return state.estimate.moved(state.theta + estimate.theta, covariance)
+
+
+def before_looks(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+    """The covariance of θ before the first look: what a calibration leaves, as widely as all kinds on average, and a
+    drift; but none of yaw, unless intrinsics are exact: the rig was calibrated, so that something will show a yaw that
+    it has turned by, and intrinsics that are wrong bend rows as a yaw does, which is none."""
+    calibration = calibration_root(initial, prior)
+    drift = np.pad(DRIFT, (0, len(calibration) - SIZE))
+    if not is_exact(prior):
+        drift[EXTRINSICS.index("yaw")] = 0.0
+    return calibration @ calibration.T + np.diag(drift**2)
 
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use
-def chart_and_keystone(
-    initial: StereoRig, using: tuple[float, ...], view: View
-) -> tuple[RigChart, Float[np.ndarray, "n"]]:
-    """Changes of the calibration in use; and a degree of keystone in their units, the rows of a yaw that is none of
-    depth: a yaw, and the principal point that undoes it in depth, as much of both as bends rows like a degree of yaw
-    (of a lens with distortion, principal points bend them, too)."""
-    chart = rig_parameters(rig_with(initial, np.array(using)))
-    rows, depth = _rows_and_depth(chart, view)
-    principal_point, way = chart.names.index(_PRINCIPAL_POINT), np.zeros(chart.dim)
-    way[_YAW], way[principal_point] = 1.0, -depth[_YAW] / depth[principal_point]
-    like_yaw = (rows @ way) @ rows[:, _YAW] / (rows[:, _YAW] @ rows[:, _YAW])
-    return chart, way / like_yaw
-
-
-def _rows_and_depth(chart: RigChart, view: View) -> tuple[Float[np.ndarray, "p n"], Float[np.ndarray, "n"]]:
-    """What each parameter does to rows, and to depth over the view."""
-    near = consequences(chart, np.zeros(chart.dim), (_ROWS_AT, _DEPTH_AT), view)
-    return near.rows[0], near.mean_nearness[1]
-
-
-def before_looks(state: State) -> FilterEstimate:
-    """What the filter knows before the first look: the rig was calibrated, so that something will show a yaw that it
-    has turned by; and intrinsics that are wrong bend rows like a keystone, as a yaw does, which is none.
-
-    The yaw with which depth is right, and that with which rows lie straight less that, are as wide as the calibrations
-    that are thought possible leave them on average; if the intrinsics are right, no keystone is left, and the yaw as
-    any other angle.
-    """
-    config, deviations = state.config, state.prior
-    if is_exact(config.prior):
-        return at_start(deviations, config)
-    chart = rig_parameters(state.initial)
-    (rows, depth), own = _rows_and_depth(chart, state.view), len(EXTRINSICS)
-    by_rows = np.linalg.lstsq(rows[:, :own], rows, rcond=None)[0]  # (5, n)
-    by_depth = (depth - depth[_SHIFTS] @ by_rows[_SHIFTS]) / depth[_YAW]
-    prior = as_prior(config.prior, chart)
-    both = np.stack([by_depth, by_rows[_YAW] - by_depth])
-    deviations[_YAW], keystone = prior.weights @ np.linalg.norm(both @ prior.roots, axis=-1)
-    return at_start(deviations, config, float(keystone))
+def chart_around(initial: StereoRig, using: tuple[float, ...]) -> RigChart:
+    """Changes of all parameters of the calibration in use, whose offset from the initial one is `using`."""
+    return rig_parameters(rig_with(initial, np.array(using)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,20 +182,26 @@ class Reading:
 
 def reading(state: State) -> Reading:
     """What a state says of the calibration in use."""
-    offset = state.estimate.offset - state.using
-    widths = NORMAL_95 * np.sqrt(np.diag(state.estimate.covariance))
-    delay = state.estimate.delay
+    delay, delay_width = state.estimate.delay, NORMAL_95 * state.estimate.of_delay**0.5
+    late = Interval(delay, delay - delay_width, delay + delay_width)
+    if not state.estimate.is_finite:
+        return Reading(dict.fromkeys(EXTRINSICS, _UNKNOWN), state.row_error, _UNKNOWN, late, None, shifted=False)
+    offset, widths = state.offset - state.using, NORMAL_95 * np.sqrt(np.diag(state.of_offset))
     axes = {
         name: Interval(value, value - width, value + width)
-        for name, value, width in zip(state.chart.names, offset.tolist(), widths[:SIZE].tolist(), strict=True)
+        for name, value, width in zip(EXTRINSICS, offset.tolist(), widths.tolist(), strict=True)
     }
-    late = Interval(delay, delay - float(widths[SIZE]), delay + float(widths[SIZE]))
-    if not state.estimate.is_finite:
-        return Reading(axes, state.row_error, _UNKNOWN, late, None, shifted=False)
     config = state.config
     using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
     estimate, decision, shifted = _decided(
-        state.initial, using, state.estimate, state.view, free, config.limits, config.tolerances
+        state.initial,
+        using,
+        state.posterior,
+        state.view,
+        state.coverage.tobytes(),
+        free,
+        config.limits,
+        config.tolerances,
     )
     rows = Interval(*decision.rows_px[0].tolist())
     return Reading(axes, state.row_error, rows, late, decision, shifted, estimate)
@@ -228,15 +211,16 @@ def reading(state: State) -> Reading:
 def _decided(
     initial: StereoRig,
     using: tuple[float, ...],
-    filtered: FilterEstimate,
+    of_rig: Posterior,
     view: View,
+    coverage: bytes,
     free: tuple[str, ...],
     limits: Tolerances,
     of_recordings: Tolerances,
 ) -> tuple[Estimate, Decision, bool]:
     """Of a calibration in use what is known, the decision on what may be switched, and whether it is shifted, as a
     recording would tell: no switch corrects that."""
-    estimate = known(initial, using, filtered, view)
+    estimate = known(initial, using, of_rig, view, coverage)
     found = decide(estimate, free, limits)
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)

@@ -16,6 +16,7 @@ import numpy as np
 
 from stereorecal._errors import InputError, MatcherError
 from stereorecal.decision import Tolerances
+from stereorecal.estimation import Normal
 from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
@@ -25,7 +26,7 @@ from stereorecal.online._state import Job, State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/13"
+SCHEMA = "stereorecal.state/14"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -34,6 +35,7 @@ _KNOWN: dict[str, Any] = {
         Tolerances,
         FilterEstimate,
         Measurement,
+        Normal,
         Pace,
         Corners,
         Job,

@@ -1,14 +1,16 @@
 """All that is known of a rig on the vehicle."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from stereorecal.estimation import Posterior, extrinsics_like, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Reach, RigChart, row_chart
+from stereorecal.objectives import RigChart
+from stereorecal.online._calibration_kinds import posterior
 from stereorecal.online._config import Config, Kind
 from stereorecal.online._filter import FilterEstimate, Measurement, Pace
 from stereorecal.online._pair_estimate import no_coverage
@@ -107,8 +109,29 @@ class State:
 
     @property
     def chart(self) -> RigChart:
-        """Offsets, in half widths of its box, to rigs."""
+        """θ, changes of all parameters of the initial calibration, to rigs; offsets are the first of them."""
         return _chart(self.initial)
+
+    @property
+    def theta(self) -> Float[np.ndarray, "n"]:
+        """Of the calibration in use."""
+        return np.pad(self.using, (0, self.chart.dim - len(self.using)))
+
+    @property
+    def posterior(self) -> Posterior:
+        """Of θ, under all kinds of calibration."""
+        return posterior(self.initial, self.config.prior, self.estimate)
+
+    @property
+    def offset(self) -> Offset:
+        """Of the true rig: what extrinsics would do to rows and depth as all of θ does."""
+        return _like(self.initial, self.view) @ self.posterior.mean
+
+    @property
+    def of_offset(self) -> Float[np.ndarray, "5 5"]:
+        """The covariance of the offset."""
+        like = _like(self.initial, self.view)
+        return like @ self.posterior.covariance @ like.T
 
     @cached_property
     def rig(self) -> StereoRig:
@@ -121,13 +144,7 @@ class State:
 
     def offset_of(self, rig: StereoRig) -> Offset:
         """The inverse."""
-        chart = self.chart
-        return chart.units * chart.coordinates(np.asarray(rig.extrinsics))
-
-    @property
-    def prior(self) -> Offset:
-        """Standard deviations of the drift that is thought possible."""
-        return self.chart.units * self.chart.prior
+        return self.chart.coordinates(np.asarray(rig.extrinsics))[: len(self.using)]
 
     def with_repair_pair(self, pair: Pair) -> "State":
         """The state with one more pair that a repair may rest on."""
@@ -167,8 +184,14 @@ class State:
 def rig_with(initial: StereoRig, offset: Offset) -> StereoRig:
     """The rig with an offset from the one that was given first."""
     chart = _chart(initial)
-    return chart.rig_at(offset / chart.units) if np.any(offset) else initial
+    return chart.rig_at(np.pad(offset, (0, chart.dim - len(offset)))) if np.any(offset) else initial
 
 
+@lru_cache(maxsize=2)
 def _chart(initial: StereoRig) -> RigChart:
-    return row_chart(initial, Reach())
+    return rig_parameters(initial)
+
+
+@lru_cache(maxsize=2)
+def _like(initial: StereoRig, view: View) -> Float[np.ndarray, "5 n"]:
+    return extrinsics_like(_chart(initial), view)

@@ -13,7 +13,7 @@ from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config, Event, Kind
-from stereorecal.online._filter import SIZE, Pace, at_start
+from stereorecal.online._filter import SIZE, Measurement, Pace, at_start
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, estimate_pair
 from stereorecal.online._reading import before_looks
@@ -24,7 +24,6 @@ from stereorecal.online._switching import (
     continued,
     decided,
     followed,
-    measurement,
     switched,
     too_far,
 )
@@ -50,9 +49,8 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     known = matcher if matcher.num_disparities is not None else None
-    view, blank = as_view(config.view, rig), at_start(np.ones(SIZE), config)
-    state = State(config, rig, view, np.zeros(SIZE), blank, Pace.at(blank), matcher=known, attempt=_FIRST)
-    return state.standing_at(before_looks(state))
+    view, start = as_view(config.view, rig), at_start(before_looks(rig, config.prior), config)
+    return State(config, rig, view, np.zeros(SIZE), start, Pace.at(start), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -130,14 +128,14 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
-    look = estimate_pair(state.rig, pair, state.view, matcher)
-    if look.solution is None:
+    look = estimate_pair(state.chart, state.theta, state.estimate.after_knock(), pair, state.view, matcher)
+    if look.normal is None:
         return _unmatched_pair(state, pair)
     turned = _turn(state, before, current)
-    measured = measurement(state, look, turned)
+    measured = Measurement(look.normal, None if turned is None else np.degrees(turned))
     state = state.replace(
         seen=state.seen + 1,
-        row_error=look.row_error(state.rig),
+        row_error=look.row_error(state.theta),
         coverage=state.coverage + covered_by(look, state.view),
         unmatched_in_a_row=0,
         attempt=_FIRST,
@@ -153,7 +151,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
     # One look is no proof; and how far a late shutter could explain it is not known where the rig's turn is not.
-    state, more = decided(state, look) if told and turned is not None else (state, [])
+    state, more = decided(state, look) if told and before is not None else (state, [])
     return state, [*events, *more]
 
 

@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
-from stereorecal.objectives import EXTRINSICS, Parameters, RigChart
+from stereorecal.objectives import EXTRINSICS, Parameters
 from stereorecal.online._config import Event, Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
@@ -70,7 +69,7 @@ def decided(state: State, look: PairEstimate) -> Outcome:
     if found.late or found.shifted or found.decision is None or found.change is None:
         return state, []
     offset = state.using + found.change
-    if look.row_error(state.rig_at(offset)) > state.row_error:
+    if look.row_error(np.pad(offset, (0, len(state.theta) - SIZE))) > state.row_error:
         return state, []
     return _switched_by(state, offset, Kind.REPAIRED, found.decision, "looks")
 
@@ -106,47 +105,30 @@ def _calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
     }
 
 
-def measurement(state: State, look: PairEstimate, turned: Float[np.ndarray, "3"] | None) -> Measurement:
-    """What a look measures of the offset; the rig turned by `turned` since the last pair [rad], None if that is not
-    known."""
-    assert look.solution is not None
-    units = look.chart.units
-    turn = np.zeros(SIZE)
-    if turned is not None:
-        turn[:3] = np.degrees(turned)
-    offset = state.offset_of(state.rig.with_extrinsics(look.chart.extrinsics(look.solution.z)))
-    information = _information(look.chart, look.solution.covariance()) / np.outer(units, units)
-    return Measurement(offset, information, turn)
-
-
-def _information(chart: RigChart, covariance: Float[np.ndarray, "5 5"]) -> Float[np.ndarray, "5 5"]:
-    """What the look alone knows: the inverse of its covariance less that of the prior, which every look brings anew."""
-    values, axes = np.linalg.eigh(covariance / chart.prior**2)
-    return (axes * np.maximum(1.0 / values - 1.0, 0.0)) @ axes.T / chart.prior**2
-
-
 def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
         state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
         return standing(state)
-    if state.outlier is None:
+    first = state.outlier
+    # Where a turn is not known, nor is how far a late shutter could explain it: such a look speaks to its like alone.
+    if first is None or (first.turn is None) != (measured.turn is None):
         return state.replace(outlier=measured), []
-    changed = _after_two_outliers(state, state.outlier, measured)
+    changed = _after_two_outliers(state, first, measured)
     if changed is None:
         in_a_row = state.outliers_in_a_row + 1
         state = state.replace(outlier=measured, outliers_in_a_row=in_a_row)
         return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if in_a_row == _DISAGREEING else []
     estimate, knocked = changed
-    before, state = state.estimate, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
-    moved = estimate.offset - before.offset
+    before, state = state.offset, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
+    moved = state.offset - before
     if not knocked:
         return standing(state)
     state = state.replace(ready=0)
-    if not reading(state.using_now(before.offset)).matters:
+    if not reading(state.using_now(before)).matters:
         return standing(state)
-    change = dict(zip(state.chart.names, moved.tolist(), strict=True))
+    change = dict(zip(EXTRINSICS, moved.tolist(), strict=True))
     farthest = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))[:2]
     text = ", ".join(f"{name} {change[name]:+.2f} deg" for name in farthest)
     return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, text, {"change": change})]
@@ -160,7 +142,7 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
         late = state.estimate.late().followed(first, together)
         if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
             return late.followed(second, together), False
-    knocked = state.estimate.after_knock(state.prior).followed(first, together)
+    knocked = state.estimate.after_knock().followed(first, together)
     return (knocked.followed(second, together), True) if knocked.chance_of(second) > _AGREE else None
 
 
@@ -206,7 +188,7 @@ def _after_solution(state: State, solution: Solution) -> Outcome:
         kind = Kind.FRAMES_DISAGREE if solution.reason is Reason.FRAMES_DISAGREE else Kind.REJECTED
         return state, [Event(state.frame, kind, solution.reason.value)]
     offset = state.offset_of(solution.rig)
-    change = dict(zip(state.chart.names, (offset - state.using).tolist(), strict=True))
+    change = dict(zip(EXTRINSICS, (offset - state.using).tolist(), strict=True))
     knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
     events = [] if state.reported is Kind.KNOCK else [knock]
     state = told_by(state, solution.estimate).replace(reported=Kind.KNOCK, ready=0, outlier=None)

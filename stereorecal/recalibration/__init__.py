@@ -33,7 +33,11 @@ from stereorecal.recalibration._recalibrate import (
     what_may_change as what_may_change,
 )
 from stereorecal.recalibration._result import Condition as Condition
-from stereorecal.recalibration._row_residuals import RowErrors as RowErrors, RowResiduals as RowResiduals
+from stereorecal.recalibration._row_residuals import (
+    RowErrors as RowErrors,
+    places_of as places_of,
+    tile_medians as tile_medians,
+)
 from stereorecal.recalibration._schedule import (
     SCHEDULES as SCHEDULES,
     Schedule as Schedule,

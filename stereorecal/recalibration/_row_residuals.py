@@ -70,11 +70,7 @@ class RowResiduals:
 
     def medians(self, differences: Float[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
         """The median |difference| in each tile."""
-        size = np.abs(differences)
-        size = size[np.lexsort((size, self.tile))]
-        count = np.unique(self.tile, return_counts=True)[1]
-        first = np.cumsum(count) - count
-        return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
+        return tile_medians(differences, self.tile)
 
     def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
         """The mean over the frames of what is said of each tile: at each place that shows something."""
@@ -88,6 +84,15 @@ class RowResiduals:
         gain = self.by_place(before - after)
         error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
         return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
+
+
+def tile_medians(differences: Float[np.ndarray, "m"], tile: Int[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
+    """The median |difference| in each tile."""
+    size = np.abs(differences)
+    size = size[np.lexsort((size, tile))]
+    count = np.unique(tile, return_counts=True)[1]
+    first = np.cumsum(count) - count
+    return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
 
 
 def places_of(found: Correspondences) -> Int[np.ndarray, "p"]:

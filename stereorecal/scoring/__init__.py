@@ -34,10 +34,7 @@ from stereorecal.scoring._prepare import (
     pyramid as pyramid,
 )
 from stereorecal.scoring._row_differences import (
-    Loss as Loss,
-    curvatures as curvatures,
     median_row_error as median_row_error,
-    precisions as precisions,
     row_differences as row_differences,
 )
 from stereorecal.scoring._tracks import Tracks as Tracks

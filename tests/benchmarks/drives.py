@@ -79,8 +79,8 @@ def driven(drive: Drive, config: Config) -> Seen:
         state, frame = stepped.state, len(seen.errors)
         truth = state.offset_of(drive.truth(frame))
         seen.errors.append(state.using - truth)
-        seen.estimates.append(state.estimate.offset - truth)
-        seen.half.append(1.96 * np.sqrt(np.diag(state.estimate.of_offset)))
+        seen.estimates.append(state.offset - truth)
+        seen.half.append(1.96 * np.sqrt(np.diag(state.of_offset)))
         seen.events.extend(stepped.events)
         if np.any(state.using != before):
             seen.switches += 1

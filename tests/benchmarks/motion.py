@@ -96,7 +96,7 @@ def on_the_vehicle() -> None:
             f"{offset_px(state.rig, scene.rig):+.2f}",
             f"{offset_px(state.rig_at(known.offset), scene.rig):+.2f}",
             f"{known.offset[1]:+.3f} ± {1.96 * known.covariance[1, 1] ** 0.5:.3f}",
-            f"{known.keystone:+.3f}",
+            f"{known.delay:+.3f}",
             f"{1000 * np.median(seconds):.0f}",
         )
     show(table)

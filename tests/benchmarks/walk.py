@@ -31,7 +31,7 @@ def followed(drive: Drive) -> tuple[np.ndarray, list[float]]:
         state = next(steps).state
         seconds.append(time.process_time() - began)
         truth = state.offset_of(drive.truth(frame))[:3]
-        errors.append(np.abs([-truth, state.using[:3] - truth, state.estimate.offset[:3] - truth]))
+        errors.append(np.abs([-truth, state.using[:3] - truth, state.offset[:3] - truth]))
     return np.array(errors), seconds
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from rides import BEFORE, Ride
+from rides import BEFORE, Ride, standing_at
 
 import stereorecal as sr
 from stereorecal.io import save_scene
@@ -187,7 +187,7 @@ def test_the_live_view_of_depth_beyond_infinity(
     terminal("stdout")
     *_, last = run(drive.rig, drive.pairs[:2], Config())
     far = np.array([0.0, yaw, 0.0, 0.0, 0.0])
-    beyond = last.state.replace(estimate=last.state.estimate.moved(far, 1e-4 * np.eye(5)))
+    beyond = last.state.replace(estimate=standing_at(last.state, far, 1e-4 * np.eye(5)))
     assert json.loads(json.dumps(reading(beyond).as_dict()))["condition"] in ("repair", "cannot_tell")
     save(beyond, tmp_path / "state")
     answer = command("monitor", scene, "--once", "--pairs", 0, "--state", tmp_path / "state")

@@ -10,7 +10,6 @@ from rides import BEFORE
 from stereorecal.io import load_scene
 from stereorecal.matching import matcher
 from stereorecal.online import BAND_EDGES, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
-from stereorecal.online._filter import Measurement
 from stereorecal.recalibration import DISTANCES
 from stereorecal.synthetic import default_rig
 
@@ -21,9 +20,12 @@ TOLD = np.array([0.003, 0.003, 0.003, 0.02, 0.02])  # degrees, percent
 def known_but_for(yaw: float, config: Config = Config()) -> State:  # noqa: B008  frozen
     """Rows are known everywhere, and depth is not: a yaw may be the rig's, or of the intrinsics."""
     state = init(default_rig(), config)
-    rows = Measurement(np.zeros(5), np.diag(TOLD**-2), np.zeros(5))
-    estimate = state.estimate.updated(rows).with_yaw_of_others(yaw)
-    return state.replace(estimate=estimate, coverage=EVERYWHERE, seen=9)
+    along = np.zeros(len(state.theta))
+    along[[1, state.chart.names.index("right.cx")]] = 1.0, np.radians(1.0) * float(state.initial.right.focal[0])
+    covariance = np.diag(np.pad(TOLD, (0, len(along) - 5)) ** 2) + yaw**2 * np.outer(
+        *[along - 2.0 * along * (along != 1.0)] * 2
+    )
+    return state.replace(estimate=state.estimate.moved(state.theta, covariance), coverage=EVERYWHERE, seen=9)
 
 
 def test_a_rig_of_which_nothing_is_known_is_shown_something():

@@ -1,29 +1,70 @@
-"""What a calibration leaves of the yaw: more by rows than by depth, and nothing where the intrinsics are right."""
+"""What is known before the first look, and what looks tell of the calibration that they began with."""
 
 import numpy as np
+import pytest
 
 import stereorecal as sr
-from stereorecal.estimation import rig_parameters
-from stereorecal.online import Config, init
+from stereorecal.estimation import Normal, calibration_prior, rig_parameters
+from stereorecal.online import Config, State, init
+from stereorecal.online._filter import Measurement
+
+RIG = sr.synthetic.default_rig()
 
 
-def left_of_yaw(rig: sr.StereoRig, config: Config) -> tuple[float, float]:
-    """Standard deviations at the start: of the yaw by depth, and of what bends rows as a yaw does."""
-    spread = np.sqrt(np.diag(init(rig, config).estimate.covariance))
-    return spread[1], spread[9]
+def spread(state: State, name: str) -> float:
+    return float(np.sqrt(state.posterior.covariance.diagonal()[state.chart.names.index(name)]))
 
 
-def test_boards_leave_rows_bent_and_depth_right():
-    rig = sr.synthetic.default_rig()
-    yaw, keystone = left_of_yaw(rig, Config())
-    assert 0.01 < yaw < 0.1 < keystone < 0.6
-    drift, none = left_of_yaw(rig, Config(prior="exact"))
-    assert none == 0.0
-    assert drift > yaw  # that a rig of this kind has turned, nothing else shows
+def test_boards_leave_lenses_in_doubt_and_hardly_the_yaw():
+    """A rig was calibrated: something will show a yaw that it has turned by since."""
+    state, exact = init(RIG), init(RIG, Config(prior="exact"))
+    assert float(np.sqrt(state.of_offset[1, 1])) < 0.1 < 0.9 < float(np.sqrt(exact.of_offset[1, 1]))
+    assert spread(exact, "right.cx") == 0.0 < 0.1 < spread(state, "right.cx")
+    assert spread(state, "pitch") > 0.9
 
 
 def test_it_does_not_depend_on_where_the_rig_has_turned():
-    rig = sr.synthetic.default_rig()
-    chart = rig_parameters(rig)
-    turned = chart.rig_at(np.r_[0.3, -0.4, 0.2, 0.0, 0.0, np.zeros(chart.dim - 5)])
-    np.testing.assert_allclose(left_of_yaw(turned, Config()), left_of_yaw(rig, Config()), rtol=0.2)
+    chart = rig_parameters(RIG)
+    turned = init(chart.rig_at(np.r_[0.3, -0.4, 0.2, 0.0, 0.0, np.zeros(chart.dim - 5)]))
+    np.testing.assert_allclose(turned.of_offset[1, 1] ** 0.5, init(RIG).of_offset[1, 1] ** 0.5, rtol=0.2)
+
+
+def all_kinds(state: State) -> tuple[np.ndarray, np.ndarray]:
+    """Before any look, as an estimate has it: mean and covariance of all kinds of calibration."""
+    prior = calibration_prior(state.chart)
+    return np.zeros(state.chart.dim), np.einsum("k,kij,klj->il", prior.weights, prior.roots, prior.roots)
+
+
+def test_before_the_first_look_all_kinds_are_as_likely_as_they_were():
+    state = init(RIG)
+    mean, covariance = all_kinds(state)
+    np.testing.assert_allclose(state.posterior.mean, mean, atol=1e-12)
+    np.testing.assert_allclose(state.posterior.covariance[5:, 5:], covariance[5:, 5:], rtol=1e-6, atol=1e-15)
+
+
+@pytest.mark.parametrize("wrong", [0.0, 4.0])
+def test_lenses_that_are_right_tell_a_good_calibration(wrong):
+    """A principal point that is known to be right, or to be wrong: the focal lengths, of which nothing was seen, are
+    known better, or worse, than before; as a filter of each kind would say, mixed by their evidence."""
+    state = init(RIG)
+    known = np.zeros((state.chart.dim,) * 2)
+    at = [state.chart.names.index(name) for name in ("left.cy", "right.cy")]
+    known[at, at] = 0.01**-2.0
+    shifted = np.zeros(state.chart.dim)
+    shifted[at] = wrong, -wrong
+    after = state.standing_at(state.estimate.updated(Measurement(Normal(known, known @ shifted, 0.0), np.zeros(3))))
+    assert (spread(after, "left.f") > spread(state, "left.f")) is bool(wrong)
+    prior, logs, deviations = calibration_prior(state.chart), [], []
+    focal = state.chart.names.index("left.f")
+    for root, weight in zip(prior.roots, prior.weights, strict=True):
+        covariance = root @ root.T
+        of_seen = covariance[np.ix_(at, at)] + 0.01**2 * np.eye(2)
+        gain = np.linalg.solve(of_seen, covariance[at])
+        logs.append(
+            np.log(weight) - 0.5 * (shifted[at] @ np.linalg.solve(of_seen, shifted[at]) + np.linalg.slogdet(of_seen)[1])
+        )
+        deviations.append((shifted[at] @ gain[:, focal], (covariance - covariance[:, at] @ gain)[focal, focal]))
+    weights, (means, variances) = np.exp(np.array(logs) - np.logaddexp.reduce(logs)), np.array(deviations).T
+    assert after.posterior.mean[focal] == pytest.approx(weights @ means, rel=1e-4, abs=1e-6)
+    whole = weights @ (variances + means**2) - (weights @ means) ** 2
+    assert after.posterior.covariance[focal, focal] == pytest.approx(whole, rel=1e-3)

@@ -11,7 +11,7 @@ from pickle import PicklingError
 
 import numpy as np
 import pytest
-from rides import Ride
+from rides import Ride, standing_at
 
 import stereorecal as sr
 from stereorecal import InputError
@@ -171,7 +171,7 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
     place = tmp_path / "state"
     known = sr.SAD(num_disparities=48)
     narrow = init(ride.rig)
-    narrow = narrow.replace(frame=7, matcher=known, estimate=narrow.estimate.moved(np.ones(5), 1e-6 * np.eye(5)))
+    narrow = narrow.replace(frame=7, matcher=known, estimate=standing_at(narrow, np.ones(5), 1e-6 * np.eye(5)))
 
     def settled(state: State, config: Config) -> State:
         save(state, place)
@@ -186,9 +186,9 @@ def test_the_settings_that_are_given_count_where_a_state_is_kept(ride: Ride, tmp
     assert other.config.every == 3
     assert other.frame == 7
     assert other.matcher is None
-    assert not np.any(other.estimate.covariance[-2:, -2:])  # of what lenses leave
-    assert other.estimate.of_offset[0, 0] > 0.01
-    np.testing.assert_array_equal(other.estimate.offset, np.ones(5))
+    assert not np.any(other.estimate.of_theta[5:])  # of lenses
+    assert other.of_offset[0, 0] > 0.01
+    np.testing.assert_allclose(other.offset, np.ones(5), atol=1e-9)
     assert not settled(freeze(narrow), Config(every=2)).config.repair
 
 

@@ -4,14 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from parts_of_estimates import Measurement
 from parts_of_repairs import _moving
+from rides import standing_at
 from simulated_tracks import tracks_of
 
 from stereorecal.estimation import Normal
-from stereorecal.online import State, init, step
+from stereorecal.online import State, step
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
-from stereorecal.synthetic import default_rig
 
 
 def with_corners(state, pairs=5, since=None):
@@ -58,16 +59,22 @@ def test_corners_that_are_not_seen_again_are_looked_for_sooner(ridden):
 
 def test_what_lenses_leave_of_the_yaw_does_not_blur_each_window_by_itself(ridden):
     """It is in common to all of them, or many would be surer of it."""
-    state, info = ridden[-1].state, np.diag([0.0, 1e6, 0.0, 0.0, 0.0])
-    told = _moving.motion_measurement(state, Normal(info, np.zeros(5), 0.0), np.zeros(3))
-    assert told.information[1, 1] == pytest.approx(1e6 / 9.0)
-    assert not told.keystone
+    state = ridden[-1].state
+    told = _moving.motion_measurement(state, yaw_alone(state, 1e6, 0.0), np.zeros(3))
+    assert told.normal.a[1, 1] == pytest.approx(1e6 / 9.0)
+
+
+def yaw_alone(state, information, yaw) -> Normal:
+    """The likelihood of a yaw, and of nothing else."""
+    a = np.zeros((len(state.theta),) * 2)
+    a[1, 1] = information
+    return Normal(a, a[1] * yaw, 0.0)
 
 
 def told_yaw(state, degrees, sigma=0.02):
     """By a window whose own deviation is so much, wider than its tracks say by three."""
-    info, yaw = np.diag([0.0, 9.0 * sigma**-2.0, 0.0, 0.0, 0.0]), state.estimate.offset[1] + degrees
-    return _moving.motion_measurement(state, Normal(info, info @ (yaw * np.eye(5)[1] - state.using), 0.0), np.zeros(3))
+    told = yaw_alone(state, 9.0 * sigma**-2.0, state.estimate.theta[1] + degrees)
+    return _moving.motion_measurement(state, told, np.zeros(3))
 
 
 def test_a_boat_that_crosses_the_view_has_no_say(ridden):
@@ -75,31 +82,35 @@ def test_a_boat_that_crosses_the_view_has_no_say(ridden):
     state = ridden[-1].state
     for _ in range(6):
         state = _moving._after_window(state, told_yaw(ridden[-1].state, 0.7))
-    assert state.estimate.offset[1] == pytest.approx(ridden[-1].state.estimate.offset[1])
+    assert state.estimate.theta[1] == pytest.approx(ridden[-1].state.estimate.theta[1])
 
 
-def test_a_yaw_that_rows_took_for_the_keystone_is_believed_to_two_windows(ridden):
-    state = ridden[-1].state
-    mean = state.estimate.mean.copy()
-    mean[9] = mean[1] + 0.5
-    state = state.standing_at(replace(state.estimate, mean=mean))
-    told = told_yaw(state, 0.5)
+def bent(state: State, yaw: float) -> State:
+    """As if rows had shown so many degrees of yaw, and a calibration that is known well had made them lenses."""
+    chart, along = state.chart, np.zeros(len(state.theta))
+    along[[1, chart.names.index("right.cx")]] = 1.0, np.radians(1.0) * float(state.initial.right.focal[0])
+    mean, covariance = state.estimate.mean.copy(), state.estimate.covariance.copy()
+    mean[: len(along)] += yaw * (along - np.eye(len(along))[1])
+    covariance[: len(along), : len(along)] += 0.02**2 * np.outer(along, along)
+    return state.standing_at(replace(state.estimate, mean=mean, covariance=covariance))
+
+
+def test_a_yaw_that_rows_took_for_lenses_is_believed_to_two_windows(ridden):
+    state = bent(ridden[-1].state, -0.7)
+    told = told_yaw(state, -0.7)
     once = _moving._after_window(state, told)
-    assert once.estimate.offset[1] == pytest.approx(state.estimate.offset[1], abs=1e-3)
+    assert once.estimate.theta[1] == pytest.approx(state.estimate.theta[1], abs=0.02)
     twice = _moving._after_window(once, told)
-    assert twice.estimate.offset[1] == pytest.approx(told.offset[1], abs=0.05)
+    assert twice.estimate.theta[1] == pytest.approx(state.estimate.theta[1] - 0.7, abs=0.1)
 
 
 def test_two_windows_of_a_boat_are_not_believed_either(ridden):
-    """Whatever keystone is known: theirs would be larger."""
-    state = ridden[-1].state
-    for keystone in (0.0, 0.3):
-        mean = state.estimate.mean.copy()
-        mean[9] = keystone
-        start = after = state.standing_at(replace(state.estimate, mean=mean))
+    """Whatever is known of the lenses: theirs would be worse."""
+    for yaw in (0.0, 0.3):
+        start = after = bent(ridden[-1].state, yaw)
         for _ in range(3):
             after = _moving._after_window(after, told_yaw(start, -0.7))
-        assert after.estimate.offset[1] == pytest.approx(start.estimate.offset[1], abs=1e-3)
+        assert after.estimate.theta[1] == pytest.approx(start.estimate.theta[1], abs=0.02)
         assert after.others > 0.9
 
 
@@ -112,15 +123,18 @@ def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
     """A delay counts in frames, and corners are followed over several. A filter that is sure of another yaw waits for
     the next window, and keeps what this one told."""
     state, turn = with_corners(ridden[-1].state, pairs=4), (0.004, -0.008, 0.002)
-    sure = state.estimate.moved(state.estimate.offset + np.eye(5)[1], 1e-4 * np.eye(5))
+    sure = standing_at(state, state.offset + np.eye(5)[1], 1e-4 * np.eye(5))
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, turn=turn, noise=0.0))
     after = _moving.moved(state.standing_at(sure), ride.pairs[-1])
     np.testing.assert_allclose(after.outlier_motion.turn[:3], np.degrees(turn) / 4, rtol=0.02)
 
 
-def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_switch():
-    using, further = np.array([0.1, 0.4, -0.2, 1.0, -2.0]), np.array([0.0, 0.05, 0.0, 0.0, 0.0])
-    information = np.diag([1e4, 1e4, 1e4, 1e2, 1e2])
-    told = Normal(information, information @ further, 0.0)
-    measured = _moving.motion_measurement(init(default_rig()).using_now(using), told, np.zeros(3))
-    np.testing.assert_allclose(measured.offset, using + further, atol=1e-9)
+def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_switch(ride, ridden, monkeypatch):
+    """Tracks of the rig in use, wherever that is, tell the yaw of that rig."""
+    state = with_corners(ridden[-1].state.using_now(np.array([0.1, 0.4, -0.2, 1.0, -2.0])), pairs=4)
+    monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, noise=0.0))
+    told: list[Measurement] = []
+    monkeypatch.setattr(_moving, "_after_window", lambda state, measured: told.append(measured) or state)
+    _moving.moved(state, ride.pairs[-1])
+    (normal,) = (one.normal for one in told)
+    assert (normal.b - normal.a @ state.theta)[1] / normal.a[1, 1] == pytest.approx(0.0, abs=0.01)

@@ -123,26 +123,26 @@ def test_a_state_that_is_gone_on_with_a_trigger_knows_no_delay(ride: Ride):
     """Else a delay that was measured would stay for good, and every switch be refused for it."""
     *_, last = run(ride.rig, ride.pairs[:3])
     mean = last.state.estimate.mean.copy()
-    mean[5] = 0.3
+    mean[-4] = 0.3
     late = last.state.standing_at(replace(last.state.estimate, mean=mean))
     again = late.configured(Config(synchronous=True))
-    assert not again.estimate.covariance[5].any()
+    assert not again.estimate.covariance[-4].any()
     assert not reading(again).late
-    assert late.configured(Config(rest=3)).estimate.mean[5] == 0.3  # nothing was said of the shutters
+    assert late.configured(Config(rest=3)).estimate.mean[-4] == 0.3  # nothing was said of the shutters
     back = again.configured(Config())
-    assert back.estimate.covariance[5, 5] == init(ride.rig).estimate.covariance[5, 5]
+    assert back.estimate.of_delay == init(ride.rig).estimate.of_delay
 
 
 def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ride: Ride, ridden: list[Stepped]):
     """A pitch that nobody knew of, while the rig turns by a degree of pitch from pair to pair: in two looks alike."""
     start, told = ridden[BEFORE - 1].state.replace(corners=None), []
     known = start.estimate.covariance.copy()
-    known[5], known[:, 5], known[5, 5] = 0.0, 0.0, 0.01**2  # of a delay
+    known[-4], known[:, -4], known[-4, -4] = 0.0, 0.0, 0.01**2  # of a delay
     start = start.standing_at(replace(start.estimate, covariance=known))
     for synchronous in (False, True):
         state = start.configured(replace(start.config, synchronous=synchronous)).replace(outlier=None)
-        wrong = state.estimate.offset - [0.2, 0.0, 0.0, 0.0, 0.0]
-        state = state.standing_at(state.estimate.moved(wrong, state.estimate.of_offset)).using_now(wrong)
+        wrong = state.estimate.theta[:5] - [0.2, 0.0, 0.0, 0.0, 0.0]
+        state = state.standing_at(state.estimate.moved(wrong, state.estimate.of_theta[:5, :5])).using_now(wrong)
         happened = []
         for pair in ride.pairs[BEFORE - 2 : BEFORE]:
             turned = replace(pair, left=np.roll(pair.left, 6, axis=0))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from stereorecal.geometry import rotation_from_euler
-from stereorecal.scoring import Correspondences, Loss, curvatures, median_row_error, precisions, row_differences
+from stereorecal.scoring import Correspondences, median_row_error, row_differences
 
 FOCAL = 500.0
 angle = st.floats(-0.15, 0.15)
@@ -90,76 +90,6 @@ def test_jacobian():
         actual = np.asarray(jax.jacfwd(row_differences, argnums=1)(in_float32, jnp.asarray(values, jnp.float32)))
         assert np.abs(actual - expected).max() < 2e-3 * np.abs(expected).max()
         assert (np.abs(expected).max((0, 1))[[0, 1, 2, 4, 5]] > 5).all()  # each free axis moves some row
-
-
-# --- weights ------------------------------------------------------------------------------------------------
-
-
-def weighed(differences, loss, weight=None, **changes):
-    differences = np.atleast_2d(np.asarray(differences, float))
-    if weight is None:
-        weight = np.ones(differences.shape)
-    found = correspondences_of(np.ones((*differences.shape, 3)), np.array([0, 0, 0, -1.0, 0, 0]), **changes)
-    found = Correspondences(**{**vars(found), "weight": np.asarray(weight, np.float32).reshape(differences.shape)})
-    return precisions(found, differences, loss)[0] if loss else curvatures(found, differences)[0]
-
-
-residuals = st.lists(st.floats(-20, 20), min_size=3, max_size=30).map(np.array)
-
-
-@pytest.mark.parametrize("loss", Loss)
-@given(values=residuals)
-def test_the_vote_falls_with_the_residual(loss, values):
-    order = np.argsort(np.abs(values))
-    votes = weighed(values, loss)[order]
-    assert (votes >= 0).all()
-    assert np.isfinite(votes).all()
-    assert (np.diff(votes) <= 1e-12 * votes[0]).all()
-
-
-@pytest.mark.parametrize("loss", Loss)
-@given(values=residuals, seed=st.integers(0, 99))
-def test_what_was_not_found_has_no_vote_and_no_say(loss, values, seed):
-    """Residuals of cells without a correspondence change nobody's weight."""
-    rng = np.random.default_rng(seed)
-    weight = rng.uniform(0.5, 2.0, len(values)) * (rng.random(len(values)) < 0.6)
-    weight[0] = 1.0
-    votes = weighed(values, loss, weight)
-    np.testing.assert_array_equal(votes[weight == 0], 0)
-    wild = np.where(weight == 0, 1e3 * rng.normal(size=len(values)), values)
-    np.testing.assert_array_equal(weighed(wild, loss, weight), votes)
-
-
-@pytest.mark.parametrize("loss", Loss)
-def test_size_of_the_weights(loss):
-    """At a residual of zero: the noise of the window and the share of independent cells over the spread of all."""
-    values = np.concatenate([np.tile([0.4, -0.4], 50), [0.0]])
-    weight = np.full(101, 1.0)
-    weight[-1] = 3.0
-    spread = 1.4826 * 0.4
-    assert weighed(values, loss, weight)[-1] == pytest.approx(3.0 * 0.25 / spread**2, rel=1e-6)
-    assert weighed(values, loss, 2 * weight) == pytest.approx(2 * weighed(values, loss, weight), rel=1e-6)
-    independent = weighed(values, loss, weight, independent=np.float32(0.5))
-    assert independent == pytest.approx(2 * weighed(values, loss, weight), rel=1e-6)
-    at = {Loss.SOFT_L1: (1 + 1.4826**-2) ** -0.5, Loss.WELSCH: np.exp(-0.5 / (2.5 * 1.4826) ** 2)}[loss]
-    assert weighed(values, loss, weight)[0] == pytest.approx(at * 0.25 / spread**2, rel=1e-6)
-
-
-@pytest.mark.parametrize("loss", Loss)
-def test_nobody_is_trusted_beyond_a_twentieth_of_a_pixel(loss):
-    perfect = weighed(np.zeros(10), loss)
-    assert perfect == pytest.approx(0.25 / 0.05**2)
-    np.testing.assert_array_equal(weighed(np.zeros(10), loss, np.zeros(10)), 0)
-
-
-def test_the_curvature_is_the_slope_of_the_pull():
-    """Finite differences of weight times residual, the spread being that of the many others; never negative."""
-    others, step = np.tile([0.4, -0.4], 50_000), 1e-3
-    for value in (0.0, 0.3, -0.9, 1.4):
-        pull = [weighed(np.append(others, v), Loss.WELSCH)[-1] * v for v in (value - step, value + step)]
-        curvature = weighed(np.append(others, value), None)[-1]
-        assert curvature == pytest.approx((pull[1] - pull[0]) / (2 * step), rel=1e-3)
-    assert weighed(np.append(others, 5.0), None)[-1] == 0.0
 
 
 def test_median_at_full_size():

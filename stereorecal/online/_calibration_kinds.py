@@ -1,0 +1,56 @@
+"""What is known of θ under each kind of calibration: the filter takes all kinds as one normal distribution, and what it
+has learnt of the lenses, which do not drift, tells them apart.
+
+A calibration is as good as its boards were seen, which nobody says: the prior of an estimate is a mixture of kinds. A
+filter of each kind would differ in nothing but where it began; the likelihood of the lenses after all looks is the
+posterior over what it began with, and begins anew with each kind.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from stereorecal.estimation import Posterior, as_prior, is_exact, rig_parameters, root
+from stereorecal.geometry import StereoRig
+from stereorecal.online._filter import SIZE, FilterEstimate
+
+
+@lru_cache(maxsize=4)  # a step asks several times
+def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Posterior:
+    """Of θ, as one normal distribution: the mixture of all kinds, by their evidence."""
+    mean, covariance = filtered.theta, filtered.of_theta
+    if not is_exact(prior):
+        weights, informations, log_volumes = _kinds(initial, prior)
+        ways = np.eye(len(mean)) + covariance @ informations
+        covariances = np.linalg.solve(ways, np.broadcast_to(covariance, informations.shape))
+        pulls = -informations @ mean
+        moves = np.einsum("kij,kj->ki", covariances, pulls)
+        logs = np.log(weights) - 0.5 * (log_volumes + np.linalg.slogdet(ways)[1] - np.sum(pulls * (mean + moves), 1))
+        every = Posterior(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
+        mean, covariance = every.mean, every.covariance
+    return Posterior(np.ones(1), mean[None], covariance[None])
+
+
+@lru_cache(maxsize=2)
+def calibration_root(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+    """A root of the covariance of what a calibration leaves of θ, of all kinds."""
+    known = as_prior(prior, rig_parameters(initial))
+    return root(np.einsum("k,kij,klj->il", known.weights, known.roots, known.roots))
+
+
+@lru_cache(maxsize=2)
+def _kinds(
+    initial: StereoRig, prior: str | None
+) -> tuple[Float[np.ndarray, "k"], Float[np.ndarray, "k n n"], Float[np.ndarray, "k"]]:
+    """Of each kind its probability; what it knows of the lenses more than all kinds together, as information of θ; and
+    the logarithm of its volume, of theirs."""
+    known, lenses = as_prior(prior, rig_parameters(initial)), slice(SIZE, None)
+    every = calibration_root(initial, prior)[lenses]
+    scale = np.linalg.norm(every, axis=1)
+    roots = np.concatenate([known.roots[:, lenses], every[None]]) / scale[:, None]
+    covariances = roots @ roots.swapaxes(1, 2)
+    inverses, volumes = np.linalg.inv(covariances) / np.outer(scale, scale), np.linalg.slogdet(covariances)[1]
+    informations = np.zeros_like(known.roots)
+    informations[:, lenses, lenses] = inverses[:-1] - inverses[-1]
+    return known.weights, informations, volumes[:-1] - volumes[-1]
