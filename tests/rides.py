@@ -42,6 +42,13 @@ def error(state: State, truth: StereoRig) -> np.ndarray:
     return np.abs(state.using - state.offset_of(truth))[:3]
 
 
+def keystone(state: State) -> np.ndarray:
+    """Changes of θ that bend rows and leave depth: a degree of yaw, and the principal point that undoes it there."""
+    chart, found = state.chart, np.zeros(len(state.theta))
+    found[[1, chart.names.index("right.cx")]] = 1.0, -np.radians(1.0) * float(state.initial.right.focal[0])
+    return found
+
+
 def standing_at(state: State, offset: ArrayLike, covariance: np.ndarray) -> FilterEstimate:
     """The state's estimate, if the true rig stood at an offset, as well known as that, and lenses were as given."""
     lenses = len(state.theta) - 5

@@ -95,7 +95,7 @@ def advice(state: State) -> Advice:
     wide = sorted((one for one in errors if one.excess(estimate) > 1.0), key=lambda one: -one.excess(estimate))
     candidates = [*_looks(state, around), *_motions(state, chart, around)] if wide else []
     show = next((best for one in wide if (best := _best(estimate, one, candidates))), None)
-    deviations = np.sqrt(np.diag(estimate.covariance))[:SIZE]
+    deviations = np.sqrt(np.diag(state.of_offset))
     alone = [NORMAL_95 * deviations * np.linalg.norm(one.by[:, :SIZE], axis=0) / one.matters for one in errors]
     axes = tuple(name for name, most in zip(EXTRINSICS, np.max(alone, axis=0), strict=True) if most > 1.0)
     undetermined = tuple(one.told(estimate) for one in wide)

@@ -11,9 +11,12 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Posterior, as_prior, is_exact, rig_parameters, root
+from stereorecal.estimation import Normal, Posterior, as_prior, is_exact, rig_parameters, root
 from stereorecal.geometry import StereoRig
-from stereorecal.online._filter import SIZE, FilterEstimate
+from stereorecal.objectives import EXTRINSICS
+from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate, Measurement
+
+_YAW = EXTRINSICS.index("yaw")
 
 
 @lru_cache(maxsize=4)  # a step asks several times
@@ -32,8 +35,35 @@ def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -
     return Posterior(np.ones(1), mean[None], covariance[None])
 
 
+def before_looks(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+    """The covariance of θ before the first look: what a calibration leaves, and a drift; but none of yaw, unless
+    intrinsics are exact: the rig was calibrated, so that something will show a yaw that it has turned by, and
+    intrinsics that are wrong bend rows as a yaw does, which is none."""
+    calibration = _calibration_root(initial, prior)
+    drift = np.pad(DRIFT, (0, len(calibration) - SIZE))
+    if not is_exact(prior):
+        drift[_YAW] = 0.0
+    return calibration @ calibration.T + np.diag(drift**2)
+
+
+def with_yaw_unknown(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> FilterEstimate:
+    """What the same looks would have told, had the rig turned by any yaw before the first one."""
+    if is_exact(prior):
+        return filtered.turned(DRIFT[_YAW])
+    yaw = np.eye(len(filtered.theta))[_YAW]
+    known = np.linalg.solve(before_looks(initial, prior), yaw)
+    less = np.outer(known, known) / (DRIFT[_YAW] ** -2.0 + known[_YAW])  # by Sherman & Morrison
+    return filtered.updated(Measurement(Normal(-less, 0.0 * yaw, 0.0), None))
+
+
+def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> float:
+    """Of the lenses, by what calibrations leave of them: squared standard deviations."""
+    root = _calibration_root(initial, prior)[SIZE:]
+    return float(np.sum((np.linalg.pinv(root) @ filtered.theta[SIZE:]) ** 2))
+
+
 @lru_cache(maxsize=2)
-def calibration_root(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+def _calibration_root(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
     """A root of the covariance of what a calibration leaves of θ, of all kinds."""
     known = as_prior(prior, rig_parameters(initial))
     return root(np.einsum("k,kij,klj->il", known.weights, known.roots, known.roots))
@@ -46,7 +76,7 @@ def _kinds(
     """Of each kind its probability; what it knows of the lenses more than all kinds together, as information of θ; and
     the logarithm of its volume, of theirs."""
     known, lenses = as_prior(prior, rig_parameters(initial)), slice(SIZE, None)
-    every = calibration_root(initial, prior)[lenses]
+    every = _calibration_root(initial, prior)[lenses]
     scale = np.linalg.norm(every, axis=1)
     roots = np.concatenate([known.roots[:, lenses], every[None]]) / scale[:, None]
     covariances = roots @ roots.swapaxes(1, 2)

@@ -182,12 +182,6 @@ class FilterEstimate:
         """After a yaw of so many degrees that is not the rig's: of other things that move."""
         return self._widened([0.0, yaw])
 
-    def with_yaw_in_doubt(self, yaw: float) -> "FilterEstimate":
-        """With a yaw that is known worse by so many degrees, and all that rows show to go with it."""
-        of_yaw = self.covariance[:, 1] / max(float(self.covariance[1, 1]), 1e-30)
-        of_yaw[_LATE:] = 0.0
-        return replace(self, covariance=self.covariance + yaw**2 * np.outer(of_yaw, of_yaw))
-
     def moved(self, theta: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"]) -> "FilterEstimate":
         """With the first k numbers of θ from elsewhere; what is left depends on them no more."""
         mean, known, k = self.mean.copy(), self.covariance.copy(), len(theta)

@@ -10,8 +10,8 @@ from jaxtyping import Float, UInt8
 
 from stereorecal.estimation import Normal, window
 from stereorecal.geometry import Camera, vector_from_rotation
-from stereorecal.online._calibration_kinds import calibration_root
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._calibration_kinds import squared_error, with_yaw_unknown
+from stereorecal.online._filter import Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.recordings import Pair
@@ -108,20 +108,15 @@ def _after_window(state: State, measured: Measurement) -> State:
     state = state.replace(outlier_motion=measured)
     if first is None:
         return state
-    turned = estimate.with_yaw_in_doubt(_OWN_YAW).updated(first)
+    turned = with_yaw_unknown(state.initial, state.config.prior, estimate).updated(first)
     if turned.chance_of(measured) < _FITS:
         return state
     turned = turned.updated(measured)
     # A boat tells the same yaw twice, too; rows know of none.
-    if _of_lenses(state, turned) > _of_lenses(state, estimate):
+    before, after = (squared_error(state.initial, state.config.prior, one) for one in (estimate, turned))
+    if after > before:
         return state
     return state.standing_at(turned).replace(outlier_motion=None, others=_COME)
-
-
-def _of_lenses(state: State, estimate: FilterEstimate) -> float:
-    """How far the rig is from those that calibrations leave, drifts aside: squared standard deviations."""
-    root = calibration_root(state.initial, state.config.prior)[SIZE:]
-    return float(np.sum((np.linalg.pinv(root) @ estimate.theta[SIZE:]) ** 2))
 
 
 def small(image: Float[np.ndarray, "h w"]) -> Small:

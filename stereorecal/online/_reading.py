@@ -22,8 +22,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._calibration_kinds import calibration_root
-from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate
+from stereorecal.online._filter import SIZE, FilterEstimate
 from stereorecal.online._pair_estimate import PARTS, part_of
 from stereorecal.online._state import State, rig_with
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
@@ -83,17 +82,6 @@ def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstim
     covariance = estimate.posterior.covariance.copy()
     covariance[:SIZE, :SIZE] += trusted**2 * np.eye(SIZE)
     return state.estimate.moved(state.theta + estimate.theta, covariance)
-
-
-def before_looks(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
-    """The covariance of θ before the first look: what a calibration leaves, as widely as all kinds on average, and a
-    drift; but none of yaw, unless intrinsics are exact: the rig was calibrated, so that something will show a yaw that
-    it has turned by, and intrinsics that are wrong bend rows as a yaw does, which is none."""
-    calibration = calibration_root(initial, prior)
-    drift = np.pad(DRIFT, (0, len(calibration) - SIZE))
-    if not is_exact(prior):
-        drift[EXTRINSICS.index("yaw")] = 0.0
-    return calibration @ calibration.T + np.diag(drift**2)
 
 
 @lru_cache(maxsize=2)  # the same until another calibration is in use

@@ -123,15 +123,19 @@ class State:
         return posterior(self.initial, self.config.prior, self.estimate)
 
     @property
+    def as_extrinsics(self) -> Float[np.ndarray, "5 n"]:
+        """From θ to the offset that does most like it to rows and depth."""
+        return _as_extrinsics(self.initial, self.view)
+
+    @property
     def offset(self) -> Offset:
-        """Of the true rig: what extrinsics would do to rows and depth as all of θ does."""
-        return _like(self.initial, self.view) @ self.posterior.mean
+        """Of the true rig."""
+        return self.as_extrinsics @ self.posterior.mean
 
     @property
     def of_offset(self) -> Float[np.ndarray, "5 5"]:
         """The covariance of the offset."""
-        like = _like(self.initial, self.view)
-        return like @ self.posterior.covariance @ like.T
+        return self.as_extrinsics @ self.posterior.covariance @ self.as_extrinsics.T
 
     @cached_property
     def rig(self) -> StereoRig:
@@ -193,5 +197,5 @@ def _chart(initial: StereoRig) -> RigChart:
 
 
 @lru_cache(maxsize=2)
-def _like(initial: StereoRig, view: View) -> Float[np.ndarray, "5 n"]:
+def _as_extrinsics(initial: StereoRig, view: View) -> Float[np.ndarray, "5 n"]:
     return extrinsics_like(_chart(initial), view)

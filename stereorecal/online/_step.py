@@ -12,11 +12,11 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
+from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import SIZE, Measurement, Pace, at_start
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, estimate_pair
-from stereorecal.online._reading import before_looks
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import (
     Outcome,

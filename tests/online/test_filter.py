@@ -162,17 +162,6 @@ def test_rows_that_lenses_bend_are_no_yaw():
     assert told.of_theta[1, 1] < rows.of_theta[1, 1]
 
 
-def test_a_yaw_in_doubt_takes_along_what_rows_show_to_go_with_it():
-    draw = np.random.default_rng(5)
-    estimate = at_start(np.diag(np.square([1.0, 0.1, 1.0, 1.0, 1.0, 0.3])), STILL)
-    for _ in range(100):
-        estimate = estimate.later(STILL).updated(by_rows(np.zeros(5), draw))
-    unsure = estimate.with_yaw_in_doubt(1.0)
-    assert unsure.of_theta[1, 1] - estimate.of_theta[1, 1] == pytest.approx(1.0)
-    both = BENT[1]  # of a yaw and the lenses, which rows measure
-    assert both @ unsure.of_theta @ both < 1.2 * (both @ estimate.of_theta @ both)
-
-
 @pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])
 def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)

@@ -42,29 +42,33 @@ def test_before_the_first_look_all_kinds_are_as_likely_as_they_were():
     np.testing.assert_allclose(state.posterior.covariance[5:, 5:], covariance[5:, 5:], rtol=1e-6, atol=1e-15)
 
 
-@pytest.mark.parametrize("wrong", [0.0, 4.0])
-def test_lenses_that_are_right_tell_a_good_calibration(wrong):
-    """A principal point that is known to be right, or to be wrong: the focal lengths, of which nothing was seen, are
-    known better, or worse, than before; as a filter of each kind would say, mixed by their evidence."""
-    state = init(RIG)
-    known = np.zeros((state.chart.dim,) * 2)
-    at = [state.chart.names.index(name) for name in ("left.cy", "right.cy")]
-    known[at, at] = 0.01**-2.0
-    shifted = np.zeros(state.chart.dim)
-    shifted[at] = wrong, -wrong
-    after = state.standing_at(state.estimate.updated(Measurement(Normal(known, known @ shifted, 0.0), np.zeros(3))))
-    assert (spread(after, "left.f") > spread(state, "left.f")) is bool(wrong)
-    prior, logs, deviations = calibration_prior(state.chart), [], []
-    focal = state.chart.names.index("left.f")
+def mixed(state: State, at: list[int], seen: np.ndarray, sigma: float, asked: int) -> tuple[float, float]:
+    """Mean and variance of a parameter after others were seen: a filter of each kind of calibration, by evidence."""
+    prior, logs, found = calibration_prior(state.chart), [], []
     for root, weight in zip(prior.roots, prior.weights, strict=True):
         covariance = root @ root.T
-        of_seen = covariance[np.ix_(at, at)] + 0.01**2 * np.eye(2)
+        of_seen = covariance[np.ix_(at, at)] + sigma**2 * np.eye(len(at))
         gain = np.linalg.solve(of_seen, covariance[at])
-        logs.append(
-            np.log(weight) - 0.5 * (shifted[at] @ np.linalg.solve(of_seen, shifted[at]) + np.linalg.slogdet(of_seen)[1])
-        )
-        deviations.append((shifted[at] @ gain[:, focal], (covariance - covariance[:, at] @ gain)[focal, focal]))
-    weights, (means, variances) = np.exp(np.array(logs) - np.logaddexp.reduce(logs)), np.array(deviations).T
-    assert after.posterior.mean[focal] == pytest.approx(weights @ means, rel=1e-4, abs=1e-6)
-    whole = weights @ (variances + means**2) - (weights @ means) ** 2
-    assert after.posterior.covariance[focal, focal] == pytest.approx(whole, rel=1e-3)
+        logs.append(np.log(weight) - 0.5 * (seen @ np.linalg.solve(of_seen, seen) + np.linalg.slogdet(of_seen)[1]))
+        found.append((seen @ gain[:, asked], (covariance - covariance[:, at] @ gain)[asked, asked]))
+    weights, (means, variances) = np.exp(np.array(logs) - np.logaddexp.reduce(logs)), np.array(found).T
+    mean = float(weights @ means)
+    return mean, float(weights @ (variances + means**2)) - mean**2
+
+
+def test_lenses_that_are_right_tell_a_good_calibration():
+    """Principal points that are seen to be right, or to be wrong: focal lengths, of which nothing was seen, are known
+    well, or worse."""
+    state, spreads = init(RIG), []
+    at, focal = [state.chart.names.index(name) for name in ("left.cy", "right.cy")], state.chart.names.index("left.f")
+    for wrong in (0.0, 12.0):
+        known, seen = np.zeros((state.chart.dim,) * 2), wrong * np.array([1.0, -1.0])
+        known[at, at] = 0.01**-2.0
+        told = Measurement(Normal(known, known[:, at] @ seen, 0.0), np.zeros(3))
+        after = state.standing_at(state.estimate.updated(told))
+        mean, variance = mixed(state, at, seen, 0.01, focal)
+        assert after.posterior.mean[focal] == pytest.approx(mean, rel=1e-4, abs=1e-6)
+        assert after.posterior.covariance[focal, focal] == pytest.approx(variance, rel=1e-3)
+        spreads.append(spread(after, "left.f"))
+    assert spreads[0] < 0.9 * spread(state, "left.f")
+    assert spreads[1] > 1.2 * spreads[0]

@@ -141,8 +141,9 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
     start = start.standing_at(replace(start.estimate, covariance=known))
     for synchronous in (False, True):
         state = start.configured(replace(start.config, synchronous=synchronous)).replace(outlier=None)
-        wrong = state.estimate.theta[:5] - [0.2, 0.0, 0.0, 0.0, 0.0]
-        state = state.standing_at(state.estimate.moved(wrong, state.estimate.of_theta[:5, :5])).using_now(wrong)
+        pitch = -0.2 * np.eye(len(state.estimate.mean))[0]
+        state = state.standing_at(replace(state.estimate, mean=state.estimate.mean + pitch))
+        state = state.using_now(state.using + pitch[:5])
         happened = []
         for pair in ride.pairs[BEFORE - 2 : BEFORE]:
             turned = replace(pair, left=np.roll(pair.left, 6, axis=0))
