@@ -206,15 +206,14 @@ def normal_of_pair(
         return None
     rows, deviation = groups.rows(chart, theta), np.hypot(groups.deviation, USUAL)
     jacobian = rows.jacobian[:, 0]
-    at_zero, weight = rows.differences[0] - theta @ jacobian, np.ones(len(groups))
+    at_zero, theta = rows.differences[0] - theta @ jacobian, mean
     a, b = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
     for _ in range(_ROUNDS):
-        weighted = jacobian * (weight / deviation**2)
-        a, b = weighted @ jacobian.T, -weighted @ at_zero
-        theta = mean + np.linalg.solve(np.eye(len(b)) + covariance @ a, covariance @ (b - a @ mean))
         away = np.abs(at_zero + theta @ jacobian) / deviation
         scale = max(1.0, 1.4826 * float(np.median(np.repeat(away, groups.count))))
-        weight = np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / scale**2
+        weighted = jacobian * np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / (scale * deviation) ** 2
+        a, b = weighted @ jacobian.T, -weighted @ at_zero
+        theta = mean + np.linalg.solve(np.eye(len(b)) + covariance @ a, covariance @ (b - a @ mean))
     return Normal(a, b, 0.0), theta
 
 
