@@ -18,6 +18,7 @@ from stereorecal.estimation._calibration_prior import (
     physical_prior as physical_prior,
 )
 from stereorecal.estimation._consequences import (
+    Consequences as Consequences,
     consequences as consequences,
     nearness_of as nearness_of,
     points_of_view as points_of_view,

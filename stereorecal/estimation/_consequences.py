@@ -36,7 +36,6 @@ _REACHED = 0.97  # of the angle up to which a lens model is good: a little other
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
-_SAMPLES = 2000
 _SEED = 0
 
 
@@ -254,6 +253,7 @@ class SampleReadings:
     posterior: Posterior
     distances: tuple[float, ...]
     view: View | None
+    number: int
 
     def rows_and_nearness(
         self, used: Float[np.ndarray, "n"]
@@ -270,7 +270,7 @@ class SampleReadings:
     @cached_property
     def samples(self) -> Float[np.ndarray, "s n"]:
         """θ of the rigs."""
-        return self.posterior.samples(_SAMPLES, _SEED)
+        return self.posterior.samples(self.number, _SEED)
 
     @cached_property
     def mean_rig(self) -> StereoRig:

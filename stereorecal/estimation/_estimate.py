@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float
 
 from stereorecal._errors import checked_choice
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._consequences import DISTANCES, SampleReadings
+from stereorecal.estimation._consequences import DISTANCES, Consequences, SampleReadings
 from stereorecal.estimation._explanations import Hypothesis, mixture
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._late_shutter import Delay
@@ -114,6 +114,8 @@ class Estimate:
         delay: of the right shutter, if windows leave one possible.
         hypotheses: of what is behind the rows; none where there are no rows, or nobody asks again.
         prior: of the calibration, with which these were weighed.
+        samples: number of rigs that are drawn from the posterior.
+        slopes: of errors at the distances that matter, and at `points`, near another rig, where these are known.
     """
 
     chart: RigChart
@@ -132,6 +134,8 @@ class Estimate:
     delay: Delay | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
     prior: CalibrationPrior | None = None
+    samples: int = 2000
+    slopes: Consequences | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What is derived stays behind: samples are larger than all else."""
@@ -192,7 +196,7 @@ class Estimate:
         points = self.points
         if points is None and self.shown is not None:
             points = points_shown(self.shown, self.chart, self.theta, self.view)
-        return errors_near(self.chart, self.theta, self.matters, self.view, points)
+        return errors_near(self.chart, self.theta, self.matters, self.view, points, self.slopes)
 
     @cached_property
     def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
@@ -222,7 +226,7 @@ class Estimate:
 
     def judged_by(self, matters: Matters) -> "Estimate":
         """The same, where another row error and another error of depth are noticed."""
-        return self if self.matters == matters else replace(self, matters=matters)
+        return self if self.matters == matters else replace(self, matters=matters, slopes=None)
 
     @one_blas_thread()
     def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
@@ -274,7 +278,7 @@ class Estimate:
     @cached_property
     def _readings(self) -> SampleReadings:
         """What rigs of the posterior read, at all distances at which something is said."""
-        return SampleReadings(self.chart, self.posterior, DISTANCES, self.view)
+        return SampleReadings(self.chart, self.posterior, DISTANCES, self.view, self.samples)
 
     @one_blas_thread()
     def depth_error_percent(

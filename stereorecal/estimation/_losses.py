@@ -157,12 +157,14 @@ def errors_near(
     matters: Matters,
     view: View | None,
     shown: tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]] | None,
+    slopes: Consequences | None = None,
 ) -> Errors:
     """Linear near the rig at θ = at, of points that stand for what the images show as well, if they and their weights
-    are known."""
+    are known; `slopes` are those of all these points near another rig, default this one."""
     points, weights = shown if shown is not None else (np.zeros((0, 3)), np.zeros(0))
-    near = consequences(chart, at, matters.distances, view, [points] if len(points) else [])
-    return Errors(matters, near, at, chart.rig_at(at), chart, view, weights)
+    if slopes is None:
+        slopes = consequences(chart, at, matters.distances, view, [points] if len(points) else [])
+    return Errors(matters, slopes, at, chart.rig_at(at), chart, view, weights)
 
 
 def extrinsics_like(chart: RigChart, view: View | None) -> Float[np.ndarray, "5 n"]:

@@ -77,8 +77,9 @@ def estimate_pair(
         return PairEstimate(chart, rig)
     solved = normal_of_pair(found, chart, theta, known.theta, known.of_theta)
     if solved is None or (
-        _row_error(found, chart, solved[1]) * float(found.scale) > _FALSE
+        is_sparse(found.covered, 1.0)
         and is_sparse(found.covered, image_quality(pair).texture)
+        and _row_error(found, chart, solved[1]) * float(found.scale) > _FALSE
     ):
         return PairEstimate(chart, rig)
     return PairEstimate(chart, rig, solved[0], found)

@@ -13,9 +13,12 @@ from stereorecal._arrays import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, decide
 from stereorecal.estimation import (
     CalibrationCovariance,
+    Consequences,
     Estimate,
+    Matters,
     Posterior,
     Prior,
+    consequences,
     is_exact,
     points_of_view,
     rig_parameters,
@@ -27,6 +30,7 @@ from stereorecal.online._pair_estimate import PARTS, part_of
 from stereorecal.online._state import State, rig_with
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
+_SAMPLES = 500  # a chance of a fifth to a fiftieth
 FAR = 30  # baselines
 DEPTH_MATTERS = 5.0  # percent there
 LATE = 4.0  # standard errors
@@ -36,29 +40,44 @@ _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
 def known(
-    initial: StereoRig, using: tuple[float, ...], of_rig: Posterior, view: View, coverage: bytes = b""
+    initial: StereoRig, using: tuple[float, ...], of_rig: Posterior, view: View, matters: Matters, coverage: bytes
 ) -> Estimate:
     """The estimate of the rig, as changes of the calibration in use, whose offset from the initial one is `using`; rows
     and depth are judged in a view, and where looks showed something."""
-    chart = chart_around(initial, using)
+    chart, points, slopes = _around(initial, using, view, matters.distances)
+    looks = np.frombuffer(coverage, int)
+    looks = looks if looks.any() else np.ones(len(points))
     posterior = replace(of_rig, means=of_rig.means - np.pad(using, (0, chart.dim - len(using))))
-    points, looks = _points_of_parts(initial, view), np.frombuffer(coverage, int)
-    shown = (points, looks / looks.sum()) if looks.any() else None
-    variance = np.diag(posterior.covariance)
-    return Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), variance, points=shown, view=view)
+    return Estimate(
+        chart,
+        posterior,
+        (0.0, 0.0),
+        0,
+        float("nan"),
+        np.diag(posterior.covariance),
+        points=(points, looks / looks.sum()),
+        matters=matters,
+        view=view,
+        samples=_SAMPLES,
+        slopes=slopes,
+    )
 
 
-@lru_cache(maxsize=2)
-def _points_of_parts(initial: StereoRig, view: View) -> Float[np.ndarray, "m 3"]:
-    """A point in the middle of each part of the view at each distance, in the order of coverage; metres."""
-    found = np.zeros((PARTS[0] * PARTS[1], len(DISTANCES), 3))
+@lru_cache(maxsize=2)  # the same until another calibration is in use
+def _around(
+    initial: StereoRig, using: tuple[float, ...], view: View, distances: tuple[float, ...]
+) -> tuple[RigChart, Float[np.ndarray, "m 3"], Consequences]:
+    """Changes of the calibration in use; a point in the middle of each part of the view at each distance, in the order
+    of coverage [m]; and what changes do there, and over the view at distances [baselines]."""
+    chart, found = chart_around(initial, using), np.zeros((PARTS[0] * PARTS[1], len(DISTANCES), 3))
     for index, distance in enumerate(DISTANCES):
-        points = points_of_view(initial, distance, view)
-        part = part_of(initial, points)
+        points = points_of_view(chart.rig, distance, view)
+        part = part_of(chart.rig, points)
         for number in range(len(found)):
             inside = points[part == number]
             found[number, index] = inside[len(inside) // 2] if len(inside) else points[len(points) // 2]
-    return found.reshape(-1, 3)
+    points = found.reshape(-1, 3)
+    return chart, points, consequences(chart, np.zeros(chart.dim), distances, view, [points])
 
 
 def prior_now(state: State) -> Prior:
@@ -73,7 +92,8 @@ def prior_now(state: State) -> Prior:
 
 
 def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstimate:
-    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`.
+    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`. It has told the
+    kinds of calibration apart before, and will again: lenses that no pair shows seem better known than they are, by 1.4.
 
     Args:
         estimate: with `prior_now` as its prior, of changes of the calibration in use.
@@ -208,7 +228,7 @@ def _decided(
 ) -> tuple[Estimate, Decision, bool]:
     """Of a calibration in use what is known, the decision on what may be switched, and whether it is shifted, as a
     recording would tell: no switch corrects that."""
-    estimate = known(initial, using, of_rig, view, coverage)
+    estimate = known(initial, using, of_rig, view, limits.matters, coverage)
     found = decide(estimate, free, limits)
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)

@@ -148,7 +148,7 @@ def test_what_is_no_number_is_not_healthy(healthy):
 def test_what_a_turn_alone_repairs_is_no_shift():
     """Though y and z, hardly known, leave the epipolar error above that of a good calibration."""
     state = init(default_rig())
-    deviations = np.array([0.01, 0.02, 0.006, 0.7, 0.7])
+    deviations = np.array([0.01, 0.02, 0.006, 0.9, 0.9])
     found = reading(state.replace(estimate=standing_at(state, [0.0, 1.0, 0.0, 0.0, 0.0], np.diag(deviations**2))))
     assert found.decision.rows_px[1, 0] > found.decision.tolerances.good_rows_px
     assert (found.change is not None, found.shifted) == (True, False)
