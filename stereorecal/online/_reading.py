@@ -92,8 +92,8 @@ def prior_now(state: State) -> Prior:
 
 
 def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstimate:
-    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`. It has told the
-    kinds of calibration apart before, and will again: lenses that no pair shows seem better known than they are, by 1.4.
+    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`. The kinds of
+    calibration were told apart before, and will be again: lenses that no pair shows seem better known, 1.4 times.
 
     Args:
         estimate: with `prior_now` as its prior, of changes of the calibration in use.
