@@ -33,17 +33,17 @@ class Config:
             the bar between the cameras, which is yaw, more than it twists it. How much more or less than this and
             `wander` it is, is learnt from how far looks lie from what was predicted.
         lasting: pairs for which such a rate lasts.
-        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: rows
-            may be bent like a keystone by intrinsics that are not what it says, which the rig's motion tells from a
-            yaw; or "exact": they are right, and rows alone tell the yaw.
+        prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: lenses
+            that are not what it says bend rows as a yaw does, which the rig's motion tells apart; or "exact": they are
+            right, and rows alone tell the yaw.
         synchronous: a trigger opens both shutters at once, so none is late: what the rig's turn would hide behind a
             delay is known, and y and z are switched, too.
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
-        harm: chance that a switch does harm, at most, and that it does not gain: more than in a recording, since later
-            pairs can correct it.
+        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss that it must
+            gain. More than in a recording, since later pairs can correct it.
         rest: pairs from one switch to the next, at least: each costs, such as new rectification maps. A knock ends it.
         keep: calibrations that can be returned to: the first, and the last ones.
         tolerances: of the decision that a calibration is to be repaired; also some of their values by name.

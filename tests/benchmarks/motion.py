@@ -79,7 +79,7 @@ def on_the_vehicle() -> None:
         return
     scene = sr.io.load_scene(DATA / DRIVE)
     table = table_of(
-        "intrinsics | motion | condition | in use, px | estimate, px | yaw, deg | keystone, deg | ms a step",
+        "intrinsics | motion | condition | in use, px | estimate, px | yaw, deg | delay, frames | ms a step",
         title="suburb_drive on the vehicle: disparity at 30 B against the stored rig",
         left=3,
     )
@@ -88,15 +88,14 @@ def on_the_vehicle() -> None:
         for stepped in run(scene.rig, scene.pairs, config):
             seconds.append(time.process_time() - began)
             began, state = time.process_time(), stepped.state
-        known = state.estimate
         table.add_row(
             config.prior or "default",
             "on" if config.motion else "off",
             sr.online.reading(state).condition.name,
             f"{offset_px(state.rig, scene.rig):+.2f}",
-            f"{offset_px(state.rig_at(known.offset), scene.rig):+.2f}",
-            f"{known.offset[1]:+.3f} ± {1.96 * known.covariance[1, 1] ** 0.5:.3f}",
-            f"{known.delay:+.3f}",
+            f"{offset_px(state.rig_at(state.offset), scene.rig):+.2f}",
+            f"{state.offset[1]:+.3f} ± {1.96 * state.of_offset[1, 1] ** 0.5:.3f}",
+            f"{state.estimate.delay:+.3f}",
             f"{1000 * np.median(seconds):.0f}",
         )
     show(table)

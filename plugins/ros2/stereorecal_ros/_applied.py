@@ -47,7 +47,7 @@ class Applied:
     @cached_property
     def published(self) -> State:
         """A state that uses it."""
-        # What the calibration left of the keystone takes half a second to find, and says nothing of what is used.
+        # What the calibration left takes half a second to find, and says nothing of what is used.
         return init(self.initial, Config(prior="exact")).using_now(self.offset)
 
     def goes_on(self, rig: StereoRig) -> bool:
