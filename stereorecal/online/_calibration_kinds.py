@@ -11,12 +11,13 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Normal, Posterior, as_prior, is_exact, rig_parameters, root
+from stereorecal.estimation import Posterior, as_prior, is_exact, rig_parameters, root
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import EXTRINSICS
-from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate, Measurement
+from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate
 
 _YAW = EXTRINSICS.index("yaw")
+_NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 
 
 @lru_cache(maxsize=4)  # a step asks several times
@@ -46,14 +47,12 @@ def before_looks(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n 
     return calibration @ calibration.T + np.diag(drift**2)
 
 
-def with_yaw_unknown(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> FilterEstimate:
-    """What the same looks would have told, had the rig turned by any yaw before the first one."""
-    if is_exact(prior):
-        return filtered.turned(DRIFT[_YAW])
-    yaw = np.eye(len(filtered.theta))[_YAW]
-    known = np.linalg.solve(before_looks(initial, prior), yaw)
-    less = np.outer(known, known) / (DRIFT[_YAW] ** -2.0 + known[_YAW])  # by Sherman & Morrison
-    return filtered.updated(Measurement(Normal(-less, 0.0 * yaw, 0.0), None))
+def with_any_yaw(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+    """The same, of a rig that may have turned by any yaw as well."""
+    covariance = before_looks(initial, prior)
+    if not is_exact(prior):
+        covariance[_YAW, _YAW] += DRIFT[_YAW] ** 2
+    return covariance
 
 
 def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> float:
@@ -74,13 +73,13 @@ def _kinds(
     initial: StereoRig, prior: str | None
 ) -> tuple[Float[np.ndarray, "k"], Float[np.ndarray, "k n n"], Float[np.ndarray, "k"]]:
     """Of each kind its probability; what it knows of the lenses more than all kinds together, as information of θ; and
-    the logarithm of its volume, of theirs."""
+    the logarithm of its volume, of theirs. Where it knows less, it is as they are."""
     known, lenses = as_prior(prior, rig_parameters(initial)), slice(SIZE, None)
-    every = _calibration_root(initial, prior)[lenses]
-    scale = np.linalg.norm(every, axis=1)
-    roots = np.concatenate([known.roots[:, lenses], every[None]]) / scale[:, None]
-    covariances = roots @ roots.swapaxes(1, 2)
-    inverses, volumes = np.linalg.inv(covariances) / np.outer(scale, scale), np.linalg.slogdet(covariances)[1]
+    white = np.linalg.pinv(_calibration_root(initial, prior)[lenses])
+    of_kinds = white @ known.roots[:, lenses]
+    values, axes = np.linalg.eigh(of_kinds @ of_kinds.swapaxes(1, 2))
+    values = np.where(values > _NOTHING, np.minimum(values, 1.0), 1.0)
+    axes = white.T @ axes
     informations = np.zeros_like(known.roots)
-    informations[:, lenses, lenses] = inverses[:-1] - inverses[-1]
-    return known.weights, informations, volumes[:-1] - volumes[-1]
+    informations[:, lenses, lenses] = (axes * (1.0 / values - 1.0)[:, None]) @ axes.swapaxes(1, 2)
+    return known.weights, informations, np.log(values).sum(axis=1)

@@ -45,10 +45,13 @@ class Measurement:
     Attributes:
         normal: the likelihood of θ (n,).
         turn: (3,) by which a delay of one frame would turn the right camera, degrees; None if that is not known.
+        as_extrinsics: (5, n) of what it says nothing new of lenses, but once more what those before said: the change of
+            extrinsics that stands for one of θ; else None.
     """
 
     normal: Normal
     turn: Float[np.ndarray, "3"] | None
+    as_extrinsics: Float[np.ndarray, "5 n"] | None = None
 
     @property
     def design(self) -> Float[np.ndarray, "n m"]:
@@ -113,13 +116,20 @@ class FilterEstimate:
         return FilterEstimate(onwards @ self.mean, covariance * np.outer(shrinkage, shrinkage))
 
     def updated(self, measured: Measurement) -> "FilterEstimate":
-        """With one more measurement."""
+        """With one more measurement; by extrinsics alone, where it says nothing new of lenses (Schmidt 1966)."""
         design, information = measured.design, measured.normal.a
         pull = design.T @ (measured.normal.b - information @ (design @ self.mean))
         # Not the inverse of the covariance: what does not drift at all has none.
         known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
         covariance = np.linalg.solve(known, self.covariance)
-        return FilterEstimate(self.mean + covariance @ pull, 0.5 * (covariance + covariance.T))
+        mean, covariance = self.mean + covariance @ pull, 0.5 * (covariance + covariance.T)
+        if measured.as_extrinsics is not None:
+            lenses = slice(SIZE, _LATE)
+            held = np.vstack([-measured.as_extrinsics[:, SIZE:], np.eye(len(mean[lenses]))])
+            learnt = (self.covariance - covariance)[lenses, lenses]
+            covariance[:_LATE, :_LATE] += held @ learnt @ held.T
+            mean[:_LATE] -= held @ (mean - self.mean)[lenses]
+        return FilterEstimate(mean, covariance)
 
     def chance_of(self, measured: Measurement) -> float:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
@@ -137,11 +147,10 @@ class FilterEstimate:
         """How many numbers are measured, how far they are from the estimate, squared standard deviations, and the
         logarithm of the determinant of the covariance of that. Numbers of what drifts: the pull on them, by what is
         measured, of an estimate that is not there (a score test: Rao 1948); lenses, hardly measured, would hide it."""
-        measured = self.doubted(measured)
         information, design = measured.normal.a, measured.design
         pull = (measured.normal.b - information @ (design @ self.mean))[:SIZE]
-        by_state = information[:SIZE] @ design
-        spread = information[:SIZE, :SIZE] + by_state @ self.covariance @ by_state.T
+        of_look = design @ self.covariance @ design.T + np.diag(self._doubt(measured))
+        spread = information[:SIZE, :SIZE] + information[:SIZE] @ of_look @ information[:, :SIZE]
         values, axes = np.linalg.eigh(information[:SIZE, :SIZE])
         some = values > 1e-9 * max(float(values[-1]), 1e-12)
         told = axes[:, some] / np.sqrt(values[some])
@@ -151,11 +160,15 @@ class FilterEstimate:
     def doubted(self, measured: Measurement) -> Measurement:
         """The measurement, less sure by what the delay makes of an error of the turn."""
         a, b, c = measured.normal.a, measured.normal.b, measured.normal.c
-        doubt = np.zeros(len(b))
+        less = np.linalg.inv(np.eye(len(b)) + a * self._doubt(measured))
+        return replace(measured, normal=Normal(less @ a, less @ b, c))
+
+    def _doubt(self, measured: Measurement) -> Float[np.ndarray, "n"]:
+        """Variances of what is measured, by an error of the turn."""
+        doubt = np.zeros(len(measured.normal.b))
         if measured.turn is not None:
             doubt[:3] = (_TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))) ** 2
-        less = np.linalg.inv(np.eye(len(b)) + a * doubt)
-        return replace(measured, normal=Normal(less @ a, less @ b, c))
+        return doubt
 
     def followed(self, measured: Measurement, together: int = 1) -> "FilterEstimate":
         """With one more measurement, less sure by the turn's error, of which so many err together: none votes twice."""

@@ -226,7 +226,9 @@ def _set(state: State, fresh: State) -> State:
         state = state.replace(matcher=known, job=None, unmatched_in_a_row=0, outlier=None)
     if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
         first = init(state.initial, config)
-        wide = first.estimate.moved(state.offset, state.of_offset + first.of_offset)
+        lenses = (0, len(state.theta) - len(state.using))
+        known = first.estimate.of_theta + np.pad(state.of_offset, lenses)
+        wide = first.estimate.moved(np.pad(state.offset, lenses), known)
         state = state.standing_at(wide).replace(view=first.view, outlier=None)
     return state
 

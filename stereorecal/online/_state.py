@@ -48,6 +48,8 @@ class State:
         view: of all looks, that of the initial calibration.
         using: (5,) offset of the calibration in use.
         estimate: where the true rig stands, and how late a shutter is.
+        freed: the same, had the rig turned by any yaw before it was first seen: what rows showed of that may have been
+            taken for lenses.
         pace: how fast it drifts.
         frame: number of the next pair.
         matcher: with its disparity range; None until one is measured.
@@ -79,6 +81,7 @@ class State:
     view: View
     using: Offset
     estimate: FilterEstimate
+    freed: FilterEstimate
     pace: Pace
     frame: int = 0
     matcher: AbstractMatcher | None = None
@@ -156,17 +159,19 @@ class State:
 
     def later(self) -> "State":
         """A pair later."""
-        estimate = self.estimate.later(self.pace.config(self.config))
-        return replace(self, estimate=estimate, pace=self.pace.later(self.config))
+        config = self.pace.config(self.config)
+        estimate, freed = self.estimate.later(config), self.freed.later(config)
+        return replace(self, estimate=estimate, freed=freed, pace=self.pace.later(self.config))
 
     def measured(self, measurement: Measurement, together: int = 1) -> "State":
         """With a measurement, of which so many err together."""
         pace = self.pace.updated(measurement.weighed(together**-0.5))
-        return replace(self, estimate=self.estimate.followed(measurement, together), pace=pace)
+        estimate, freed = (one.followed(measurement, together) for one in (self.estimate, self.freed))
+        return replace(self, estimate=estimate, freed=freed, pace=pace)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
-        return replace(self, estimate=estimate, pace=self.pace.again(estimate))
+        return replace(self, estimate=estimate, freed=estimate, pace=self.pace.again(estimate))
 
     def configured(self, config: Config) -> "State":
         """With other settings. What was known of a delay is forgotten, where they say otherwise of the shutters."""

@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online._calibration_kinds import before_looks
+from stereorecal.online._calibration_kinds import before_looks, with_any_yaw
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import SIZE, Measurement, Pace, at_start
 from stereorecal.online._moving import Small, anchored, moved, small, turn
@@ -33,6 +33,7 @@ from stereorecal.scoring import image_quality, is_coarse, pyramid
 from stereorecal.scoring.host import with_measured_range
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried
+_LEARN = 100  # looks: those that tell of lenses
 _PATIENCE = 2  # times as long, after a repair that failed
 
 
@@ -49,8 +50,9 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     known = matcher if matcher.num_disparities is not None else None
-    view, start = as_view(config.view, rig), at_start(before_looks(rig, config.prior), config)
-    return State(config, rig, view, np.zeros(SIZE), start, Pace.at(start), matcher=known, attempt=_FIRST)
+    start, freed = (at_start(of_rig(rig, config.prior), config) for of_rig in (before_looks, with_any_yaw))
+    view, using = as_view(config.view, rig), np.zeros(SIZE)
+    return State(config, rig, view, using, start, freed, Pace.at(start), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -111,6 +113,8 @@ def rollback(state: State, to: Offset | None = None) -> State:
 def _after_pair(state: State, pair: Pair) -> Outcome:
     config, before, current = state.config, state.last, small(pair.left)
     state = state.later().replace(last=current)
+    if not state.estimate.is_finite:
+        return state, []
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
@@ -132,7 +136,9 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     if look.normal is None:
         return _unmatched_pair(state, pair)
     turned = _turn(state, before, current)
-    measured = Measurement(look.normal, None if turned is None else np.degrees(turned))
+    # Looks have a misfit in common that is in no lens: of more, it would seem to be.
+    as_extrinsics = state.as_extrinsics if state.seen >= _LEARN else None
+    measured = Measurement(look.normal, None if turned is None else np.degrees(turned), as_extrinsics)
     state = state.replace(
         seen=state.seen + 1,
         row_error=look.row_error(state.theta),

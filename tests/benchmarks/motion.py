@@ -93,7 +93,7 @@ def on_the_vehicle() -> None:
             "on" if config.motion else "off",
             sr.online.reading(state).condition.name,
             f"{offset_px(state.rig, scene.rig):+.2f}",
-            f"{offset_px(state.rig_at(state.offset), scene.rig):+.2f}",
+            f"{offset_px(state.chart.rig_at(state.posterior.mean), scene.rig):+.2f}",
             f"{state.offset[1]:+.3f} ± {1.96 * state.of_offset[1, 1] ** 0.5:.3f}",
             f"{state.estimate.delay:+.3f}",
             f"{1000 * np.median(seconds):.0f}",
