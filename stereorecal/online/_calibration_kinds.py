@@ -17,6 +17,7 @@ from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate
 
 _YAW = EXTRINSICS.index("yaw")
+_WIDER = 2.0  # as wide as nearly all of the kinds
 _NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 
 
@@ -63,9 +64,10 @@ def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimat
 
 @lru_cache(maxsize=2)
 def _calibration_root(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
-    """A root of the covariance of what a calibration leaves of θ, of all kinds."""
+    """A root of the covariance of what a calibration leaves of θ, of all kinds, but wider: the filter begins with it,
+    and kinds, each of which knows more, are told apart later."""
     known = as_prior(prior, rig_parameters(initial))
-    return root(np.einsum("k,kij,klj->il", known.weights, known.roots, known.roots))
+    return _WIDER * root(np.einsum("k,kij,klj->il", known.weights, known.roots, known.roots))
 
 
 @lru_cache(maxsize=2)

@@ -162,6 +162,32 @@ def test_rows_that_lenses_bend_are_no_yaw():
     assert told.of_theta[1, 1] < rows.of_theta[1, 1]
 
 
+def test_a_look_that_says_nothing_new_of_lenses_moves_extrinsics_as_all_would():
+    """Rows that lenses bend as a yaw: the sum is told as before, the lenses keep what was known."""
+    draw, like = np.random.default_rng(5), np.column_stack([np.eye(5), np.eye(5)[1]])
+    before = at_start(np.diag(np.square([1.0, 0.1, 1.0, 1.0, 1.0, 0.3])), STILL)
+    for _ in range(20):
+        before = before.later(STILL).updated(by_rows(np.zeros(5), draw))
+    look = by_rows(0.2 * np.eye(5)[0], draw)
+    free, held = (before.updated(replace(look, as_extrinsics=one)) for one in (None, like))
+    np.testing.assert_allclose(like @ held.theta, like @ free.theta, atol=1e-12)
+    np.testing.assert_allclose(like @ held.of_theta @ like.T, like @ free.of_theta @ like.T, atol=1e-12)
+    assert held.theta[5] == before.theta[5] != free.theta[5]
+    assert held.of_theta[5, 5] == pytest.approx(before.of_theta[5, 5])
+
+
+@pytest.mark.parametrize("late", [0.0, 0.3])
+def test_how_likely_a_measurement_is_does_not_reward_a_delay(late):
+    """That was expected just so, by a filter that is as sure of a delay as of none."""
+    estimate = at_start(1e-6 * np.eye(5), replace(STILL, synchronous=True))
+    mean, turn = estimate.mean.copy(), np.array([0.0, 1.0, 0.0])
+    mean[-4] = late
+    expected = Measurement(likelihood(np.pad(late * turn, (0, 2)), np.diag(SIGMA**-2.0)), turn)
+    without = Measurement(likelihood(np.zeros(5), np.diag(SIGMA**-2.0)), np.zeros(3))
+    likelihoods = replace(estimate, mean=mean).log_likelihood(expected), estimate.log_likelihood(without)
+    assert likelihoods[0] <= likelihoods[1] + 1e-9
+
+
 @pytest.mark.parametrize(("step", "faster"), [(0.0, False), (0.006, True)])
 def test_how_fast_a_rig_drifts_is_learnt(step, faster):
     draw, config, truth = np.random.default_rng(7), Config(), np.zeros(5)

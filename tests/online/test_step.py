@@ -154,6 +154,18 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
     assert told == [[Kind.LATE], [Kind.KNOCK]]
 
 
+def test_a_state_that_holds_no_number_takes_pairs(ride: Ride):
+    """And says that nothing can be told."""
+    state = init(ride.rig)
+    mean = state.estimate.mean.copy()
+    mean[3] = np.nan
+    broken = state.standing_at(replace(state.estimate, mean=mean))
+    for pair in ride.pairs[:2]:
+        broken, events = step(broken, pair)
+        assert not events
+    assert reading(broken).decision is None
+
+
 WRONG: tuple[dict[str, Any], ...] = (
     {"harm": "much"},
     {"heating": (0.0, -1.0, 0.0)},
