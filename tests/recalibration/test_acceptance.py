@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from fixtures import SAD_48
 from hypothesis import given, strategies as st
-from parts_of_repairs import share_lost
+from parts_of_repairs import RowResiduals, share_lost
 
 from stereorecal import difference, health, make_pair, recalibrate
-from stereorecal.recalibration import Condition, Reason, RowErrors, RowResiduals
+from stereorecal.recalibration import Condition, Reason, RowErrors
 
 
 def paired(before: np.ndarray, after: np.ndarray) -> RowErrors:
