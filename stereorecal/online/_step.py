@@ -156,7 +156,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     if knocked and too_far(state):
         state, more = begun(state, state.repair_pairs)
         return state, [*events, *more]
-    # One look is no proof; and how far a late shutter could explain it is not known where the rig's turn is not.
+    # One look is no proof; and without an image before it, nobody knows how far a late shutter could explain it.
     state, more = decided(state, look) if told and before is not None else (state, [])
     return state, [*events, *more]
 

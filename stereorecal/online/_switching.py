@@ -112,10 +112,11 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
         state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
         return standing(state)
     first = state.outlier
-    # Where a turn is not known, nor is how far a late shutter could explain it: such a look speaks to its like alone.
-    if first is None or (first.turn is None) != (measured.turn is None):
+    if first is None:
         return state.replace(outlier=measured), []
-    changed = _after_two_outliers(state, first, measured)
+    # Where a turn is not known, nor is how far a late shutter could explain it: such a look speaks to its like alone.
+    alike = (first.turn is None) == (measured.turn is None)
+    changed = _after_two_outliers(state, first, measured) if alike else None
     if changed is None:
         in_a_row = state.outliers_in_a_row + 1
         state = state.replace(outlier=measured, outliers_in_a_row=in_a_row)
