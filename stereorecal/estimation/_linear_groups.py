@@ -179,10 +179,14 @@ def rows_of_groups(
     if len(groups) < FEWEST_GROUPS:
         return None
     rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
-    away = np.repeat(np.abs(rows.differences[0] / deviation), groups.count)
-    deviation = deviation * max(1.0, 1.4826 * float(np.median(away)))  # larger while far off
+    deviation = deviation * _farther(groups, rows.differences[0] / deviation)  # larger while far off
     share = groups.count / groups.count.mean()
     return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
+
+
+def _farther(groups: Groups, away: Float[np.ndarray, "g"]) -> float:
+    """How many times farther off than expected correspondences are, in the middle; at least as far as expected."""
+    return max(1.0, 1.4826 * float(np.median(np.repeat(np.abs(away), groups.count))))
 
 
 def normal_of_pair(
@@ -209,8 +213,8 @@ def normal_of_pair(
     at_zero, theta = rows.differences[0] - theta @ jacobian, mean
     a, b = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
     for _ in range(_ROUNDS):
-        away = np.abs(at_zero + theta @ jacobian) / deviation
-        scale = max(1.0, 1.4826 * float(np.median(np.repeat(away, groups.count))))
+        away = (at_zero + theta @ jacobian) / deviation
+        scale = _farther(groups, away)
         weighted = jacobian * np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / (scale * deviation) ** 2
         a, b = weighted @ jacobian.T, -weighted @ at_zero
         theta = mean + np.linalg.solve(np.eye(len(b)) + covariance @ a, covariance @ (b - a @ mean))

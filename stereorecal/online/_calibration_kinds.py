@@ -37,23 +37,15 @@ def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -
     return Posterior(np.ones(1), mean[None], covariance[None])
 
 
-def before_looks(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
+def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False) -> Float[np.ndarray, "n n"]:
     """The covariance of θ before the first look: what a calibration leaves, and a drift; but none of yaw, unless
-    intrinsics are exact: the rig was calibrated, so that something will show a yaw that it has turned by, and
-    intrinsics that are wrong bend rows as a yaw does, which is none."""
+    intrinsics are exact, or it is said: the rig was calibrated, so that something will show a yaw that it has turned
+    by, and intrinsics that are wrong bend rows as a yaw does, which is none."""
     calibration = _calibration_root(initial, prior)
     drift = np.pad(DRIFT, (0, len(calibration) - SIZE))
-    if not is_exact(prior):
+    if not (any_yaw or is_exact(prior)):
         drift[_YAW] = 0.0
     return calibration @ calibration.T + np.diag(drift**2)
-
-
-def with_any_yaw(initial: StereoRig, prior: str | None) -> Float[np.ndarray, "n n"]:
-    """The same, of a rig that may have turned by any yaw as well."""
-    covariance = before_looks(initial, prior)
-    if not is_exact(prior):
-        covariance[_YAW, _YAW] += DRIFT[_YAW] ** 2
-    return covariance
 
 
 def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> float:

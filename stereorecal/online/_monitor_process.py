@@ -23,7 +23,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._saving import StateFile, load
-from stereorecal.online._state import State
+from stereorecal.online._state import State, theta_of
 from stereorecal.online._step import freeze, init, step
 from stereorecal.recordings import Images, Pair, as_pairs
 
@@ -226,9 +226,9 @@ def _set(state: State, fresh: State) -> State:
         state = state.replace(matcher=known, job=None, unmatched_in_a_row=0, outlier=None)
     if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
         first = init(state.initial, config)
-        lenses = (0, len(state.theta) - len(state.using))
-        known = first.estimate.of_theta + np.pad(state.of_offset, lenses)
-        wide = first.estimate.moved(np.pad(state.offset, lenses), known)
+        known = first.estimate.of_theta.copy()
+        known[: len(state.using), : len(state.using)] += state.of_offset
+        wide = first.estimate.moved(theta_of(state.offset, state.chart), known)
         state = state.standing_at(wide).replace(view=first.view, outlier=None)
     return state
 

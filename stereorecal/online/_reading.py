@@ -27,7 +27,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._filter import SIZE, FilterEstimate
 from stereorecal.online._pair_estimate import PARTS, part_of
-from stereorecal.online._state import State, rig_with
+from stereorecal.online._state import State, rig_with, theta_of
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
 _SAMPLES = 500  # a chance of a fifth to a fiftieth
@@ -47,7 +47,7 @@ def known(
     chart, points, slopes = _around(initial, using, view, matters.distances)
     looks = np.frombuffer(coverage, int)
     looks = looks if looks.any() else np.ones(len(points))
-    posterior = replace(of_rig, means=of_rig.means - np.pad(using, (0, chart.dim - len(using))))
+    posterior = replace(of_rig, means=of_rig.means - theta_of(np.array(using), chart))
     return Estimate(
         chart,
         posterior,

@@ -118,7 +118,7 @@ class State:
     @property
     def theta(self) -> Float[np.ndarray, "n"]:
         """Of the calibration in use."""
-        return np.pad(self.using, (0, self.chart.dim - len(self.using)))
+        return theta_of(self.using, self.chart)
 
     @property
     def posterior(self) -> Posterior:
@@ -190,10 +190,15 @@ class State:
         return replace(self, **changes)
 
 
+def theta_of(offset: Offset, chart: RigChart) -> Float[np.ndarray, "n"]:
+    """θ of an offset, lenses as they were given."""
+    return np.pad(offset, (0, chart.dim - len(offset)))
+
+
 def rig_with(initial: StereoRig, offset: Offset) -> StereoRig:
     """The rig with an offset from the one that was given first."""
     chart = _chart(initial)
-    return chart.rig_at(np.pad(offset, (0, chart.dim - len(offset)))) if np.any(offset) else initial
+    return chart.rig_at(theta_of(offset, chart)) if np.any(offset) else initial
 
 
 @lru_cache(maxsize=2)

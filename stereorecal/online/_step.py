@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
-from stereorecal.online._calibration_kinds import before_looks, with_any_yaw
+from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import SIZE, Measurement, Pace, at_start
 from stereorecal.online._moving import Small, anchored, moved, small, turn
@@ -50,7 +50,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     Schedule.default()  # raises now, and not after the first knock
     matcher = as_matcher(config.matcher)
     known = matcher if matcher.num_disparities is not None else None
-    start, freed = (at_start(of_rig(rig, config.prior), config) for of_rig in (before_looks, with_any_yaw))
+    start, freed = (at_start(before_looks(rig, config.prior, any_yaw=any_yaw), config) for any_yaw in (False, True))
     view, using = as_view(config.view, rig), np.zeros(SIZE)
     return State(config, rig, view, using, start, freed, Pace.at(start), matcher=known, attempt=_FIRST)
 

@@ -15,10 +15,10 @@ from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS, Parameters
 from stereorecal.online._config import Event, Kind
-from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import filtered_by, prior_now, reading
-from stereorecal.online._state import Job, Offset, State
+from stereorecal.online._state import Job, Offset, State, theta_of
 from stereorecal.recalibration import (
     Case,
     Condition,
@@ -69,7 +69,7 @@ def decided(state: State, look: PairEstimate) -> Outcome:
     if found.late or found.shifted or found.decision is None or found.change is None:
         return state, []
     offset = state.using + found.change
-    if look.row_error(np.pad(offset, (0, len(state.theta) - SIZE))) > state.row_error:
+    if look.row_error(theta_of(offset, state.chart)) > state.row_error:
         return state, []
     return _switched_by(state, offset, Kind.REPAIRED, found.decision, "looks")
 
