@@ -179,7 +179,7 @@ def _motion(
         track_rms = np.sqrt(np.mean(depth_eliminated[..., 0] ** 2, axis=1))
         scale = max(float(np.median(track_rms)) / _MEDIAN, _LEAST_SCALE)
         scaled_rms = track_rms / (_REDESCENDS * scale)
-        weight = 1.0 / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
+        weight = linear.expected.ahead / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
         j, r = depth_eliminated[..., 1:], depth_eliminated[..., 0]
         weighted = weight[:, None, None] * j
         a = np.tensordot(weighted, j, ([0, 1], [0, 1])) / scale**2 + prior
@@ -239,7 +239,8 @@ def _products(
     depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
     depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
     place = places_of(readings.tracks.left[0], readings.size)
-    return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, found.weight, place)
+    weight = found.weight * linear.expected.ahead
+    return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, weight, place)
 
 
 def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:

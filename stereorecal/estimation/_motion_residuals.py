@@ -14,7 +14,7 @@ by least median of squares (Rousseeuw 1984), is not drawn to it.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from stereorecal.estimation._rig_parameters import lens_parameters
 from stereorecal.geometry import (
@@ -35,6 +35,7 @@ _DRAWS, _OF = 200, 4  # sets of tracks, and how many each; three would do for ex
 _SEED = 0
 _TURN, _MOVE = 0.3, 10.0  # rad, baselines: standard deviations, for sets that tell nothing of one of them
 _ERROR = 0.5  # pixels
+_NEAREST = 0.1  # of the depth at which the left camera saw a point first: nearer, or behind, a match is wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +87,12 @@ class Expected:
     by_later: Float[np.ndarray, "m 2 3"]
     by_right: Float[np.ndarray, "2 m 2 3"]
     along: Float[np.ndarray, "2 m 2"]
+
+    @property
+    def ahead(self) -> Bool[np.ndarray, "m"]:
+        """Which points lie in front of both cameras at both times: where one passes a camera, its pixels are anywhere,
+        and their derivatives without end."""
+        return np.minimum(self.later[:, 2], self.right[..., 2].min(axis=0)) > _NEAREST
 
 
 @dataclass(frozen=True, eq=False)

@@ -262,3 +262,17 @@ def test_a_boat_that_fills_a_third_of_the_view_does_not_draw_the_motion_to_its_o
     seen = window(both, chart, np.zeros(chart.dim))
     assert seen.motion is not None
     np.testing.assert_allclose(seen.motion.translation / float(rig.baseline), move, atol=0.05)
+
+
+@pytest.mark.parametrize("seed", [18, 24, 26, 27])
+def test_points_that_would_pass_a_camera_tell_nothing(seed):
+    """What moves along, nearer than the rig moves: at that depth it could not be ahead later, or its pixels anywhere."""
+    rig = sr.synthetic.default_rig().resized((320, 240))
+    chart = rig_parameters(rig)
+    far, rng = tracks_of(rig, np.array([0.0, 0.0, -2.0]), seed=seed, number=200), np.random.default_rng(seed)
+    near = {"number": 100, "noise": 0.0, "nearness": lambda rays: rng.uniform(0.4, 0.6, len(rays))}
+    along = tracks_of(rig, np.array(REST), seed=seed + 50, **near)
+    both = Tracks(*(np.concatenate([getattr(one, s) for one in (far, along)], axis=1) for s in ("left", "right")))
+    alone, seen = (window(one, chart, np.zeros(chart.dim)).normal.a for one in (far, both))
+    np.testing.assert_array_less(np.diag(seen)[:5], 2.0 * np.diag(alone)[:5])
+    assert np.linalg.eigvalsh(seen).min() > -1.0
