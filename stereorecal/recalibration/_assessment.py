@@ -34,7 +34,6 @@ from stereorecal.strategies import Budget
 
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
-_LOOKED = 4  # times that a look may match until it settles
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
@@ -114,20 +113,28 @@ class Assessment:
         return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
 
 
-def run_look(case: Case, stage: Stage, start: StereoRig, cost: Cost) -> tuple[StageRun, Cost]:
-    """One look at the images from a start, as a stage on the rows has it, without a strategy: matches, which the
-    extrinsics are fitted to until both settle. Matches of rows that are not aligned err together, all frames alike, and
-    the estimate would explain it by lenses.
+def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) -> tuple[StageRun, Cost]:
+    """One look at the images from a start, by the stages on the rows, without strategies: matches, which the extrinsics
+    are fitted to until both settle. Matches of rows that are not aligned err together, all frames alike, and the
+    estimate would explain it by lenses.
 
     Args:
         case: with a disparity range.
+        stages: from coarse to fine; the last one looks at all frames.
         cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
             search.
+
+    Returns:
+        The last stage, as if it had begun at the start.
     """
-    look = replace(stage, strategy=None, frames=None, rounds=max(stage.rounds, _LOOKED))
-    run = run_stage(case.of_extrinsics, look, start, Budget(), seed=0)
-    ended = run.ended if run.matches_enough else case.rig  # else nothing speaks for the start either
-    return replace(run, ended=ended, matching_cost=0.0), replace(cost, starts=cost.starts + run.cost)
+    case, runs = case.of_extrinsics, []
+    stages = (*stages[:-1], replace(stages[-1], frames=None))
+    for stage in stages:
+        runs.append(run_stage(case, replace(stage, strategy=None), runs[-1].ended if runs else start, Budget(), seed=0))
+    last = runs[-1]
+    ended = last.ended if last.matches_enough else case.rig  # else nothing speaks for the start either
+    look = replace(last, began=start, ended=ended, matching_cost=0.0, covered_first=runs[0].covered_first)
+    return look, replace(cost, starts=cost.starts + sum(run.cost for run in runs))
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:

@@ -15,7 +15,7 @@ from stereorecal.recalibration._case import Case, selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
-from stereorecal.recalibration._schedule import ScoreKind, check_schedule
+from stereorecal.recalibration._schedule import check_schedule
 from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
 from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
@@ -28,8 +28,8 @@ HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_text
 def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:
     """The parameters that may change in the end: those that are named; by default every one of the rig, or, where the
     intrinsics are exact or only the count is asked, the extrinsics."""
-    rows = settings.schedule.stages[-1].score is ScoreKind.EPIPOLAR
-    return settings.free.of_all(rig, intrinsics=rows and not is_exact(settings.prior))
+    intrinsics = bool(settings.schedule.on_rows) and not is_exact(settings.prior)
+    return settings.free.of_all(rig, intrinsics=intrinsics)
 
 
 def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool = True) -> Case:
@@ -101,8 +101,8 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     began = time.perf_counter() if began is None else began
     case, start, cost = started(case)
     to_decide = case.with_free(case.settings.free)
-    if (last := case.settings.schedule.stages[-1]).score is ScoreKind.EPIPOLAR:
-        run, cost = run_look(to_decide, last, start, cost)
+    if on_rows := case.settings.schedule.on_rows:
+        run, cost = run_look(to_decide, on_rows, start, cost)
         assessment = assessed(to_decide, run, run.ended) if run.settled else None
         if assessment is not None and assessment.conclusive:
             return solution_of_assessment(to_decide, (run,), assessment, cost, began)
@@ -129,10 +129,11 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    look = replace(settings.schedule, stages=settings.schedule.stages[-1:])
+    on_rows = settings.schedule.on_rows
+    look = replace(settings.schedule, stages=on_rows[-1:])
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, start, cost = started(prepared(rig, pairs, settings, learns=False))
     case = case.with_free(settings.free)
-    run, cost = run_look(case, look.stages[0], start, cost)
+    run, cost = run_look(case, on_rows, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -105,13 +105,18 @@ class Schedule:
         # From afar to a pixel of the next stage (at the default reach), on half of the rows: nearer, correspondences
         # know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
-        # Half scale is a stepping stone: it need not settle, and rounds at full scale tell more.
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=1, pixels=_STEPPING_STONE, frames=2),
-            Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=4, pixels=_FINEST),
+            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE, frames=2),  # a round costs a quarter
+            Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)
+
+    @property
+    def on_rows(self) -> tuple[Stage, ...]:
+        """The stages on the rows that it ends with."""
+        count = [number for number, stage in enumerate(self.stages, 1) if stage.score is ScoreKind.COUNT]
+        return self.stages[max(count, default=0) :]
 
     @property
     def strategies(self) -> tuple[str, ...]:

@@ -3,7 +3,6 @@ or in slices, for those who cannot wait for all of it; and the solution that its
 to."""
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -192,7 +191,8 @@ def _solution(
 def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
     settings, start, cost = case.settings, case.rig, Cost()
-    _compile_in_background(case, settings.schedule.stages[-1:])  # the look's
+    for stage in settings.schedule.on_rows:
+        host.compile_in_background(case.images.at(case.scale_of(stage), 1))
     if settings.schedule.survey or case.matcher.num_disparities is None:
         radians = float(np.radians(settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
@@ -203,20 +203,12 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     return case, start, cost
 
 
-def _compile_in_background(case: Case, stages: Sequence[Stage]) -> None:
-    """Compile the programs of stages on the rows while others run: those of a stage that is never run, in vain."""
-    for stage in stages:
-        if stage.score is ScoreKind.EPIPOLAR:
-            host.compile_in_background(case.images.sample(case.scale_of(stage)))
-
-
 def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:
     """All stages that the budget allows; the case comes back with the widest disparity range that was measured; the
     clock of the budget was started when it `began`."""
     settings = case.settings
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
-    _compile_in_background(case, schedule.stages)
     for stage in schedule.stages:
         budget_left = remaining(settings.budget, sum(done.cost for done in stages), began)
         if budget_left is None:

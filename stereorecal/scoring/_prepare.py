@@ -106,10 +106,6 @@ class Pyramid:
         """Whether a pair of an aligned rig would match."""
         return any(one.enough for one in self.quality)
 
-    def sample(self, scale: float) -> ScoringData:
-        """The first pair alone at `scale`: enough for the shapes of all data at that scale."""
-        return self.at(scale) if len(self.pairs) == 1 else _prepared(self.rig, self.pairs[:1], self.view, scale)
-
 
 def pyramid(rig: StereoRig, pairs: Pairs, view: AnyView = None) -> Pyramid:
     """The pyramid of pairs that `rig` took.

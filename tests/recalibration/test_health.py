@@ -94,7 +94,7 @@ def test_what_is_noticed_names_axes_and_matches_again(scene):
     """The look has matched until its rows settled, and no candidate moves enough to be matched again, but where the
     least is noticed; where nothing is, one axis is named: the first."""
     shown = scene("harbour", 0, (320, 240))
-    off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([0.3, 0.1, -0.2, 0.0, 0.0, 0.0]))
+    off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([-0.3, 0.1, 0.2, 0.0, 0.0, 0.0]))
     named, again = [], []
     for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
         found = recalibrate(off, shown.pairs, matcher=SAD_48, tolerances=tolerances, prior="exact")
