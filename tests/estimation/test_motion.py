@@ -266,7 +266,7 @@ def test_a_boat_that_fills_a_third_of_the_view_does_not_draw_the_motion_to_its_o
 
 @pytest.mark.parametrize("seed", [18, 24, 26, 27])
 def test_points_that_would_pass_a_camera_tell_nothing(seed):
-    """What moves along, nearer than the rig moves: at that depth it could not be ahead later, or its pixels anywhere."""
+    """What moves along, nearer than the rig moves: at that depth it could not be ahead later, its pixels anywhere."""
     rig = sr.synthetic.default_rig().resized((320, 240))
     chart = rig_parameters(rig)
     far, rng = tracks_of(rig, np.array([0.0, 0.0, -2.0]), seed=seed, number=200), np.random.default_rng(seed)
