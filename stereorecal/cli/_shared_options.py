@@ -231,8 +231,8 @@ class ToleranceOptions:
 
     title = "the decision"
     tolerances: str | None = option(
-        "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, leaves, better, harm, predicts, good_rows_px, "
-        "good_surely; distances=5:10:30 in baselines",
+        "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, gains, leaves, better, harm, predicts, "
+        "good_rows_px, good_surely; distances=5:10:30 in baselines",
         metavar="NAME=N,…",
         reads=tolerances,
     )

@@ -160,7 +160,7 @@ def _decision(
     before, after = estimate.losses(zero), estimate.losses(theta)
     expected = estimate.expected_loss(zero), estimate.expected_loss(theta)
     better, worse = float(np.mean(after.total < before.total)), _harm(before, after, limits)
-    gains = expected[1] < min(expected[0] - 1.0, limits.leaves * expected[0]) and better >= limits.better
+    gains = expected[1] < min(expected[0] - limits.gains, limits.leaves * expected[0]) and better >= limits.better
     harmless = worse <= limits.harm  # NaN is no proof of harmlessness
     held_out = estimate.held_out(free, share, kept) if gains and harmless else []
     rows_alone = not (estimate.matched_ranges or estimate.windows)

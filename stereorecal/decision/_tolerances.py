@@ -21,7 +21,8 @@ class Tolerances:
         rows_px: the epipolar error [px] that a matcher notices. It is the unit of the loss; a mean that grows by more
             is worse.
         depth_points: the same for the depth error, in percentage points.
-        leaves: the largest share of the expected loss that a repair may leave; it must gain one unit at least.
+        gains: the least fall of the expected loss, in its units.
+        leaves: the largest share of the expected loss that a repair may leave.
         better: the least probability that the loss falls.
         harm: the largest probability that the epipolar error, or the depth error ahead at the farthest distance,
             becomes worse.
@@ -37,6 +38,7 @@ class Tolerances:
 
     rows_px: float = 0.05
     depth_points: float = 1.0
+    gains: float = 1.0
     leaves: float = 0.7
     better: float = 0.9
     harm: float = 0.02

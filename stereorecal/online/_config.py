@@ -42,8 +42,8 @@ class Config:
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
-        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss that it must
-            gain. More than in a recording, since later pairs can correct it.
+        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss, and of its
+            unit, that it must gain. Looser than in a recording, since later pairs can correct it.
         rest: pairs from one switch to the next, at least: each costs, such as new rectification maps. A knock ends it.
         keep: calibrations that can be returned to: the first, and the last ones.
         tolerances: of the decision that a calibration is to be repaired; also some of their values by name.
@@ -104,7 +104,7 @@ class Config:
     def limits(self) -> Tolerances:
         """Tolerances of what may be switched: those of a recording where nothing is, and so nothing taken back."""
         surely = 1.0 - self.harm
-        loose = replace(self.tolerances, harm=self.harm, better=surely, leaves=surely)
+        loose = replace(self.tolerances, gains=self.harm, harm=self.harm, better=surely, leaves=surely)
         return loose if self.repair else self.tolerances
 
     @property
