@@ -124,7 +124,7 @@ class Kind(enum.Enum):
     REPAIRING = "a repair has begun"
     REPAIRED = "a better calibration is in use"
     RECALIBRATED = "recalibrated on request: the accepted candidate is in use"
-    REJECTED = "a repair was rejected"
+    REJECTED = "no candidate was accepted"
     ROLLED_BACK = "an earlier calibration is in use again, on request; nothing is switched"
     REFUSED = "a request was refused"
     NOT_SAVED = "the state cannot be saved; the rig is watched on, and saving is tried again"

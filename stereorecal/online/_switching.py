@@ -162,9 +162,10 @@ def standing(state: State) -> tuple[State, list[Event]]:
 
 
 def begun(state: State, pairs: Sequence[Pair]) -> tuple[State, list[Event]]:
-    """The state with a repair under way, on pairs that hardly match."""
-    event = Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")
-    return state.replace(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), [event]
+    """The state with a repair under way, on pairs that hardly match; or, where nothing is switched, a search for how
+    the rig stands, which is no repair."""
+    events = [Event(state.frame, Kind.REPAIRING, f"from {len(pairs)} pairs")] if state.config.repair else []
+    return state.replace(job=Job(tuple(pairs), np.asarray(state.rig.extrinsics, float))), events
 
 
 def continued(state: State) -> tuple[State, list[Event]]:
@@ -194,7 +195,8 @@ def _after_solution(state: State, solution: Solution) -> Outcome:
     events = [] if state.reported is Kind.KNOCK else [knock]
     state = told_by(state, solution.estimate).replace(reported=Kind.KNOCK, ready=0, outlier=None)
     if not state.config.repair or reading(state).late:
-        return state, events
+        state, more = standing(state)
+        return state, [*events, *more]
     state, more = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
     return state.replace(ready=0), [*events, *more]  # looks may correct it at once
 

@@ -46,6 +46,16 @@ def test_a_step_does_a_slice(ride: Ride, lost: State):
     assert (error(state, ride.knocked) < [0.05, 0.2, 0.05]).all()
 
 
+def test_where_nothing_is_switched_no_repair_begins(ride: Ride, lost: State):
+    """What moved the rig is said all the same, once."""
+    state, kinds = sr.online.freeze(lost), []
+    for pair in ride.pairs[BEFORE : BEFORE + 3]:
+        state, events = step(state, pair, math.inf)
+        kinds += [event.kind for event in events]
+    assert kinds == [Kind.KNOCK]
+    assert not state.using.any()
+
+
 @pytest.mark.slow
 def test_as_many_as_time_allows(ride: Ride, lost: State):
     """All in the step in which it begins, to the same end."""
