@@ -178,7 +178,8 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
 
 def _calibration_note(options: MonitorOptions, state: State) -> str:
     if not state.using.any():
-        return "the calibration in use is the one that was given"
+        note = "the calibration in use is the one that was given"
+        return note if options.output is None else f"{note}; {options.output} is not written"
     if options.output is None:
         return "the calibration in use is a repaired one; --output FILE would write it"
     return f"the calibration in use is a repaired one, written to {options.output}"

@@ -75,10 +75,11 @@ def test_a_pair_that_cannot_be_read_is_an_event_and_the_watch_goes_on(command, s
     broken, state = Path(shutil.copytree(scene, tmp_path / "ride")), tmp_path / "state"
     image = broken / "left" / "002.png"
     image.write_bytes(image.read_bytes()[:100])
-    answer = command("monitor", broken, "--once", "--pairs", ":4", "--state", state)
+    answer = command("monitor", broken, "--once", "--pairs", ":4", "--state", state, "--output", tmp_path / "new.json")
     assert "2  the pair cannot be used" in answer.out
     assert "002.png: the image is truncated" in answer.out
-    assert "the calibration in use is the one that was given" in answer.out
+    assert f"the calibration in use is the one that was given; {tmp_path / 'new.json'} is not written" in answer.out
+    assert not (tmp_path / "new.json").exists()
     assert load(state).frame == 4
 
 
