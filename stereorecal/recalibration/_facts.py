@@ -11,7 +11,7 @@ from stereorecal.estimation import DEFAULT, EXACT
 from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._motion_windows import motion_text, odometer_text
-from stereorecal.recalibration._result import AbstractResult
+from stereorecal.recalibration._result import AbstractResult, DepthOutcome, depth_outcome
 from stereorecal.recalibration._row_residuals import WORTH_SAYING, Cause, Misfit
 from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
@@ -28,6 +28,7 @@ _EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
 )
+_LEFT = {DepthOutcome.KEPT: "kept as it was calibrated", DepthOutcome.IN_PART: "corrected as far as is safe"}
 _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspect": "aspect, fy / fx"}
 
 
@@ -184,8 +185,8 @@ def _depth(solution: AbstractResult) -> Iterator[Fact]:
         yield Fact("depth", f"error at {after.where} {change}")
     if not solution.accepted:
         return
-    if solution.decision is not None and solution.decision.depth_corrected < 1.0:
-        how = "corrected as far as is safe" if solution.decision.depth_corrected else "kept as it was calibrated"
+    how = None if solution.decision is None else _LEFT.get(depth_outcome(solution, solution.decision))
+    if how is not None:
         yield Fact("depth", f"{how}; frames in motion, or ranges, determine it")
     if solution.estimate is None:
         yield Fact("depth", f"was off: {solution.difference.depth_text}")

@@ -44,6 +44,15 @@ class Condition(enum.Enum):
     CANNOT_TELL = "cannot tell"
 
 
+class DepthOutcome(enum.Enum):
+    """What an improvement does to depth; the value is what a verdict says."""
+
+    KEPT = "kept as calibrated"
+    CORRECTED = "corrected"
+    IN_PART = "corrected in part"
+    NOT_OFF = "not measurably off"
+
+
 @dataclass(frozen=True, eq=False)
 class AbstractResult:
     """A `Solution`, which says what its attributes are, without its views, which read it."""
@@ -130,9 +139,7 @@ class AbstractResult:
             return f"{begins}: {reason.value}."
         before, after = decision.rows_px
         if reason is Reason.IMPROVED:
-            share, depth_off = decision.depth_corrected, any(one.significant for one in self.depth_before)
-            corrected = "corrected" if share == 1.0 else "corrected in part"
-            depth = "kept as calibrated" if not share else corrected if depth_off else "not measurably off"
+            depth = depth_outcome(self, decision).value
             return f"{begins}: epipolar error {before[0]:.2f} -> {after[0]:.2f} px; depth {depth}."
         if reason is Reason.ALREADY_GOOD:
             return f"Good. Epipolar error {before[0]:.2f} px where the images show something."
@@ -291,3 +298,12 @@ class AbstractResult:
         """The depth error of the initial calibration in percent, if the candidate is right, at 5, 10, 30 and 100
         baselines; infinite where a point seems to lie beyond infinity."""
         return self.difference.depth_error_percent
+
+
+def depth_outcome(result: AbstractResult, decision: Decision) -> DepthOutcome:
+    """Of an improvement, and its decision."""
+    if not decision.depth_corrected:
+        return DepthOutcome.KEPT
+    if not any(error.significant for error in result.depth_before):
+        return DepthOutcome.NOT_OFF
+    return DepthOutcome.CORRECTED if decision.depth_corrected == 1.0 else DepthOutcome.IN_PART

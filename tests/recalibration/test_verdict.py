@@ -103,6 +103,22 @@ def test_no_number_makes_a_verdict_longer(looked, reason, pairs, rows):
     assert len(found.verdict.split()) <= 12
 
 
+@pytest.mark.parametrize("low", [0.5, -0.5])
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_what_became_of_depth_is_said_once(repaired, share, low):
+    """What a line says beside the verdict does not contradict it."""
+    found = replace(repaired, reason=Reason.IMPROVED, decision=replace(repaired.decision, depth_corrected=share))
+    off = replace(repaired.depth[0], percent=Interval(1.0, low, 1.5))
+    vars(found)["depth_before"] = vars(found)["depth"] = (off,)
+    lines = {
+        "depth kept as calibrated": "kept as it was calibrated",
+        "depth corrected in part": "corrected as far as is safe",
+    }
+    for verdict, line in lines.items():
+        assert (verdict in found.verdict) == (line in str(found))
+    assert ("not measurably off" in found.verdict) == (low < 0 < share)
+
+
 @pytest.mark.parametrize("failed", [*Criterion, None])
 def test_a_good_calibration_whose_depth_is_off_says_why_it_stays(looked, repaired, failed):
     """Rows make it good: what is said above an interval of depth that leaves out zero must not contradict it."""
