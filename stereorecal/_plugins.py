@@ -1,6 +1,7 @@
 """Plug-ins by name: classes that distributions register in an entry-point group, each imported when it is used.
 
-Strategies and matchers are registered in the same way; this module knows neither.
+Strategies and matchers are registered in the same way; this module knows neither. The names of matchers stand here all
+the same: matchers need JAX, for which a name that is mistyped on a command line does not wait.
 """
 
 import dataclasses
@@ -17,7 +18,7 @@ from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, packages_distributions, version
 from typing import Any, Generic, TypeVar
 
-from stereorecal._errors import InputError, PluginError
+from stereorecal._errors import InputError, MatcherError, PluginError
 from stereorecal._version import __version__
 
 T = TypeVar("T")
@@ -218,6 +219,16 @@ class Registry(Generic[T]):
         close = difflib.get_close_matches(name, installed, 1)
         hint = f"did you mean {close[0]}?" if close else f"installed: {', '.join(installed) or 'none'}."
         return f"unknown {self.kind} {name!r}; {hint}"
+
+
+MATCHER_NAMES = Registry[Any](
+    "stereorecal.matchers",
+    kind="matcher",
+    base=object,  # what a matcher is, is known where it is loaded
+    error=MatcherError,
+    example="sgbm",
+    own={"sad": "stereorecal.matching:SAD", "bm": "stereorecal.matching:BM", "sgbm": "stereorecal.matching:SGBM"},
+)
 
 
 def _is_needed(option: dataclasses.Field) -> bool:

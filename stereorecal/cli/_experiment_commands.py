@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import Literal, get_args
 
 from stereorecal._errors import InputError, existing_folder
+from stereorecal._plugins import MATCHER_NAMES
 from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
 from stereorecal.cli._options import CommonOptions, argument, option, option_group
 from stereorecal.cli._places import check_places, one_file
@@ -123,5 +124,7 @@ class PluginOptions(CommonOptions):
             raise InputError(f"unrecognized arguments: {self.name}")
 
     def check(self) -> None:
-        if self.verb == "strategies" and self.name is not None:
+        if self.name is not None and self.verb == "strategies":
             import_module("stereorecal.strategies").check_installed(self.name)
+        elif self.name is not None:
+            MATCHER_NAMES.check(self.name)

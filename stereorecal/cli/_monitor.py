@@ -41,9 +41,9 @@ _CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL:
 
 def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
-    goes_on = options.state is not None and Path(options.state).exists()
-    appended = goes_on and _is_log(options.json)
-    _check_places(options, appended)
+    appended = options.goes_on and _is_log(options.json)
+    if not appended:
+        check_places([place for place in options.places if place.option == "--json"], force=options.force)
     check_rerun(options, "stereorecal.report.watch_recording")
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
@@ -167,7 +167,7 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
         said["synchronous"] = True
     if options.tolerances is not None:
         said["tolerances"] = value_of(options, "tolerances")
-    if options.state is not None and Path(options.state).exists():
+    if options.state is not None and options.goes_on:
         state = load(options.state, scene.rig)
         if state.config.view != state.config.view | view_options:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
@@ -231,11 +231,3 @@ def _shown_steps(options: MonitorOptions, scene: Scene):
         return
     with ExitStack() as stack:
         yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else Lines()
-
-
-def _check_places(options: MonitorOptions, appended: bool) -> None:
-    """What could not be written is refused before the work. The state is gone on with, and so are the events that were
-    told with it."""
-    going_on = ("--state", "--json") if appended else ("--state",)
-    check_places([place for place in options.places if place.option not in going_on], force=options.force)
-    check_places(options.places, force=True)

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import InputError, checked_choice
+from stereorecal._plugins import MATCHER_NAMES
 
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
@@ -175,6 +176,16 @@ def schedule_name(text: str, flag: str) -> str:
     checked_choice(name, ("default", "count"), flag)
     if colon:
         import_module("stereorecal.strategies").check_installed(strategy)
+    return text
+
+
+def matcher_name(text: str, flag: str) -> str:
+    """The name of a matcher.
+
+    Raises:
+        InputError: if it is not installed.
+    """
+    MATCHER_NAMES.check(text)
     return text
 
 

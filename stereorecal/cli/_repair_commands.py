@@ -257,6 +257,14 @@ class MonitorOptions(
         False,
     )
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether a watch is continued."""
+        return self.state is not None and Path(self.state).exists()
+
     def check(self) -> None:
         if self.camera is None:
             self.check_recordings()
+        going_on = ("--state", "--json") if self.goes_on else ("--state",)
+        check_places([place for place in self.places if place.option not in going_on], force=self.force)
+        check_places(self.places, force=True)

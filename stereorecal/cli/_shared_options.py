@@ -9,6 +9,7 @@ from stereorecal.cli._option_values import (
     camera_pair,
     degrees_and_fraction,
     image_size,
+    matcher_name,
     number_or_all,
     seed,
     slice_of_pairs,
@@ -209,7 +210,9 @@ class MatcherOptions:
     """The stereo matcher."""
 
     title = SEARCH
-    matcher: str = option("installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME")
+    matcher: str = option(
+        "installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME", reads=matcher_name
+    )
 
 
 @option_group

@@ -1,21 +1,14 @@
 """Matchers by name, from the entry-point group `stereorecal.matchers`; each is imported when it is used."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from stereorecal._errors import InputError, MatcherError
-from stereorecal._plugins import Plugin, Registry
+from stereorecal._errors import InputError
+from stereorecal._plugins import MATCHER_NAMES, Plugin, Registry
 from stereorecal.matching._matcher import AbstractMatcher, called
 from stereorecal.matching.sad import SAD
 
-_REGISTRY = Registry[AbstractMatcher](
-    "stereorecal.matchers",
-    kind="matcher",
-    base=AbstractMatcher,
-    error=MatcherError,
-    example="sgbm",
-    own={"sad": "stereorecal.matching:SAD", "bm": "stereorecal.matching:BM", "sgbm": "stereorecal.matching:SGBM"},
-)
+_REGISTRY: Registry[AbstractMatcher] = replace(MATCHER_NAMES, base=AbstractMatcher)
 
 
 @dataclass(frozen=True)

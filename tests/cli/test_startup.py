@@ -47,7 +47,11 @@ def test_answers_at_once(words: list[str], code: int, at_once):
         "score . --view field=wide",
         "score . --cameras one",
         "recalibrate . --free pitch,",
+        "recalibrate . --matcher sagd",
         "monitor . --tolerances harm=little",
+        "monitor . --output {there}",
+        "monitor . --state /nowhere/state",
+        "monitor . --state new --json new",
         "compare --decalibrate 1",
         "compare --seed -1",
         "diff one two --size 640",
@@ -60,6 +64,7 @@ def test_answers_at_once(words: list[str], code: int, at_once):
         "diff nothing.yaml {there}",
         "convert nothing.yaml new.yaml",
         "strategies check compas",
+        "matchers check sagd",
     ],
 )
 def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_once):
