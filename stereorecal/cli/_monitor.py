@@ -67,11 +67,11 @@ def run(options: MonitorOptions) -> int:
             failed[what] = error
 
     try:
-        with _json_lines(options, appended) as log, _shown_steps(options, scene) as show:
+        with _json_lines(options, appended) as write, _shown_steps(options, scene) as show:
             for stepped in steps(state, pairs):
                 state, unread = stepped.state, unread + (stepped.pair is None)
                 attempt(partial(_keep, options, state), "--state")
-                attempt(partial(_log, log, stepped), "--json")
+                attempt(partial(write, stepped), "--json")
                 log_rerun(stepped)
                 found = advice(stepped.state) if options.prints or options.until_sure else None
                 if found is not None:
@@ -118,12 +118,6 @@ def _pairs(number: int) -> str:
 def _keep(options: MonitorOptions, state: State) -> None:
     if options.state is not None:
         save(state, options.state)
-
-
-def _log(log: IO[str] | None, stepped: Stepped) -> None:
-    if log is not None:
-        log.writelines(_event_lines(stepped))
-        log.flush()
 
 
 def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
@@ -203,24 +197,38 @@ def _is_log(path: str | None) -> bool:
 
 
 @contextmanager
-def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[IO[str] | None]:
-    target = options.json
-    if target is None or target == "-":
-        yield None if target is None else sys.stdout
-        return
+def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[Callable[[Stepped], None]]:
+    """What writes the events of a step; the file is opened by the first, so that none is left of a watch without."""
+    file: IO[str] | None = sys.stdout if options.json == "-" else None
+
+    def write(stepped: Stepped) -> None:
+        nonlocal file
+        if options.json is None:
+            return
+        if file is None:
+            file = _opened(options.json, appended, options.force)
+        file.writelines(_event_lines(stepped))
+        file.flush()
+
+    try:
+        yield write
+    finally:
+        if file is not None and file is not sys.stdout:
+            with suppress(OSError):  # said when it was written
+                file.close()
+
+
+def _opened(target: str, appended: bool, force: bool) -> IO[str]:
+    """The file of the events, at its end."""
     # What was not there before the work began is nobody else's; a device is.
-    mode = "a" if appended else "w" if options.force or (Path(target).exists() and not Path(target).is_file()) else "x"
-    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed below, whatever is still held back
+    mode = "a" if appended else "w" if force or (Path(target).exists() and not Path(target).is_file()) else "x"
+    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed when the watch ends
     if appended:
         with open(target, "rb") as before:
             before.seek(-1, 2)
             if before.read() != b"\n":
                 file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
-    try:
-        yield file
-    finally:
-        with suppress(OSError):  # said when it was written
-            file.close()
+    return file
 
 
 @contextmanager

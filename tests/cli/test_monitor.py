@@ -142,6 +142,18 @@ def test_a_watch_that_goes_on(command, scene: Path, tmp_path: Path):
     assert command(*words[:-4], "--json", log).code == 2  # without a state nothing goes on
 
 
+def test_a_watch_that_ends_before_its_first_pair_leaves_no_log(command, moody_matcher, scene: Path, tmp_path: Path):
+    log = tmp_path / "log.jsonl"
+
+    def interrupt(search: int) -> None:
+        raise KeyboardInterrupt
+
+    moody_matcher(interrupt)
+    answer = command("monitor", scene, "--once", "--matcher", "moody", "--json", log)
+    assert (answer.code, log.exists()) == (130, False)
+    assert "interrupted after 0 pairs" in answer.err
+
+
 def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path, tmp_path: Path):
     recalibrated, state = Path(shutil.copytree(scene, tmp_path / "ride")), tmp_path / "state"
     command("monitor", f"{scene}+{recalibrated}").refuses("folders are watched one after the other")
