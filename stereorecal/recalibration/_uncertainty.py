@@ -173,7 +173,7 @@ class Intrinsics:
         if any("." in name for name in self.names):
             given, other = f"{self.fixed_px:.2f} px", f"{self.freed_px:.2f} px"
             if given != other:
-                parts.append(f"rows of matches differ by {given} with those given, {other} with others")
+                parts.append(f"rows of matches differ by {given} with the given intrinsics, {other} with refined ones")
         lengths = zip(self.names, self.change, self.interval, strict=True)
         parts += [f"{name} {change:+.3f} ± {wide:.3f} %" for name, change, wide in lengths if "." not in name]
         return "; ".join(parts)
