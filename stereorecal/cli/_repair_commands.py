@@ -183,8 +183,8 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
     Exit code, by the verdict: 0 good (no significant improvement, and a row error within 0.3 px with 95 % probability);
     1 repair it (another calibration is a significant improvement, or hardly anything matches, and the rig turned); 4
     cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot be images
-    of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly swapped,
-    upside down or of different scenes; 3 internal failure; 130 interrupted."""
+    of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly
+    exchanged, upside down or of different scenes; 3 internal failure; 130 interrupted."""
 
     summary = "check a calibration against images"
     module = "stereorecal.cli._score"

@@ -39,7 +39,7 @@ class StereoRig:
         source: what the reader of a file keeps for the writer; None otherwise, and in what JAX makes of a rig.
 
     Raises:
-        InputError: if the extrinsics are not finite, the baseline is zero, the cameras are swapped
+        InputError: if the extrinsics are not finite, the baseline is zero, the cameras are exchanged
             (x > 0) or stand one behind the other.
     """
 
@@ -72,7 +72,7 @@ class StereoRig:
         x, y, z = turn_of(self.turns_wanted[1]) @ extrinsics[3:]
         if x >= 0 and abs(x) >= max(abs(y), abs(z)):
             raise InputError(
-                "left and right are swapped: T[0] must be negative (x_right = R x_left + T); exchange the cameras."
+                "left and right are exchanged: T[0] must be negative (x_right = R x_left + T); exchange them back."
             )
         if abs(x) <= max(abs(y), abs(z)):
             raise InputError(

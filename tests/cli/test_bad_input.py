@@ -49,7 +49,7 @@ def no_calibration(folder: Path) -> None:
     [
         (no_image, "there is no image right.*", True),
         (truncated, "right.png: the image is truncated", False),
-        (swapped, "look swapped", True),
+        (swapped, "look exchanged", True),
         (no_calibration, "the scene has no calibration", False),
     ],
 )

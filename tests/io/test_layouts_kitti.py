@@ -182,7 +182,7 @@ def test_a_day_without_drives(tmp_path: Path):
         ("D_01", "0.1 0.2", EXTRACT, "distortion has 2 coefficients"),
         ("R_01", "1 0 0 0 1 0 0 0", EXTRACT, "R_01 must hold 9 numbers, not 8"),
         ("T_01", "", EXTRACT, "T_01 must hold 3 numbers, not 0"),
-        ("T_01", "0.5 0 0", EXTRACT, "left and right are swapped"),
+        ("T_01", "0.5 0 0", EXTRACT, "left and right are exchanged"),
         ("S_00", "24", EXTRACT, "S_00 must hold 2 numbers, not 1"),
     ],
 )

@@ -207,7 +207,7 @@ def test_keys_that_are_only_like_others(make: Make, written: dict[str, object]):
         ("R", [[1, 0, 0], [0, 1, 0], [0, 0.1, 1]], "R is not a rotation"),
         ("R", [[1, 0, 0], [0, 1, 0], [0, 1e200, 1]], "R is not a rotation"),  # and nothing overflows
         ("T", [0, 0, 0], "baseline is zero"),
-        ("T", [0.1, 0, 0], "swapped"),
+        ("T", [0.1, 0, 0], "exchanged"),
         ("T", [-0.1, 0.1, 0.2], "neither side by side"),
     ],
 )

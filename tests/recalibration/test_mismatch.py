@@ -134,8 +134,8 @@ def test_no_exchanged_pair_is_accepted_and_no_true_pair_named(data_dir: Path):
         pair = given.pairs[0]
         assert mismatch_of(pyramid(given.rig, [pair]), SAD_ANY, 0.0) is None, given.name
         said = answer(given.rig, [replace(pair, left=pair.right, right=pair.left, origin=None)])
-        assert "swapped" in said or "left and right exchanged" in said, given.name
-        certain += "swapped" in said
+        assert "look exchanged" in said or "left and right exchanged" in said, given.name
+        certain += "look exchanged" in said
     assert certain >= 18, "exit code 2, not 5"
     assert every > 18
 

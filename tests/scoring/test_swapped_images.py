@@ -18,7 +18,7 @@ from stereorecal.scoring.host import refuse_swapped_images, score, with_disparit
 from stereorecal.synthetic import KINDS, render
 
 MISTAKES = {
-    "exchanged": (lambda left, right: (right, left), "look swapped"),
+    "exchanged": (lambda left, right: (right, left), "look exchanged"),
     "mirrored": (lambda left, right: (left[:, ::-1], right[:, ::-1]), "or mirrored"),
     "right mirrored": (lambda left, right: (left, right[:, ::-1]), "one of the two images is mirrored"),
     "both upside down": (lambda left, right: (left[::-1, ::-1], right[::-1, ::-1]), "both are upside down"),

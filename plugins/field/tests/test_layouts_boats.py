@@ -124,7 +124,7 @@ def test_what_opencv_writes(tmp_path_factory: pytest.TempPathFactory, turn, shif
         ("-2.0e-03,\n       1.5e-02 ]", "-2.0e-03, 1.5e-02 ", "not a YAML file"),
         ("[ 21., 0.", "[ 0., 0.", "singular or negative"),
         ("[ 0.99995, 0.0", "[ 0.9, 0.0", "R is not a rotation"),
-        ("[ -356.", "[ 356.", "left and right are swapped"),
+        ("[ -356.", "[ 356.", "left and right are exchanged"),
         ("[ 24, 16 ]", "[ 24, 16, 3 ]", "imageSize must hold 2 numbers"),
         ("[ 24, 16 ]", "[ 24.5, 16 ]", "imageSize is 24.5, but an image size"),
         ("[ 24, 16 ]", "[ 0, 16 ]", "image size"),

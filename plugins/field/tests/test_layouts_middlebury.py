@@ -71,7 +71,7 @@ def test_depth_is_as_the_authors_say(tmp_path: Path):
         ("width=24", "width=inf", "width contains NaN or infinite"),
         ("width=24", "width=1e300", "width is 1e+300, but an image size"),
         ("baseline=193.001", "baseline=0", "baseline is zero"),
-        ("baseline=193.001", "baseline=-193", "left and right are swapped"),
+        ("baseline=193.001", "baseline=-193", "left and right are exchanged"),
         ("[21.5 0 12.75; 0 21.5 7.5; 0 0 1]", "[21.5 0 12.75; 0 21.5 7.5]", "cam1 must hold 3x3 numbers, not 2x3"),
         ("[21.5 0 12.75; 0 21.5 7.5; 0 0 1]", "[21.5 0 12.75; 0 21", "cam1 is not an array of numbers"),
         ("[21.5 0 12.75", "[0 0 12.75", "singular or negative"),

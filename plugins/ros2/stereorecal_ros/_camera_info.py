@@ -65,7 +65,7 @@ def rig_of(left: CameraInfo, right: CameraInfo) -> StereoRig:
     metres, where P = K [I | t].
 
     Raises:
-        InputError: if they are not calibrated, have no baseline, are swapped, or one is above the other.
+        InputError: if they are not calibrated, have no baseline, are exchanged, or one is above the other.
         UnsupportedModelError: if the model of a lens is not known.
     """
     cameras, rotations, places = [], [], []

@@ -125,9 +125,9 @@ def test_what_is_none_is_refused(changes, said):
         rig_of(CameraInfo(**{**vars(left), **changes}), right)
 
 
-def test_swapped_or_without_baseline():
+def test_exchanged_or_without_baseline():
     left, right = corrected(rig_with("plumb_bob"))
-    with pytest.raises(InputError, match="swapped"):
+    with pytest.raises(InputError, match="exchanged"):
         rig_of(right, left)
     with pytest.raises(InputError, match="no baseline"):
         rig_of(left, left)

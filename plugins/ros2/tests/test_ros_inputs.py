@@ -82,17 +82,17 @@ def test_images_that_cannot_be_used_are_told_once(robot, changes, said):
 
 
 def test_pairs_that_the_worker_cannot_use_are_told_once(robot):
-    """Such as those of topics that are swapped: every pair is refused with the same words."""
+    """Such as those of topics that are exchanged: every pair is refused with the same words."""
     one = robot()
     one.calibrate()
     one.see()
     assert one.watch.status().message == "no pair has been evaluated yet"
     for number in range(30):
-        one.work.events.append(Event(number, Kind.BAD_FRAME, "left and right look swapped"))
+        one.work.events.append(Event(number, Kind.BAD_FRAME, "left and right look exchanged"))
         one.see()
-    assert sum("look swapped" in text for _, text in one.log) == 1
+    assert sum("look exchanged" in text for _, text in one.log) == 1
     assert (
-        "images that can be used (the pair cannot be used: left and right look swapped)" in one.watch.status().message
+        "images that can be used (the pair cannot be used: left and right look exchanged)" in one.watch.status().message
     )
     one.work.state = one.work.state.replace(seen=1)
     one.see()

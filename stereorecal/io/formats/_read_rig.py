@@ -83,7 +83,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
         x, y, z = np.asarray(rig.side_by_side().translation)
         if x >= max(abs(y), abs(z)):
             raise InputError(
-                "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
+                "left and right are exchanged: T[0] must be negative (x_right = R x_left + T); "
                 f"{_way(hints, format.files)}"
             )
         rig = replace(rig, source=None)
@@ -168,7 +168,7 @@ def _exchanged(rig: StereoRig) -> StereoRig:
 
 
 def _way(hints: Hints, files: int) -> str:
-    """What to do about cameras that are swapped."""
+    """What to do about cameras that are exchanged."""
     if hints.cameras is not None:
         return f"the cameras were given as {','.join(hints.cameras)}: give {','.join(hints.cameras[::-1])}."
     if files == 2:

@@ -24,7 +24,7 @@ _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer do not determine the range
-_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are swapped, no more than that match
+_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are exchanged, no more than that match
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
@@ -75,7 +75,7 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         aligned: the rows are known to be aligned, so pitch and roll are not searched.
 
     Raises:
-        InputError: if the images are certainly swapped, upside down, or of different scenes.
+        InputError: if the images are certainly exchanged, upside down, or of different scenes.
     """
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
@@ -101,7 +101,7 @@ def with_measured_range(
     `reach` [rad].
 
     Raises:
-        InputError: if, while measuring, the images turn out to be swapped.
+        InputError: if, while measuring, the images turn out to be exchanged.
     """
     matcher = as_matcher(matcher)
     if matcher.num_disparities is not None:
@@ -124,7 +124,7 @@ def with_disparity_range(
         reach: largest rotation error expected, radians; a yaw error moves far things by up to `focal * tan(reach)`.
 
     Raises:
-        InputError: if images and calibration do not fit, while measuring the images turn out to be swapped, or it is
+        InputError: if images and calibration do not fit, while measuring the images turn out to be exchanged, or it is
             called under `jit`, `vmap` or `grad`.
     """
     refuse_tracers("sr.with_disparity_range", "it before tracing", rig, pairs, view)

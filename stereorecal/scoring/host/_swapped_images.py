@@ -123,8 +123,8 @@ def _sentence(rig: StereoRig, pair: Pair, of_left: _Features, of_right: _Feature
         and (given.share < _NOT_AHEAD or given.angle > exchanged.angle + _TURNED_LESS)
     ):
         return (
-            "near things lie on the wrong side: the left and right images look swapped (--fix exchanged), or both are "
-            "upside down (--fix turned) or mirrored, or R and T of the calibration are inverted; correct that."
+            "near things lie on the wrong side: the left and right images look exchanged (--fix exchanged), or both "
+            "are upside down (--fix turned) or mirrored, or R and T of the calibration are inverted; correct that."
         )
     return None
 

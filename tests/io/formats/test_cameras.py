@@ -18,7 +18,7 @@ from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_rig, save_scene
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
-SWAPPED = "left and right are swapped: T[0] must be negative (x_right = R x_left + T); "
+SWAPPED = "left and right are exchanged: T[0] must be negative (x_right = R x_left + T); "
 EXCHANGED = ("right", "left")
 CHANGE = np.array([0.01, 0.02, -0.03, -0.01, 0.001, 0.002])
 pytestmark = pytest.mark.filterwarnings("ignore:.*(translation is taken|turned by)")

@@ -40,7 +40,7 @@ def test_new_files(tmp_path: Path, model: str, name: str, turns: tuple[int, int]
     cameras, new = ("right", "left") if exchanged else None, beside(paths)
     if exchanged:
         write_exchanged(rig, name, paths)
-        refused(lambda: load_rig(paths, unit=unit), "left and right are swapped: T[0] must be negative")
+        refused(lambda: load_rig(paths, unit=unit), "left and right are exchanged: T[0] must be negative")
         refused(lambda: load_rig(paths, unit=unit), "--cameras right,left" if len(paths) == 1 else "file first")
     else:
         save_rig(rig, paths, format=name)

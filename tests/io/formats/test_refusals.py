@@ -126,7 +126,7 @@ def test_files_that_do_not_belong_together(tmp_path: Path):
     refused(lambda: load_rig(left, kalibr), "these two do not belong together")
     assert np.array_equal(load_rig([left, right]).extrinsics, load_rig(left, right).extrinsics)
     refused(lambda: load_rig([left, right], left), "3 calibration files were given, and one of them twice")
-    refused(lambda: load_rig(right, left), "left and right are swapped")
+    refused(lambda: load_rig(right, left), "left and right are exchanged")
     refused(lambda: load_rig(left, left), "no baseline")
 
 
