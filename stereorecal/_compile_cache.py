@@ -84,7 +84,9 @@ def cached_program(function: Callable[..., Leaves], *, static: tuple[str, ...] =
     Args:
         function: pure; pytrees in, a tuple of arrays out.
         static: names of its keyword arguments that are part of the program: hashable, with a complete `repr`. A
-            program with one from another package is not cached, since that code may change.
+            program with one from another package is not cached, since that code may change. Where a program holds
+            custom calls of XLA, which only a process that has them registered can run, one of them has their names as
+            `custom_calls`.
     """
     return CachedProgram(function, static)
 
@@ -99,7 +101,8 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
     leaves, structure = jax.tree.flatten(arguments)
     shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
     known = [function.__module__, function.__qualname__, str(structure), str(shapes), _static_texts(statics)]
-    known += [_jax_settings(), _traced_by()]
+    calls = tuple(name for value in statics.values() for name in getattr(value, "custom_calls", ()))
+    known += [_jax_settings(), _traced_by(), calls]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
     with suppress(Exception):  # missing, truncated, of another format: traced anew
         return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
@@ -110,7 +113,8 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
         return function(*jax.tree.unflatten(structure, leaves), **statics)
 
     flat.__name__ = function.__name__
-    exported = jax.export.export(jax.jit(flat))(*shapes)
+    unchecked = [jax.export.DisabledSafetyCheck.custom_call(name) for name in calls]  # as the key has them
+    exported = jax.export.export(jax.jit(flat), disabled_checks=unchecked)(*shapes)
     with suppress(OSError):  # a full disk, a folder that has gone: not cached
         _write(path, bytes(exported.serialize()))
     return jax.jit(exported.call)

@@ -1,8 +1,8 @@
 """Block matching by sums of absolute differences, in JAX.
 
 On a CPU the image is streamed row by row: the state is one column sum for each (disparity, column), so memory is
-O(width x disparities) and a row's costs stay in cache. Elsewhere it is searched by planes, `_planes.py`. `reference.py`
-is the plain twin that defines the result of both.
+O(width x disparities) and a row's costs stay in cache; in compiled code where it is installed, `_kernel.py`. Elsewhere
+it is searched by planes, `_planes.py`. `reference.py` is the plain twin that defines the result of all.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDisparity
 from stereorecal.matching._texture import quantise, x_sobel
+from stereorecal.matching.sad._kernel import CALL, has_kernel, winners_by_kernel
 from stereorecal.matching.sad._planes import winners as winners_by_planes
 from stereorecal.matching.sad._reduce import minimum, total
 from stereorecal.matching.sad._soft import soft_search
@@ -39,6 +40,11 @@ class SAD(AbstractMatcher):
     def halo(self) -> int:
         """Half a window, and the row that the prefilter looks at beyond it."""
         return self.block_size // 2 + 1
+
+    @property
+    def custom_calls(self) -> tuple[str, ...]:
+        """Of XLA, in the programs of the search on a CPU; for the cache of traced programs."""
+        return (CALL,) if has_kernel() else ()
 
     def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
         """See `AbstractMatcher.search`. Pure; can be traced, batched and compiled."""
@@ -64,8 +70,9 @@ def _search(left: Float[jax.Array, "h w"], right: Float[jax.Array, "h w"], optio
     if options.pre_filter_cap:
         images = tuple(x_sobel(image, options.pre_filter_cap) for image in images)
     # The cache of a core holds the costs of a row; a GPU wants whole images.
-    by_rows, by_planes = (partial(form, options=options) for form in (winners_by_rows, winners_by_planes))
-    best = jax.lax.platform_dependent(*images, cpu=by_rows, default=by_planes)
+    by_rows = partial(winners_by_kernel, largest_cost=_largest_cost(options)) if has_kernel() else winners_by_rows
+    on_cpu, elsewhere = (partial(form, options=options) for form in (by_rows, winners_by_planes))
+    best = jax.lax.platform_dependent(*images, cpu=on_cpu, default=elsewhere)
     disparity = options.min_disparity + best.winner
     valid = best.cost < NEVER
     # In any case: without this use of the rivals, XLA computes the costs again for each other use, at six times the
