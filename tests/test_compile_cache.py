@@ -73,6 +73,14 @@ def test_everything_that_makes_another_program_does(folder):
     assert len(TRACES) == len(list(folder.iterdir())) == 6
 
 
+def test_custom_calls_make_another_program(folder, monkeypatch):
+    """What calls a kernel is for processes that have it, the same options without it for the others."""
+    for calls in ((), ("kernel",), (), ("kernel",)):
+        monkeypatch.setattr(SAD, "custom_calls", calls)
+        result(matcher=SAD(num_disparities=16))
+    assert len(TRACES) == len(list(folder.iterdir())) == 2
+
+
 @pytest.mark.parametrize("change", ["cut short", "empty", "nonsense", "a folder"])
 def test_what_cannot_be_read_is_made_anew(folder, change):
     result()
