@@ -22,8 +22,10 @@ def x_sobel(image: Num[jax.Array, "h w"], cap: int) -> Num[jax.Array, "h w"]:
     last column are 0."""
     rows = jnp.pad(image, ((1, 1), (0, 0)), mode="edge")
     smooth = rows[:-2] + 2 * rows[1:-1] + rows[2:]
-    gradient = jnp.pad(smooth[:, 2:] - smooth[:, :-2], ((0, 0), (1, 1)))
-    return jnp.clip(gradient, -cap, cap)
+    gradient = jnp.clip(smooth[:, 2:] - smooth[:, :-2], -cap, cap)
+    # Not padded: with AVX2, XLA makes no vector loop of that, and takes eight times as long.
+    border = jnp.zeros((len(image), 1), gradient.dtype)
+    return jnp.concatenate([border, gradient, border], axis=1)
 
 
 def box_sum(image: Num[jax.Array, "h w"], block_size: int) -> Num[jax.Array, "h w"]:

@@ -36,6 +36,7 @@ from stereorecal.objectives import Reach, count_chart
 from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
+from stereorecal.scoring.host._cores import on_all_cores
 from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
@@ -171,7 +172,7 @@ def around(rig: sr.StereoRig, number: int) -> np.ndarray:
 
 
 def matching(threads: int, rounds: int) -> Iterator[Figure]:
-    """SAD against StereoBM and StereoSGBM."""
+    """SAD against StereoBM and StereoSGBM; where `plugins/native` is installed, its SAD."""
     scene = scene_of((741, 500))
     (frame,) = prepare(scene.rig, scene.pairs, sr.view(scene.rig)).frames
     rectified = rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics)))
@@ -181,6 +182,17 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     ours, theirs, slower = timed(rounds, *matched)
     yield Figure("SAD / StereoBM, one pair", threads, ours, theirs)
     yield Figure("SAD / StereoSGBM, one pair", threads, ours, slower)
+
+    def alone() -> Callable[[list[np.ndarray]], np.ndarray]:
+        matcher = block_matcher(80)
+        return lambda pair: matcher.compute(*pair)
+
+    def eight() -> list[sr.matching.Disparity]:
+        return on_all_cores(lambda one: match_in_blocks(MATCHER, one), [rectified] * 8)
+
+    ours, theirs = timed(rounds, eight, spread(threads, alone, [images] * 8))
+    cv2.setNumThreads(threads)
+    yield Figure("SAD / StereoBM, eight pairs", threads, ours, theirs)
 
 
 def warping(threads: int, rounds: int) -> Iterator[Figure]:
