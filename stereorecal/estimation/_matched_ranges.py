@@ -12,10 +12,11 @@ from jaxtyping import Bool, Float
 from stereorecal._arrays import central_difference
 from stereorecal.estimation._evidence import Normal
 from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations
-from stereorecal.objectives import SIDES, RigChart
+from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _OF_OTHER_THINGS = 0.05  # probability that all are: in other units, of another pair, of other pixels
+_NEAR = 1e-6  # standard deviations by a percent of the baseline: a range of less is of the horizon
 _STEP = 1e-4  # of the units of θ, for derivatives
 _ANYWHERE = 0.1  # of the image's width, within which the disparities of other things lie
 
@@ -90,10 +91,11 @@ class MatchedRanges:
 
     def normal(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Normal:
         """The likelihood of θ, linear near a θ, against that of ranges of other things, which is 1; one that is far
-        from the others there has hardly a say (Cauchy)."""
+        from the others, under a baseline as long as most of them ask for, has hardly a say (Cauchy)."""
         rig = chart.rig_at(theta)
         residuals, jacobian = self.residuals(rig), self._jacobian(chart, theta)
-        grown = np.hypot(1.0, residuals / self._scale(residuals))
+        apart = _of_likely_length(residuals, jacobian[:, chart.names.index(BASELINE)])
+        grown = np.hypot(1.0, apart / self._scale(apart))
         at_zero, jacobian = (residuals - jacobian @ theta) / grown, jacobian / grown[:, None]
         density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
@@ -130,6 +132,18 @@ class MatchedRanges:
     def _scale(residuals: Float[np.ndarray, "b"]) -> float:
         """Of those that are far; from afar, where all are wrong, those that agree with each other keep their say."""
         return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
+
+
+def _of_likely_length(residuals: Float[np.ndarray, "b"], slopes: Float[np.ndarray, "b"]) -> Float[np.ndarray, "b"]:
+    """The residuals under a baseline as long as most of them ask for, where their sizes sum up to least: a weighted
+    median of what each asks for; the slopes are those by its length."""
+    near = np.abs(slopes) > _NEAR
+    if not near.any():
+        return residuals
+    asked, weights = -residuals[near] / slopes[near], np.abs(slopes[near])
+    order = np.argsort(asked)
+    middle = order[np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())]
+    return residuals + asked[middle] * slopes
 
 
 NO_RANGES = MatchedRanges(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))

@@ -84,10 +84,13 @@ def test_ranges_in_other_units_tell_nothing(rig, chart, scaled, seen, times, num
     assert (np.abs(told.theta - alone.theta) < 0.3 * sigmas).all()
 
 
-def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen):
-    true = chart.rig_at(longer(chart, 2.0))
+@pytest.mark.parametrize("percent", [2.0, 5.0])
+@pytest.mark.parametrize("times", [2.5, 0.4])
+def test_a_fifth_of_other_things_has_hardly_a_say(rig, chart, scaled, seen, percent, times):
+    """Also where the rig that is given disagrees with all of them."""
+    true = chart.rig_at(longer(chart, percent))
     mixed = ranges_of(true)
-    mixed.metres[::5] *= 2.5
+    mixed.metres[::5] *= times
     told = estimate(seen(rig, true, cells=700), rig, scaled, ranges=mixed)
     assert abs(nearness(told.chart.rig_at(told.theta), true)) < 0.012
     assert told.matched_ranges.contradict(told.chart.rig_at(told.theta))[::5].all()
