@@ -212,12 +212,14 @@ class Difference:
         shifts = ", ".join(f"{name} {value:+z.2f} %" for name, value in self.translation_percent.items())
         rows = "no point of the view is seen by both cameras"
         if self._row_errors.size:
-            row, column = np.unravel_index(np.nanargmax(np.abs(self.row_map)), self.row_map.shape)
-            where = f"({self.columns[column]:.0f}, {self.rows[row]:.0f})"
             rows = (
                 f"error {self.row_error_median:.2f} px (median over the view), within {self.row_error_most:.2f} px in "
-                f"{100 * _MOST:.0f} % of it; the worst point, {where}, has {self.row_error_worst:.2f} px"
+                f"{100 * _MOST:.0f} % of it"
             )
+            if self.row_error_worst >= 0.005:  # else rounding chooses the point
+                row, column = np.unravel_index(np.nanargmax(np.abs(self.row_map)), self.row_map.shape)
+                where = f"({self.columns[column]:.0f}, {self.rows[row]:.0f})"
+                rows += f"; the worst point, {where}, has {self.row_error_worst:.2f} px"
         lines = [
             f"rotation  {self.angle_deg:.3f} deg: {angles}",
             f"baseline  {shifts}, length {change(self.baseline_percent, 'long')}",
