@@ -176,10 +176,14 @@ def _motion(
         depth_eliminated, pulls, _ = _without_depth(
             _roots(linear.expected.along[1], _approach(motion, nearness)), linear.by_nearness, columns
         )
+        ahead = linear.expected.ahead
+        if not ahead.any():
+            break
+        depth_eliminated[~ahead] = 0.0
         track_rms = np.sqrt(np.mean(depth_eliminated[..., 0] ** 2, axis=1))
-        scale = max(float(np.median(track_rms)) / _MEDIAN, _LEAST_SCALE)
+        scale = max(float(np.median(track_rms[ahead])) / _MEDIAN, _LEAST_SCALE)
         scaled_rms = track_rms / (_REDESCENDS * scale)
-        weight = linear.expected.ahead / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
+        weight = ahead / (1.0 + scaled_rms**2) ** (1 if round_ < convex else 2)
         j, r = depth_eliminated[..., 1:], depth_eliminated[..., 0]
         weighted = weight[:, None, None] * j
         a = np.tensordot(weighted, j, ([0, 1], [0, 1])) / scale**2 + prior
@@ -239,6 +243,7 @@ def _products(
     depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
     depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
     place = places_of(readings.tracks.left[0], readings.size)
+    depth_eliminated[~linear.expected.ahead] = 0.0
     weight = found.weight * linear.expected.ahead
     return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, weight, place)
 

@@ -35,7 +35,7 @@ _DRAWS, _OF = 200, 4  # sets of tracks, and how many each; three would do for ex
 _SEED = 0
 _TURN, _MOVE = 0.3, 10.0  # rad, baselines: standard deviations, for sets that tell nothing of one of them
 _ERROR = 0.5  # pixels
-_NEAREST = 0.1  # of the depth at which the left camera saw a point first: nearer, or behind, a match is wrong
+_NEAREST = 0.1  # of the distance at which a point was seen first, and, of its own, ahead of the camera
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +79,8 @@ class Expected:
         by_later, by_right: (m, 2, 3), (2, m, 2, 3) derivatives of their pixels by where they are, with the slopes that
             the lenses have in the pixels that were seen.
         along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
+        ahead: (m,) which points lie in front of both cameras at both times: where one passes a camera, its pixels are
+            anywhere, and their derivatives without end.
     """
 
     later: Float[np.ndarray, "m 3"]
@@ -87,12 +89,7 @@ class Expected:
     by_later: Float[np.ndarray, "m 2 3"]
     by_right: Float[np.ndarray, "2 m 2 3"]
     along: Float[np.ndarray, "2 m 2"]
-
-    @property
-    def ahead(self) -> Bool[np.ndarray, "m"]:
-        """Which points lie in front of both cameras at both times: where one passes a camera, its pixels are anywhere,
-        and their derivatives without end."""
-        return np.minimum(self.later[:, 2], self.right[..., 2].min(axis=0)) > _NEAREST
+    ahead: Bool[np.ndarray, "m"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +215,10 @@ def _expected(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness:
     by_later, by_right = _by_point(readings.later, later), _by_point(readings.partners, right)
     along = by_right @ baseline
     along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
-    return Expected(later, at_partner_times, right, by_later, by_right, along)
+    seen, first = np.concatenate([points[:1], right]), np.linalg.norm(readings.rays, axis=-1)
+    away = np.linalg.norm(seen, axis=-1)
+    ahead = np.all((away > _NEAREST * first) & (seen[..., 2] > _NEAREST * away), axis=0)
+    return Expected(later, at_partner_times, right, by_later, by_right, along, ahead)
 
 
 def _turned(

@@ -16,6 +16,7 @@ from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
 
 EVENTS_SCHEMA = "stereorecal.events/1"
+_GAINS = 0.2  # of what a change has to gain in a recording, whose repair somebody takes over by hand
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,8 @@ class Config:
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
         knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
-        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss, and of its
-            unit, that it must gain. Looser than in a recording, since later pairs can correct it.
+        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss that it must
+            gain. More than in a recording, since later pairs can correct it.
         rest: pairs from one switch to the next, at least: each costs, such as new rectification maps. A knock ends it.
         keep: calibrations that can be returned to: the first, and the last ones.
         tolerances: of the decision that a calibration is to be repaired; also some of their values by name.
@@ -103,8 +104,8 @@ class Config:
     @property
     def limits(self) -> Tolerances:
         """Tolerances of what may be switched: those of a recording where nothing is, and so nothing taken back."""
-        surely = 1.0 - self.harm
-        loose = replace(self.tolerances, gains=self.harm, harm=self.harm, better=surely, leaves=surely)
+        surely, gains = 1.0 - self.harm, _GAINS * self.tolerances.gains
+        loose = replace(self.tolerances, gains=gains, harm=self.harm, better=surely, leaves=surely)
         return loose if self.repair else self.tolerances
 
     @property

@@ -34,6 +34,7 @@ from stereorecal.strategies import Budget
 
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
+_LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
@@ -120,7 +121,7 @@ def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) 
 
     Args:
         case: with a disparity range.
-        stages: from coarse to fine; the last one looks at all frames.
+        stages: from coarse to fine; all frames are looked at, since few may show another rig than the others.
         cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
             search.
 
@@ -128,12 +129,14 @@ def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) 
         The last stage, as if it had begun at the start.
     """
     case, runs = case.of_extrinsics, []
-    stages = (*stages[:-1], replace(stages[-1], frames=None))
-    for stage in stages:
-        runs.append(run_stage(case, replace(stage, strategy=None), runs[-1].ended if runs else start, Budget(), seed=0))
+    finest = replace(stages[-1], rounds=max(stages[-1].rounds, _LOOKED))
+    coarser = [stage for stage in stages[:-1] if case.scale_of(stage) < case.scale_of(finest)]  # small images have none
+    for stage in (*coarser, finest):
+        of_all = replace(stage, strategy=None, frames=None)
+        runs.append(run_stage(case, of_all, runs[-1].ended if runs else start, Budget(), seed=0))
     last = runs[-1]
     ended = last.ended if last.matches_enough else case.rig  # else nothing speaks for the start either
-    look = replace(last, began=start, ended=ended, matching_cost=0.0, covered_first=runs[0].covered_first)
+    look = replace(last, began=start, ended=ended, matching_cost=0.0)
     return look, replace(cost, starts=cost.starts + sum(run.cost for run in runs))
 
 
@@ -182,15 +185,16 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
 
 
-def without_mismatch(case: Case, assessment: Assessment, covered_first: float) -> Assessment:
-    """The same, unless the images cannot be of this rig; `covered_first` is that of the stage.
+def without_mismatch(case: Case, assessment: Assessment, run: StageRun) -> Assessment:
+    """The same, unless the images cannot be of this rig; the stage is the one that was assessed.
 
     Raises:
         InputError: if they are certainly no left and right image of it.
     """
     # A candidate that is refused may match by what it should not change, and a K of another size be bent to match.
     best, likely = assessment.seen.covered, assessment.reason.healthy and not ratios_of_sizes(case.rig)
-    covered = best if likely else min(best, covered_first)
+    chart = rig_parameters(case.rig)
+    covered = best if likely else min(best, _matched(case, run, chart, chart.coordinates_of(run.began)).covered)
     mismatch = mismatch_of(case.images, case.matcher, covered, best)
     if mismatch is None:
         return assessment

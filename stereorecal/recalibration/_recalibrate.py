@@ -129,11 +129,11 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    on_rows = settings.schedule.on_rows
-    look = replace(settings.schedule, stages=on_rows[-1:])
+    look = replace(settings.schedule, stages=settings.schedule.on_rows)
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, start, cost = started(prepared(rig, pairs, settings, learns=False))
-    case = case.with_free(settings.free)
-    run, cost = run_look(case, on_rows, start, cost)
+    settings = replace(settings, schedule=replace(look, stages=look.stages[-1:]))  # of which the solution is
+    case = replace(case, settings=settings).with_free(settings.free)
+    run, cost = run_look(case, look.stages, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

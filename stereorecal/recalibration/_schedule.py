@@ -107,7 +107,7 @@ class Schedule:
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE, frames=2),  # a round costs a quarter
+            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE, frames=2),
             Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)

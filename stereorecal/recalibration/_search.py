@@ -86,7 +86,7 @@ def solution_of_assessment(
     """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
     `solution_of_search`."""
     last = max(number for number, stage in enumerate(stages) if stage.found is not None)
-    assessment = without_mismatch(case, assessment, stages[last].covered_first)
+    assessment = without_mismatch(case, assessment, stages[last])
     estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
     rows = row_residuals(case.chart, found, candidate)
     return _solution(

@@ -92,7 +92,6 @@ class StageRun:
         matching_cost: units that went into finding correspondences.
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
-        covered_first: share of the image that the first correspondences cover, under the rig where it began.
         settled: the last fit of an epipolar stage moved no rows any more, so that it would match the same again.
         cut: the budget ended an epipolar stage before a round was solved.
         survey_cost: units of the survey that measured the disparity range anew after it.
@@ -106,7 +105,6 @@ class StageRun:
     path: tuple[Waypoint, ...] = ()
     matching_cost: float = 0.0
     found: Correspondences | None = None
-    covered_first: float = 0.0
     settled: bool = False
     cut: bool = False
     survey_cost: float = 0.0
@@ -189,7 +187,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
     scale, chart = case.scale_of(stage), case.chart
     data = case.images.at(scale, stage.frames)
     began, at, runs, rounds, found = time.perf_counter(), chart.coordinates_of(start), [], 0, None
-    settled, cut, covered_first = False, False, 0.0
+    settled, cut = False, False
 
     def budget_left() -> Budget | None:
         return remaining(budget, rounds * data.cost + sum(run.trace.total_cost for run in runs), began)
@@ -200,7 +198,6 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             cut = found is None
             break
         found = matched(data, chart, at, case.matcher)
-        covered_first = covered_first if rounds else found.covered
         rounds += 1
         if found.found < ENOUGH.matches:
             break
@@ -221,7 +218,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         if settled or cut:
             break
     ended, cost = chart.rig_at(at), rounds * data.cost
-    return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, covered_first, settled, cut)
+    return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, settled, cut)
 
 
 def _moved(

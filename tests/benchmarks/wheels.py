@@ -17,7 +17,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PROJECTS = (ROOT, *sorted(path.parent for path in ROOT.glob("plugins/*/pyproject.toml")))
+# What needs a compiler is left out.
+PROJECTS = (
+    ROOT,
+    *sorted(
+        path.parent for path in ROOT.glob("plugins/*/pyproject.toml") if not path.with_name("CMakeLists.txt").exists()
+    ),
+)
 
 RENDER = """
 import sys

@@ -11,7 +11,7 @@ import stereorecal as sr
 from stereorecal.online import Config, Kind, State, init, load, save, step
 from stereorecal.recordings import Pair
 
-SLICES = 7  # the survey, the count, half scale, four rounds at full scale
+SLICES = 7  # the survey, the count, two rounds at half scale, three at full
 
 
 @pytest.fixture(scope="module")

@@ -172,7 +172,7 @@ class Unwanted(AbstractStrategy):
 
 def test_where_one_look_is_enough_nothing_is_searched(harbour):
     """And none of the budget is spent."""
-    schedule = Schedule("none", (Stage(Unwanted(), score=ScoreKind.EPIPOLAR, rounds=4),))
+    schedule = Schedule("none", (Stage(Unwanted(), score=ScoreKind.EPIPOLAR),))
     for rig, reason in ((drifted(NEAR), Reason.IMPROVED), (RIG, Reason.ALREADY_GOOD)):
         solution = repair(rig, harbour, schedule=schedule, budget=1)
         assert solution.reason is reason
