@@ -51,6 +51,21 @@ def test_a_frame_that_is_late_is_left_out(street):
     assert_counts_of_kept(found, late.pairs)
 
 
+@pytest.mark.slow
+def test_frames_of_another_rig_are_left_out_also_where_they_show_the_most_texture(scene):
+    """What looks at few frames looks at those."""
+    given = scene("street", 3, (320, 240), 7)
+    turned = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([0.6, 0.0, 0.2, 0, 0, 0]))
+    other, pairs = sr.synthetic.render("street", 3, rig=turned, frames=7), list(given.pairs)
+    for number in (1, 5):
+        of_other = (other.pairs[number].left, other.pairs[number].right)
+        left, right = (np.clip(128 + 1.6 * (np.asarray(image) - 128), 0, 255) for image in of_other)
+        pairs[number] = sr.make_pair(left, right, name=f"other {number}")
+    found = sr.recalibrate(given.rig, pairs)
+    assert found.left_out == ("other 1", "other 5")
+    assert found.reason is sr.Reason.ALREADY_GOOD
+
+
 def assert_counts_of_kept(solution: sr.Solution, pairs) -> None:
     kept, how = [pairs[index] for index in solution.used], {"matcher": solution.matcher, "view": solution.view}
     assert len(kept) < len(pairs)
