@@ -16,6 +16,7 @@ from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _OF_OTHER_THINGS = 0.05  # probability that all are: in other units, of another pair, of other pixels
+_LONGEST = 10.0  # percent, of a baseline's error: what asks for more is in other units, and agrees on nothing
 _NEAR = 1e-6  # standard deviations by a percent of the baseline: a range of less is of the horizon
 _STEP = 1e-4  # of the units of θ, for derivatives
 _ANYWHERE = 0.1  # of the image's width, within which the disparities of other things lie
@@ -136,14 +137,14 @@ class MatchedRanges:
 
 def _of_likely_length(residuals: Float[np.ndarray, "b"], slopes: Float[np.ndarray, "b"]) -> Float[np.ndarray, "b"]:
     """The residuals under a baseline as long as most of them ask for, where their sizes sum up to least: a weighted
-    median of what each asks for; the slopes are those by its length."""
+    median of what each asks for; the slopes are those by its length. As they are, where no baseline is as long."""
     near = np.abs(slopes) > _NEAR
     if not near.any():
         return residuals
     asked, weights = -residuals[near] / slopes[near], np.abs(slopes[near])
     order = np.argsort(asked)
     middle = order[np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())]
-    return residuals + asked[middle] * slopes
+    return residuals + asked[middle] * slopes if abs(asked[middle]) < _LONGEST else residuals
 
 
 NO_RANGES = MatchedRanges(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0), np.zeros(0), np.zeros(0))

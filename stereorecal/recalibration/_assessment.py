@@ -25,7 +25,7 @@ from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._mismatch import Mismatch, mismatch_of, ratios_of_sizes
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._schedule import Stage
+from stereorecal.recalibration._schedule import Stage, watching_scale
 from stereorecal.recalibration._stages import Cost, StageRun, matched, run_stage
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
@@ -193,13 +193,18 @@ def without_mismatch(case: Case, assessment: Assessment, run: StageRun) -> Asses
     """
     # A candidate that is refused may match by what it should not change, and a K of another size be bent to match.
     best, likely = assessment.seen.covered, assessment.reason.healthy and not ratios_of_sizes(case.rig)
-    chart = rig_parameters(case.rig)
-    covered = best if likely else min(best, _matched(case, run, chart, chart.coordinates_of(run.began)).covered)
+    covered = best if likely else min(best, _covered_at(case, run.began))
     mismatch = mismatch_of(case.images, case.matcher, covered, best)
     if mismatch is None:
         return assessment
     seen = replace(assessment.seen, wrong_input=True)
     return replace(assessment, seen=seen, mismatch=mismatch, reason=reason_of(assessment.decision, seen))
+
+
+def _covered_at(case: Case, rig: StereoRig) -> float:
+    """Under a rig, at half scale: at full scale, one that is degrees off covers as little as one with other cameras."""
+    data, chart = case.images.at(watching_scale(case.rig.left.size)), rig_parameters(case.rig)
+    return matched(data, chart, chart.coordinates_of(rig), case.matcher).covered
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:
