@@ -220,14 +220,16 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[Callable[[S
 
 def _opened(target: str, appended: bool, force: bool) -> IO[str]:
     """The file of the events, at its end."""
-    # What was not there before the work began is nobody else's; a device is.
-    mode = "a" if appended else "w" if force or (Path(target).exists() and not Path(target).is_file()) else "x"
-    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed when the watch ends
+    cut_short = False
     if appended:
         with open(target, "rb") as before:
             before.seek(-1, 2)
-            if before.read() != b"\n":
-                file.write("\n")  # the last line was cut short, by a loss of power: it spoils no other
+            cut_short = before.read() != b"\n"  # by a loss of power
+    # What was not there before the work began is nobody else's; a device is.
+    mode = "a" if appended else "w" if force or (Path(target).exists() and not Path(target).is_file()) else "x"
+    file = open(target, mode, encoding="utf-8")  # noqa: SIM115  closed when the watch ends
+    if cut_short:
+        file.write("\n")  # the last line spoils no other
     return file
 
 

@@ -126,7 +126,7 @@ def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) 
             search.
 
     Returns:
-        The last stage, as if it had begun at the start.
+        The last stage, as if it had begun at the start, and the cost.
     """
     case, runs = case.of_extrinsics, []
     finest = replace(stages[-1], rounds=max(stages[-1].rounds, _LOOKED))

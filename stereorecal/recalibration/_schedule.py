@@ -187,7 +187,7 @@ def check_schedule(schedule: Schedule, free: Parameters) -> None:
     Raises:
         InputError: if a schedule without rows is asked for intrinsics, the baseline or ranges.
     """
-    if free.shared and schedule.stages[-1].score is not ScoreKind.EPIPOLAR:
+    if free.shared and not schedule.on_rows:
         raise InputError(
             "a schedule that ends on the count estimates neither intrinsics nor the length of the baseline; use the "
             "default schedule, or free only the extrinsics."

@@ -21,15 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tables import command_line, show, table_of
+from wheels import PROJECTS, ROOT
 
-ROOT = Path(__file__).parents[2]
-# What needs a compiler is left out.
-PROJECTS = (
-    ROOT,
-    *sorted(
-        path.parent for path in ROOT.glob("plugins/*/pyproject.toml") if not path.with_name("CMakeLists.txt").exists()
-    ),
-)
 EXTRAS = ("dask", "figures")  # what people use; the tools of the tests are taken as they are today
 TOOLS = ("beartype", "flit_core", "hatchling", "hypothesis", "pytest", "pytest-xdist", "sybil")
 CASES = (
