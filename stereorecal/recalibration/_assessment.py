@@ -22,19 +22,15 @@ from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
-from stereorecal.recalibration._mismatch import Mismatch, mismatch_of, ratios_of_sizes
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._schedule import Stage, watching_scale
-from stereorecal.recalibration._stages import Cost, StageRun, matched, run_stage
+from stereorecal.recalibration._stages import StageRun, matched
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
-from stereorecal.strategies import Budget
 
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
-_LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
 _SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
@@ -94,7 +90,6 @@ class Assessment:
         tiles: counts at full scale of all frames, under the initial calibration and the candidate.
         excluded: numbers of the frames that show another rig than the others.
         matching_cost: units that matching again took.
-        mismatch: why the images cannot be of this rig; None: they can, or nobody asked.
     """
 
     found: Correspondences
@@ -106,38 +101,11 @@ class Assessment:
     tiles: Int[np.ndarray, "2 k tiles"]
     excluded: tuple[int, ...]
     matching_cost: float
-    mismatch: Mismatch | None = None
 
     @property
     def conclusive(self) -> bool:
         """Whether it sees what it would after a search: a rig that is far off matches little, and by chance."""
         return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
-
-
-def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) -> tuple[StageRun, Cost]:
-    """One look at the images from a start, by the stages on the rows, without strategies: matches, which the extrinsics
-    are fitted to until both settle. Matches of rows that are not aligned err together, all frames alike, and the
-    estimate would explain it by lenses.
-
-    Args:
-        case: with a disparity range.
-        stages: from coarse to fine; all frames are looked at, since few may show another rig than the others.
-        cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
-            search.
-
-    Returns:
-        The last stage, as if it had begun at the start, and the cost.
-    """
-    case, runs = case.of_extrinsics, []
-    finest = replace(stages[-1], rounds=max(stages[-1].rounds, _LOOKED))
-    coarser = [stage for stage in stages[:-1] if case.scale_of(stage) < case.scale_of(finest)]  # small images have none
-    for stage in (*coarser, finest):
-        of_all = replace(stage, strategy=None, frames=None)
-        runs.append(run_stage(case, of_all, runs[-1].ended if runs else start, Budget(), seed=0))
-    last = runs[-1]
-    ended = last.ended if last.matches_enough else case.rig  # else nothing speaks for the start either
-    look = replace(last, began=start, ended=ended, matching_cost=0.0)
-    return look, replace(cost, starts=cost.starts + sum(run.cost for run in runs))
 
 
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
@@ -183,28 +151,6 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         refuse_swapped_images(case.images, excluded if disagree else None)
     cost = (again + fewer) * case.images.at(run.scale).cost
     return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
-
-
-def without_mismatch(case: Case, assessment: Assessment, run: StageRun) -> Assessment:
-    """The same, unless the images cannot be of this rig; the stage is the one that was assessed.
-
-    Raises:
-        InputError: if they are certainly no left and right image of it.
-    """
-    # A candidate that is refused may match by what it should not change, and a K of another size be bent to match.
-    best, likely = assessment.seen.covered, assessment.reason.healthy and not ratios_of_sizes(case.rig)
-    covered = best if likely else min(best, _covered_at(case, run.began))
-    mismatch = mismatch_of(case.images, case.matcher, covered, best)
-    if mismatch is None:
-        return assessment
-    seen = replace(assessment.seen, wrong_input=True)
-    return replace(assessment, seen=seen, mismatch=mismatch, reason=reason_of(assessment.decision, seen))
-
-
-def _covered_at(case: Case, rig: StereoRig) -> float:
-    """Under a rig, at half scale: at full scale, one that is degrees off covers as little as one with other cameras."""
-    data, chart = case.images.at(watching_scale(case.rig.left.size)), rig_parameters(case.rig)
-    return matched(data, chart, chart.coordinates_of(rig), case.matcher).covered
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:

@@ -9,14 +9,17 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.decision import ENOUGH
-from stereorecal.geometry import Camera, StereoRig, with_unit_baseline
+from stereorecal.geometry import Camera, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
-from stereorecal.recalibration._schedule import finest_scale
+from stereorecal.objectives import Parameters
+from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._settings import as_settings
+from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Pyramid, host, pyramid, select_frames
 
-_YAW = np.radians(1.0)  # that may be missing
 _BETTER = 1.5  # times as much matches
+_ALSO_BETTER = 1.1  # the same, of what the calibration itself tells
 _RATIOS = (1 / 4, 1 / 3, 3 / 8, 1 / 2, 2 / 3, 3 / 4, 4 / 3, 3 / 2, 2.0, 8 / 3, 3.0, 4.0)  # of sizes of images
 _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
 _SOME = 8  # pairs of which the one with most texture is tried
@@ -84,33 +87,33 @@ class Mismatch:
         }
 
 
-def mismatch_of(
-    images: Pyramid, matcher: AbstractMatcher, covered: float, best: float | None = None
-) -> Mismatch | None:
+def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mismatch | None:
     """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
-    it is out of calibration, unless its camera matrices are those of another size.
+    it is out of calibration. Where principal points lie as in images of another size, a candidate may match by lenses
+    that it should not have: whether more matches with that size is asked in any case.
 
     Args:
         matcher: its disparity range is measured anew for each mistake.
-        covered: share of the image that matches.
-        best: the same under a candidate that was found to be none; default `covered`.
+        covered: share of the image that matches in the end.
 
     Raises:
         InputError: if the images are certainly no left and right image of this rig.
     """
     sparse = ENOUGH.of_texture * images.best_quality.texture
-    if covered >= 2.0 * sparse or not images.enough:
+    enough = covered >= 2.0 * sparse
+    if not images.enough or (enough and not ratios_of_sizes(images.rig)):
         return None
-    motion, found = host.refuse_swapped_images(images), Mismatch(covered)
+    motion, found = None if enough else host.refuse_swapped_images(images), Mismatch(covered)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
-        if motion.turned and cause.name != "scaled":
+        scaled = cause.name == "scaled"
+        if not scaled and (motion is None or motion.turned):
             continue
         share = _covered(rig, pairs, images, matcher)
-        if share > max(_BETTER * covered, found.covered_without, sparse):
+        if share > max((_ALSO_BETTER if scaled else _BETTER) * covered, found.covered_without, sparse):
             found = Mismatch(covered, cause, share)
     if found.cause is not None:
         return found
-    if motion.turned or not (motion.aside or max(covered, best or 0.0) < sparse):
+    if motion is None or motion.turned or not (motion.aside or covered < sparse):
         return None
     return Mismatch(covered, two_moments=motion.aside)
 
@@ -140,17 +143,17 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
 
 
 def _covered(rig: StereoRig, pairs: tuple[Pair, ...], given: Pyramid, matcher: AbstractMatcher) -> float:
-    """Share of the image that matches in one of the pairs, once pitch and roll are found on the grid of a survey: a rig
-    may have turned besides. 0 if the images do not fit."""
+    """Share of the image that matches in one of the pairs after a look: a rig may have turned besides. 0 if the images
+    do not fit."""
+    settings = as_settings({"matcher": replace(matcher, num_disparities=None)})
     some = select_frames(pairs[:: -(-len(pairs) // _SOME)], 1)
     try:
         images = pyramid(rig, some, given.view if rig is given.rig else None)
-        found = host.survey(images, rig.extrinsics)
+        case, start, cost = started(Case(images, settings, settings.matcher, Parameters()))
     except InputError:
         return 0.0
-    ranged = found.with_range(replace(matcher, num_disparities=None), _YAW)
-    turned = with_unit_baseline(np.asarray(rig.extrinsics, float)) + found.offset
-    return host.correspondences(images.at(finest_scale(rig.left.size)), turned, ranged).covered
+    found = run_look(case, settings.schedule.on_rows, start, cost)[0].found
+    return 0.0 if found is None else found.covered
 
 
 def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, StereoRig, tuple[Pair, ...]]]:

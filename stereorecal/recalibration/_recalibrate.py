@@ -10,15 +10,16 @@ from stereorecal.decision import ENOUGH
 from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._assessment import assessed, run_look
+from stereorecal.recalibration._assessment import assessed
 from stereorecal.recalibration._case import Case, selected_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import check_schedule
-from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search, started
+from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search
 from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 

@@ -130,13 +130,9 @@ class Schedule:
         return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))
 
 
-def finest_scale(size: tuple[int, int]) -> float:
-    """The scale of the last stage of the default schedule for images of `size` (width, height)."""
-    return _within(_FINEST, 1.0, size)
-
-
 def watching_scale(size: tuple[int, int]) -> float:
-    """The scale of the stage before it: half, for images of usual size."""
+    """The scale of the last stage but one of the default schedule, for images of `size` (width, height): half, as a
+    rule."""
     return _within(_STEPPING_STONE, 0.5, size)
 
 

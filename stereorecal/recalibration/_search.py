@@ -11,8 +11,8 @@ from jaxtyping import Int
 
 from stereorecal.decision import Reason, Seen, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate
-from stereorecal.geometry import AXES, StereoRig
-from stereorecal.recalibration._assessment import Assessment, assessed, counts, without_mismatch
+from stereorecal.geometry import StereoRig
+from stereorecal.recalibration._assessment import Assessment, assessed, counts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import mismatch_of
@@ -25,9 +25,9 @@ from stereorecal.recalibration._stages import (
     last_matched,
     remaining,
     run_stage,
+    started,
 )
 from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
-from stereorecal.scoring import host
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status
 
@@ -86,14 +86,17 @@ def solution_of_assessment(
     """The solution that an assessment of the matches of the last stage comes to; the arguments are those of
     `solution_of_search`."""
     last = max(number for number, stage in enumerate(stages) if stage.found is not None)
-    assessment = without_mismatch(case, assessment, stages[last])
     estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
+    seen, reason = assessment.seen, assessment.reason
+    if mismatch := mismatch_of(case.images, case.matcher, seen.covered):
+        seen = replace(seen, wrong_input=True)
+        reason = reason_of(assessment.decision, seen)
     rows = row_residuals(case.chart, found, candidate)
     return _solution(
         case,
         tuple(replace(one, found=found) if number == last else one for number, one in enumerate(stages)),
         candidate,
-        assessment.reason,
+        reason,
         assessment.tiles,
         replace(cost, judging=cost.judging + assessment.matching_cost),
         began,
@@ -101,11 +104,11 @@ def solution_of_assessment(
         row_errors=rows.errors,
         uncertainty=uncertainty_of(estimated, candidate, case.with_free(case.free.without_intrinsics).chart),
         misfit=misfit(rows, late=estimated.is_late),
-        intrinsics=_intrinsics(case, assessment, rows.errors) if assessment.reason.accepted else None,
+        intrinsics=_intrinsics(case, assessment, rows.errors) if reason.accepted else None,
         estimate=estimated,
         decision=assessment.decision,
-        seen=assessment.seen,
-        mismatch=assessment.mismatch,
+        seen=seen,
+        mismatch=mismatch,
     )
 
 
@@ -186,21 +189,6 @@ def _solution(
         prior_use=case.prior_use,
         **findings,
     )
-
-
-def started(case: Case) -> tuple[Case, StereoRig, Cost]:
-    """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
-    settings, start, cost = case.settings, case.rig, Cost()
-    for stage in settings.schedule.on_rows:
-        host.compile_in_background(case.images.at(case.scale_of(stage), 1))
-    if settings.schedule.survey or case.matcher.num_disparities is None:
-        radians = float(np.radians(settings.reach.degrees))
-        surveyed = survey(case.images, case.rig.extrinsics, radians)
-        case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
-        moved = {AXES[axis] for axis in np.flatnonzero(surveyed.offset)}
-        if settings.schedule.survey and moved and moved <= set(case.free.axes):  # a part of an offset is no start
-            start = case.rig.with_extrinsics(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
-    return case, start, cost
 
 
 def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tuple[StageRun, ...]]:

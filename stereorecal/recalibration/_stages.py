@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
 from stereorecal.estimation import rows_of_groups
-from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
+from stereorecal.geometry import AXES, StereoRig, same_cameras, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
     Chart,
@@ -29,9 +29,11 @@ from stereorecal.objectives import (
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
 from stereorecal.scoring import Correspondences, ScoringData, host, with_rays_of
+from stereorecal.scoring.host import survey
 from stereorecal.strategies import Budget, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
+_LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
 _SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
@@ -138,6 +140,47 @@ class StageRun:
     def evaluations(self) -> int:
         """How often the stage's score was asked."""
         return sum(len(run.trace.values) for run in self.runs)
+
+
+def started(case: Case) -> tuple[Case, StereoRig, Cost]:
+    """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
+    settings, start, cost = case.settings, case.rig, Cost()
+    for stage in settings.schedule.on_rows:
+        host.compile_in_background(case.images.at(case.scale_of(stage), 1))
+    if settings.schedule.survey or case.matcher.num_disparities is None:
+        radians = float(np.radians(settings.reach.degrees))
+        surveyed = survey(case.images, case.rig.extrinsics, radians)
+        case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
+        moved = {AXES[axis] for axis in np.flatnonzero(surveyed.offset)}
+        if settings.schedule.survey and moved and moved <= set(case.free.axes):  # a part of an offset is no start
+            start = case.rig.with_extrinsics(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
+    return case, start, cost
+
+
+def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) -> tuple[StageRun, Cost]:
+    """One look at the images from a start, by the stages on the rows, without strategies: matches, which the extrinsics
+    are fitted to until both settle. Matches of rows that are not aligned err together, all frames alike, and the
+    estimate would explain it by lenses.
+
+    Args:
+        case: with a disparity range.
+        stages: from coarse to fine; all frames are looked at, since few may show another rig than the others.
+        cost: of what came before; it comes back with that of the look, for which no budget pays, as for all before the
+            search.
+
+    Returns:
+        The last stage, as if it had begun at the start, and the cost.
+    """
+    case, runs = case.of_extrinsics, []
+    finest = replace(stages[-1], rounds=max(stages[-1].rounds, _LOOKED))
+    coarser = [stage for stage in stages[:-1] if case.scale_of(stage) < case.scale_of(finest)]  # small images have none
+    for stage in (*coarser, finest):
+        of_all = replace(stage, strategy=None, frames=None)
+        runs.append(run_stage(case, of_all, runs[-1].ended if runs else start, Budget(), seed=0))
+    last = runs[-1]
+    ended = last.ended if last.matches_enough else case.rig  # else nothing speaks for the start either
+    look = replace(last, began=start, ended=ended, matching_cost=0.0)
+    return look, replace(cost, starts=cost.starts + sum(run.cost for run in runs))
 
 
 def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
