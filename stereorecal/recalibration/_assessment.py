@@ -136,16 +136,10 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     decision = decide(estimated, case.free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
     candidate = chart.rig_at(decision.theta)
-    tiles, seen = counts(case, candidate), _seen(case, used)
+    tiles = counts(case, candidate)
     used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
-    seen = replace(
-        seen,
-        frames_disagree=disagree,
-        late=estimated.is_late,
-        misfit_px=max(estimated.misfit),
-        lost=share_lost(tiles[:, used_frames]),
-        away=turned_by(case.rig, candidate, case.settings.reach),
-    )
+    away = turned_by(case.rig, candidate, case.settings.reach)
+    seen = with_candidate(_seen(case, used), used, estimated, tiles[:, used_frames], away, frames_disagree=disagree)
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
@@ -162,6 +156,29 @@ def _seen(case: Case, found: Correspondences) -> Seen:
         texture=quality.texture,
         enough=case.images.enough,
         problem=quality.problem if all(one.misleading for one in case.images.quality) else None,
+    )
+
+
+def with_candidate(
+    seen: Seen,
+    found: Correspondences,
+    estimated: Estimate,
+    tiles: Int[np.ndarray, "2 k tiles"],
+    away: float,
+    *,
+    frames_disagree: bool,
+) -> Seen:
+    """What images show, with what their matches say of a candidate."""
+    return replace(
+        seen,
+        matches=found.found,
+        covered=found.covered,
+        places=len(places_of(found)),
+        frames_disagree=frames_disagree,
+        late=estimated.is_late,
+        misfit_px=max(estimated.misfit),
+        lost=share_lost(tiles),
+        away=away,
     )
 
 

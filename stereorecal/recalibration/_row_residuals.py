@@ -34,12 +34,10 @@ class RowErrors:
     Attributes:
         before: under the initial calibration.
         after: under the candidate.
-        significance: of the gain, in standard errors over the places of tiles in the frames.
     """
 
     before: float
     after: float
-    significance: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,31 +57,9 @@ class RowResiduals:
     independent: float = 1.0
 
     @property
-    def place(self) -> Int[np.ndarray, "m"]:
-        """At which place of its frame each tile lies."""
-        return self.tile % TILES_OF_A_FRAME
-
-    @property
-    def places(self) -> int:
-        """How many places of the frames show something."""
-        return len(np.unique(self.place))
-
-    def medians(self, differences: Float[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
-        """The median |difference| in each tile."""
-        return tile_medians(differences, self.tile)
-
-    def by_place(self, values: Float[np.ndarray, "t"]) -> Float[np.ndarray, "p"]:
-        """The mean over the frames of what is said of each tile: at each place that shows something."""
-        places, where = np.unique(np.unique(self.tile) % TILES_OF_A_FRAME, return_inverse=True)
-        return np.bincount(where, values, len(places)) / np.bincount(where, minlength=len(places))
-
-    @property
     def errors(self) -> RowErrors:
         """The row errors of what each tile shows, before and after."""
-        before, after = self.medians(self.start_residual), self.medians(self.residual)
-        gain = self.by_place(before - after)
-        error = float(np.std(gain, ddof=1)) / np.sqrt(len(gain)) if len(gain) > 1 else np.inf
-        return RowErrors(float(np.mean(before)), float(np.mean(after)), float(np.mean(gain)) / max(error, 1e-9))
+        return RowErrors(*(float(tile_medians(of, self.tile).mean()) for of in (self.start_residual, self.residual)))
 
 
 def tile_medians(differences: Float[np.ndarray, "m"], tile: Int[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:

@@ -16,7 +16,7 @@ from stereorecal.recalibration._assessment import Assessment, assessed, counts
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import mismatch_of
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowErrors, misfit, row_residuals
+from stereorecal.recalibration._row_residuals import misfit, row_residuals
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import (
@@ -27,7 +27,7 @@ from stereorecal.recalibration._stages import (
     run_stage,
     started,
 )
-from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
+from stereorecal.recalibration._uncertainty import IntrinsicsOutcome, intrinsics_of, uncertainty_of
 from stereorecal.scoring.host import Score, survey
 from stereorecal.strategies import Budget, Status
 
@@ -91,7 +91,7 @@ def solution_of_assessment(
     if mismatch := mismatch_of(case.images, case.matcher, seen.covered):
         seen = replace(seen, wrong_input=True)
         reason = reason_of(assessment.decision, seen)
-    rows = row_residuals(case.chart, found, candidate)
+    rows, shared = row_residuals(case.chart, found, candidate), case.free.shared
     return _solution(
         case,
         tuple(replace(one, found=found) if number == last else one for number, one in enumerate(stages)),
@@ -104,30 +104,13 @@ def solution_of_assessment(
         row_errors=rows.errors,
         uncertainty=uncertainty_of(estimated, candidate, case.with_free(case.free.without_intrinsics).chart),
         misfit=misfit(rows, late=estimated.is_late),
-        intrinsics=_intrinsics(case, assessment, rows.errors) if reason.accepted else None,
+        intrinsics=intrinsics_of(estimated, assessment.decision.theta, shared, IntrinsicsOutcome.REFINED)
+        if reason.accepted and shared
+        else None,
         estimate=estimated,
         decision=assessment.decision,
         seen=seen,
         mismatch=mismatch,
-    )
-
-
-def _intrinsics(case: Case, assessment: Assessment, errors: RowErrors) -> Intrinsics | None:
-    """What became of intrinsics, or the length of the baseline, that a repair changes; None if it may not."""
-    if not case.free.shared:
-        return None
-    estimated, found, theta = assessment.estimate, assessment.found, assessment.decision.theta
-    extrinsics_alone = estimated.chart.rig_at(estimated.with_free(case.free.axes))
-    held = row_residuals(case.of_extrinsics.chart, found, extrinsics_alone).errors
-    return intrinsics_of(
-        estimated,
-        theta,
-        case.free.shared,
-        IntrinsicsOutcome.REFINED,
-        fixed_px=held.after,
-        freed_px=errors.after,
-        shown=assessment.seen.places / TILES_OF_A_FRAME,
-        expected_px=estimated.row_error_px(theta)[10][0],
     )
 
 

@@ -78,8 +78,7 @@ class Solution(AbstractResult):
                 "covered": self.covered,
                 "score_before": _score(self.score_before),
                 "score_after": _score(self.score_after),
-                "row_error_px": rows
-                and {"before": rows.before, "after": rows.after, "significance": rows.significance},
+                "row_error_px": rows and asdict(rows),
                 "extrinsics": {
                     "before": _extrinsics(self.initial),
                     "candidate": _extrinsics(self.candidate),
@@ -88,7 +87,6 @@ class Solution(AbstractResult):
                 "change": _by_axis(AXES, [*np.degrees(self.change[:3]), *(100 * self.change[3:] / baseline)]),
                 "main_axes": self.main_axes if telling and self.condition is Condition.REPAIR else (),
                 "interval_95": known and _by_axis(known.names, known.interval),
-                "interval_95_by_chance": known and _by_axis(known.names, known.interval_by_chance),
                 "observed": known and dict(zip(known.names, known.observed, strict=True)),
                 "undetermined": known and list(known.undetermined),
                 "misfit": misfit and misfit.as_dict(),

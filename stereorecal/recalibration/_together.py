@@ -30,11 +30,11 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import BASELINE, Parameters, RigChart, row_chart
-from stereorecal.recalibration._assessment import MOST_EXCLUDED, share_lost, turned_by
+from stereorecal.objectives import Parameters, RigChart, row_chart
+from stereorecal.recalibration._assessment import MOST_EXCLUDED, turned_by, with_candidate
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._prior_use import prior_of
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, RowResiduals, misfit, places_of, row_residuals
+from stereorecal.recalibration._row_residuals import RowResiduals, misfit, row_residuals
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
 from stereorecal.recordings import Pair, Range
@@ -203,20 +203,15 @@ def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[C
 
 
 def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> tuple[Solution, ...]:
-    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were. Ranges say
-    how long the baseline is, whether intrinsics are taken or not; `each` runs a task for each recording."""
+    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were; `each` runs
+    a task for each recording."""
     part = [recording for recording in recordings if recording.usable(intrinsics_free=bool(free.intrinsics))]
     if not part:
         return tuple(_unsolved(recording, free) for recording in recordings)
     members = joint_estimate(part, free, each)
-    answers, intrinsics = _answers(members, free, each), None
-    if free.intrinsics:
-        intrinsics = _intrinsics(members, answers, free)
-        if not intrinsics.taken:
-            held = free.without_intrinsics
-            alone = solve_jointly(recordings, held, each) if held.shared else [one.repair for one in recordings]
-            return tuple(replace(solution, intrinsics=intrinsics) for solution in alone)
-    results = iter(_solutions(members, answers, intrinsics, free))
+    answers = _answers(members, free, each)
+    intrinsics = _intrinsics(members, answers, free) if free.intrinsics else None
+    results = (_solution(*both, intrinsics) for both in zip(members, answers, strict=True))
     return tuple(
         next(results)
         if any(r is one for one in part)
@@ -225,23 +220,23 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
     )
 
 
+def _solution(member: Member, answer: Solution, intrinsics: Intrinsics | None) -> Solution:
+    """What was found together, or what a recording has alone."""
+    if answer.accepted:
+        return replace(answer, intrinsics=intrinsics)
+    own, not_applied = member.recording.repair, intrinsics and intrinsics.not_applied(answer.reason)
+    return replace(own, intrinsics=not_applied, ranges=member.ranges(own.rig, answer.reason))
+
+
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
     """With the shared parameters taken, or found and not taken."""
     counts = each(counted, [one.recording.task(one.recording.repair.initial, one.rig) for one in members])
     answers = []
     for member, tiles in zip(members, counts, strict=True):
         repair, estimated, found, rig = member.recording.repair, member.estimate, member.found, member.rig
-        seen = replace(
-            repair.seen or Seen(),
-            matches=found.found,
-            covered=found.covered,
-            places=len(places_of(found)),
-            frames_disagree=len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight),
-            late=estimated.is_late,
-            misfit_px=max(estimated.misfit),
-            lost=share_lost(tiles),
-            away=turned_by(repair.initial, rig, repair.settings.reach),
-        )
+        disagree = len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight)
+        away = turned_by(repair.initial, rig, repair.settings.reach)
+        seen = with_candidate(repair.seen or Seen(), found, estimated, tiles, away, frames_disagree=disagree)
         reason, rows = reason_of(member.decision, seen), member.rows(free, rig)
         of_others = (one.recording.repair.used_images for one in members if one is not member)
         answer = replace(
@@ -265,62 +260,10 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
 
 def _intrinsics(members: Sequence[Member], answers: Sequence[Solution], free: Parameters) -> Intrinsics:
     """The shared parameters, and whether they are taken."""
-    outcome = IntrinsicsOutcome.REFINED if any(one.accepted for one in answers) else IntrinsicsOutcome.REFUSED
-    held = with_free_together([one.estimate for one in members], free.without_intrinsics.names)
-    rigs_held = [one.estimate.chart.rig_at(theta) for one, theta in zip(members, held, strict=True)]
-    fixed, freed = (
-        float(np.mean([one.rows(free, rig).errors.after for one, rig in zip(members, rigs, strict=True)]))
-        for rigs in (rigs_held, [one.rig for one in members])
-    )
-    return intrinsics_of(
-        members[0].estimate,
-        members[0].decision.theta,
-        free.shared,
-        outcome,
-        fixed_px=fixed,
-        freed_px=freed,
-        shown=len(np.unique(np.concatenate([places_of(one.found) for one in members]))) / TILES_OF_A_FRAME,
-        expected_px=min(one.estimate.row_error_px(one.decision.theta)[10][0] for one in members),
-        refused=answers[0].reason if outcome is IntrinsicsOutcome.REFUSED else None,
-    )
-
-
-def _solutions(
-    members: Sequence[Member], answers: Sequence[Solution], intrinsics: Intrinsics | None, free: Parameters
-) -> list[Solution]:
-    """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
-    that the ranges of others tell."""
-    baseline_measured = BASELINE in free.names and any(
-        answer.accepted and (one.estimate.matched_ranges.agree(answer.rig) or one.recording.windows.measured)
-        for answer, one in zip(answers, members, strict=True)
-    )
-    found = []
-    for member, answer in zip(members, answers, strict=True):
-        if answer.accepted or not free.shared:
-            found.append(replace(answer, intrinsics=intrinsics))
-            continue
-        own = member.recording.repair
-        if baseline_measured and own.reason.healthy and not member.estimate.matched_ranges:
-            own = _scaled(own, answer)
-        own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
-        found.append(replace(own, intrinsics=own_intrinsics, ranges=member.ranges(own.rig, answer.reason)))
-    return found
-
-
-def _scaled(solution: Solution, found: Solution) -> Solution:
-    """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
-    are the same."""
-    extrinsics = np.array(solution.rig.extrinsics, float)
-    before, after = (abs(float(rig.extrinsics[3])) for rig in (found.initial, found.candidate))
-    extrinsics[3:] *= after / before  # what only a change of the length moves
-    return replace(
-        solution,
-        uncertainty=found.uncertainty,
-        estimate=found.estimate,
-        candidate=solution.rig.with_extrinsics(extrinsics),
-        reason=Reason.IMPROVED,
-        settings=replace(solution.settings, free=found.settings.free),
-    )
+    taken = any(one.accepted for one in answers)
+    outcome = IntrinsicsOutcome.REFINED if taken else IntrinsicsOutcome.REFUSED
+    theta, refused = members[0].decision.theta, None if taken else answers[0].reason
+    return intrinsics_of(members[0].estimate, theta, free.shared, outcome, refused)
 
 
 def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
@@ -334,7 +277,6 @@ def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
     if free.intrinsics:
         parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
         names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
-        missing, nan = np.full(len(parameters), np.nan), float("nan")
-        outcome = IntrinsicsOutcome.NOT_SOLVED
-        intrinsics = Intrinsics(outcome, names, units, missing, missing, names, nan, nan, 0.0, nan)
+        missing = np.full(len(parameters), np.nan)
+        intrinsics = Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names)
     return replace(repair, intrinsics=intrinsics, ranges=_unmatched(recording))

@@ -26,14 +26,12 @@ class Uncertainty:
     Attributes:
         names: of the parameters, n of them; five by default.
         covariance: (n, n), mean squares of what the truth may differ by from the candidate.
-        by_chance: (n, n), of the posterior: without the way from its mean to the candidate.
         observed: (n,) which parameters the data determine; the others stay near the initial calibration.
         undetermined: directions that the data leave to the prior, in words, such as "y with pitch".
     """
 
     names: tuple[str, ...]
     covariance: Float[np.ndarray, "n n"]
-    by_chance: Float[np.ndarray, "n n"]
     observed: Bool[np.ndarray, "n"]
     undetermined: tuple[str, ...] = ()
 
@@ -42,11 +40,6 @@ class Uncertainty:
         """Half widths of the 95 % intervals around the candidate: one that keeps depth lies far from the posterior's
         mean."""
         return NORMAL_95 * np.sqrt(np.diag(self.covariance))
-
-    @property
-    def interval_by_chance(self) -> Float[np.ndarray, "n"]:
-        """The same of the posterior: where the candidate is its mean, they are equal."""
-        return NORMAL_95 * np.sqrt(np.diag(self.by_chance))
 
     @property
     def unobserved(self) -> tuple[str, ...]:
@@ -72,7 +65,7 @@ def uncertainty(
     before = np.sqrt(drift**2 + calibration_variance)
     observed = np.diag(posterior) < (OBSERVED * before) ** 2
     weak = directions(posterior / before[:, None] / before, names)
-    return Uncertainty(names, posterior + np.outer(offset, offset), posterior, observed, weak)
+    return Uncertainty(names, posterior + np.outer(offset, offset), observed, weak)
 
 
 def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
@@ -117,10 +110,6 @@ class Intrinsics:
         names, units: of the parameters, p of them.
         change, interval: (p,) found, and half widths of the 95 % intervals, in those units; whether taken or not.
         undetermined: names of those that stay about as uncertain as their priors.
-        fixed_px, freed_px: mean over tiles of the median |row difference|, with the intrinsics as given and freed.
-        shown: share of the places of the view that hold correspondences.
-        expected_px: root mean square of the rows to expect over the view with freed intrinsics, of the recording that
-            is surest: others add what they do not know of their own extrinsics.
         refused: why the calibration that they belong to was refused, where it was that.
     """
 
@@ -130,10 +119,6 @@ class Intrinsics:
     change: Float[np.ndarray, "p"]
     interval: Float[np.ndarray, "p"]
     undetermined: tuple[str, ...]
-    fixed_px: float
-    freed_px: float
-    shown: float
-    expected_px: float
     refused: Reason | None = None
 
     @property
@@ -156,7 +141,6 @@ class Intrinsics:
             name: {"unit": unit, "change": change, "interval_95": interval}
             for name, unit, change, interval in zip(self.names, self.units, self.change, self.interval, strict=True)
         }
-        names = ("fixed_px", "freed_px", "shown", "expected_px")
         return json_data(
             {
                 "outcome": self.outcome.name.lower(),
@@ -164,16 +148,11 @@ class Intrinsics:
                 "refused": self.refused and self.refused.name.lower(),
                 "parameters": by_name,
                 "undetermined": self.undetermined,
-                **{name: getattr(self, name) for name in names},
             }
         )
 
     def __str__(self) -> str:
         parts = [self.outcome.value, *([self.refused.value] if self.refused else [])]
-        if any("." in name for name in self.names):
-            given, other = f"{self.fixed_px:.2f} px", f"{self.freed_px:.2f} px"
-            if given != other:
-                parts.append(f"rows of matches differ by {given} with the given intrinsics, {other} with refined ones")
         lengths = zip(self.names, self.change, self.interval, strict=True)
         parts += [f"{name} {change:+.3f} ± {wide:.3f} %" for name, change, wide in lengths if "." not in name]
         return "; ".join(parts)
@@ -184,19 +163,18 @@ def intrinsics_of(
     theta: Float[np.ndarray, "n"],
     names: Sequence[str],
     outcome: IntrinsicsOutcome,
-    **rows: Any,
+    refused: Reason | None = None,
 ) -> Intrinsics:
-    """What became of some parameters in an estimate, of which θ is the candidate; `rows` are the others of
-    `Intrinsics`, by its names."""
+    """What became of some parameters in an estimate, of which θ is the candidate."""
     where = [estimated.names.index(name) for name in names]
     (low, high), after = estimated.intervals[where].T, np.diag(estimated.posterior.covariance)[where]
     weak = after > OBSERVED**2 * estimated.prior_variance[where]
     return Intrinsics(
-        outcome=outcome,
-        names=tuple(names),
-        units=tuple(estimated.units[index] for index in where),
-        change=theta[where],
-        interval=0.5 * (high - low),
-        undetermined=tuple(name for name, one in zip(names, weak, strict=True) if one),
-        **rows,
+        outcome,
+        tuple(names),
+        tuple(estimated.units[index] for index in where),
+        theta[where],
+        0.5 * (high - low),
+        tuple(name for name, one in zip(names, weak, strict=True) if one),
+        refused,
     )

@@ -111,9 +111,9 @@ def test_lenses(repaired, harbour):
     """In units of a calibration file, with intervals in the same."""
     right = changed_camera(RIG.right, {"f": 0.01, "cx": 2.0, "k1": 0.02})
     names, interval = ("baseline", "right.f", "right.cx", "right.k1"), np.array([0.1, 0.5, 0.25, 0.001])
-    units, nan = ("%", "%", "px", ""), float("nan")
+    units = ("%", "%", "px", "")
     taken, kept = IntrinsicsOutcome.REFINED, IntrinsicsOutcome.REFUSED
-    seen = Intrinsics(taken, names, units, np.zeros(4), interval, ("right.cx",), nan, nan, nan, nan)
+    seen = Intrinsics(taken, names, units, np.zeros(4), interval, ("right.cx",))
     other = replace(repaired, initial=RIG, candidate=replace(RIG, right=right))
 
     def intrinsics_of(seen: Intrinsics | None):
