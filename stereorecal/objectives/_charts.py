@@ -98,14 +98,7 @@ class RigChart:
 
     def extrinsics(self, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "6"]:
         """Pitch, yaw, roll [rad], x, y, z [m] at a point of the box."""
-        start = np.asarray(self.rig.extrinsics, float)
-        values = start.copy()
-        for parameter, change in zip(self.parameters, self.half_width * z, strict=True):
-            if parameter.name in EXTRINSICS:
-                values[AXES.index(parameter.name)] += change
-            elif parameter.name == BASELINE:  # of another length, in the same direction
-                values[3:] += change / float(self.rig.baseline) * start[3:]
-        return values
+        return np.asarray(self.rig.extrinsics, float) + z @ self.extrinsic_slopes
 
     @cached_property
     def extrinsic_slopes(self) -> Float[np.ndarray, "n 6"]:
@@ -114,7 +107,7 @@ class RigChart:
         for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
             if parameter.name in EXTRINSICS:
                 found[index, AXES.index(parameter.name)] = width
-            elif parameter.name == BASELINE:
+            elif parameter.name == BASELINE:  # of another length, in the same direction
                 found[index, 3:] = width / float(self.rig.baseline) * start[3:]
         return found
 
@@ -157,15 +150,10 @@ class RigChart:
     def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
         """The point of the box with these extrinsics, beyond [-1, 1] where they lie outside of it, and intrinsics as
         they are at its centre."""
-        start = np.asarray(self.rig.extrinsics, float)
-        change, found = np.asarray(extrinsics, float) - start, np.zeros(self.dim)
-        longer = change[3] / start[3] if BASELINE in self.names else 0.0  # only the length moves x
-        change[3:] -= longer * start[3:]
-        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
-            if parameter.name in EXTRINSICS:
-                found[index] = change[AXES.index(parameter.name)] / width
-            elif parameter.name == BASELINE:
-                found[index] = longer * float(self.rig.baseline) / width
+        change = np.asarray(extrinsics, float) - np.asarray(self.rig.extrinsics, float)
+        outer = np.abs(self.extrinsic_slopes).sum(axis=1) > 0.0
+        found = np.zeros(self.dim)
+        found[outer] = np.linalg.lstsq(self.extrinsic_slopes[outer].T, change, rcond=None)[0]
         return found
 
 

@@ -19,7 +19,7 @@ from stereorecal.recordings import Pair
 from stereorecal.scoring import Pyramid, host, pyramid, select_frames
 
 _BETTER = 1.5  # times as much matches
-_ALSO_BETTER = 1.1  # the same, of what the calibration itself tells
+_ALSO_BETTER = 1.05  # the same, of what principal points speak for, too
 _RATIOS = (1 / 4, 1 / 3, 3 / 8, 1 / 2, 2 / 3, 3 / 4, 4 / 3, 3 / 2, 2.0, 8 / 3, 3.0, 4.0)  # of sizes of images
 _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
 _SOME = 8  # pairs of which the one with most texture is tried
@@ -37,11 +37,13 @@ class Cause:
         name: as `fixed` and `--fix` take it.
         without: what would be right.
         advice: what to do.
+        corrected: whether `fixed` can: nobody knows the camera matrices of images that were rectified elsewhere.
     """
 
     name: str
     without: str
     advice: str
+    corrected: bool = True
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,8 @@ class Mismatch:
     def advice(self) -> str:
         """What to do."""
         if self.cause is not None:
-            return f"{self.cause.advice} With --fix {self.cause.name} that is done here."
+            here = f" With --fix {self.cause.name} that is done here." if self.cause.corrected else ""
+            return f"{self.cause.advice}{here}"
         if self.two_moments:
             return _TWO_MOMENTS
         return "Check that both images are of this rig, synchronised, and sized and oriented as its calibration."
@@ -133,7 +136,7 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
         images = [[np.ascontiguousarray(image[::-1, ::-1]) for image in (pair.left, pair.right)] for pair in pairs]
         both = zip(pairs, images, strict=True)
         return rig, tuple(replace(pair, left=left, right=right, origin=None) for pair, (left, right) in both)
-    found = [(rig, pairs) for cause, rig, pairs in _causes(rig, pairs) if cause.name == name]
+    found = [(rig, pairs) for cause, rig, pairs in _causes(rig, pairs) if cause.name == name and cause.corrected]
     if not found:
         raise InputError(f"calibration and images do not say how to correct {name!r}; leave --fix out.")
     if len(found) == 1:
@@ -173,6 +176,11 @@ def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, St
         advice = f"K belongs to images of about {width}x{height}; scale it to {size[0]}x{size[1]}."
         scaled = replace(rig, left=_scaled(rig.left, ratio), right=_scaled(rig.right, ratio))
         yield Cause("scaled", f"with K scaled by {ratio:.3g}", advice), scaled, pairs
+    if any(np.any(camera.distortion) for camera in (rig.left, rig.right)):
+        camera, baseline = Camera(rig.left.size, rig.left.matrix), np.array([-float(rig.baseline), 0.0, 0.0])
+        advice = "The images are rectified already: give their own calibration (P1 and P2), or the images as taken."
+        rectified = StereoRig.from_rotation(camera, camera, np.eye(3), baseline)
+        yield Cause("rectified", "as rectified images", advice, corrected=False), rectified, pairs
     if _consecutive(pairs):
         for name, when, left, right in (("early", "later", pairs, pairs[1:]), ("late", "earlier", pairs[1:], pairs)):
             moved = tuple(replace(one, right=other.right, origin=None) for one, other in zip(left, right, strict=False))

@@ -108,7 +108,8 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
         if assessment is not None and assessment.conclusive:
             return solution_of_assessment(to_decide, (run,), assessment, cost, began)
     case, stages = run_schedule(case, start, began)
-    return solution_of_search(case.with_free(case.settings.free), stages, cost, began)
+    cut = len(stages) < len(case.settings.schedule.stages)
+    return solution_of_search(case.with_free(case.settings.free), stages, cost, began, cut=cut)
 
 
 @one_blas_thread()
@@ -130,11 +131,9 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
     rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    look = replace(settings.schedule, stages=settings.schedule.on_rows)
-    settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
+    settings = replace(settings, free=what_may_change(rig, settings))
     case, start, cost = started(prepared(rig, pairs, settings, learns=False))
-    settings = replace(settings, schedule=replace(look, stages=look.stages[-1:]))  # of which the solution is
-    case = replace(case, settings=settings).with_free(settings.free)
-    run, cost = run_look(case, look.stages, start, cost)
+    case = case.with_free(settings.free)
+    run, cost = run_look(case, settings.schedule.on_rows, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -35,18 +35,20 @@ _YAW_ERROR_AFTER_EPIPOLAR = np.radians(0.25)  # at most, where yaw is observed
 _SEED = 0  # of strategies that draw random numbers, in slices
 
 
-def solution_of_search(case: Case, stages: tuple[StageRun, ...], cost: Cost, began: float) -> Solution:
+def solution_of_search(
+    case: Case, stages: tuple[StageRun, ...], cost: Cost, began: float, *, cut: bool = False
+) -> Solution:
     """The solution that the stages of a schedule come to, judged by matches, or, where there are none, by the count.
 
     Args:
         case: with all that may change free, which then may move in the calibration to use.
-        stages: that were run: fewer than the schedule has where a budget ended.
+        stages: that were run.
         cost: of what came before the stages.
         began: when the clock was started.
+        cut: whether the budget ended before all stages were run.
     """
     status, message = _ending(stages)
-    cut = len(stages) < len(case.settings.schedule.stages) or any(stage.cut for stage in stages)
-    if cut:
+    if cut := cut or any(stage.cut for stage in stages):
         status, message = Status.BUDGET, Status.BUDGET.value
     end_rig = stages[-1].ended if stages else case.rig
     run = last_matched(stages)
@@ -223,8 +225,7 @@ def next_slice(case: Case, at: Progress) -> Progress | Solution:
     done = run_stage(case, stage, at.rig, Budget(), _SEED)
     if at.done < len(stages):
         return Progress(done.ended, at.done + 1)
-    settings = replace(case.settings, schedule=replace(schedule, stages=(stage,)), free=case.free)
-    return solution_of_search(replace(case, settings=settings), (done,), Cost(), began)
+    return solution_of_search(case, (done,), Cost(), began)
 
 
 def _rounds(schedule: Schedule) -> tuple[Stage, ...]:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import jax
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.io import load_scene
 from stereorecal.matching import SAD
 from stereorecal.recalibration import Condition, Reason, fixed, health, recalibrate_many
-from stereorecal.recordings import Pair, Scene
+from stereorecal.recordings import Pair, Scene, make_pair
 from stereorecal.scoring import pyramid
 from stereorecal.synthetic import KINDS, decalibrate
 
@@ -163,6 +164,30 @@ def test_k_of_another_size_of_a_real_rig(data_dir: Path, look, size, ratio):
     assert not any(word in str(said) for word in ("rows differ", "misfit", "not determined")), "of chance matches"
 
 
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize(
+    ("kind", "seed", "ratio", "degrees"),
+    [("street", 0, 2.0, 2.5), ("street", 1, 1.5, 1.0), ("harbour", 0, 1.5, 2.5), ("harbour", 1, 0.5, 1.0)],
+)
+def test_k_of_another_size_of_a_rig_that_drifted(scene, kind, seed, ratio, degrees):
+    """Lenses and rotations are free enough to match half of the images all the same."""
+    shown = scene(kind, seed, (640, 480))
+    bad = decalibrate(scaled(shown.rig, ratio), jax.random.key(seed), degrees, 0.008 * degrees)
+    assert f"with K scaled by {1 / ratio:.3g} " in answer(bad, shown.pairs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_part_of_larger_images_is_no_mistake(scene, kind):
+    """Though its principal points lie as in images of another size."""
+    shown, size = scene(kind, 0, (640, 480)), (480, 360)
+    rig = replace(shown.rig, left=replace(shown.rig.left, size=size), right=replace(shown.rig.right, size=size))
+    bad = decalibrate(rig, jax.random.key(0), 1.0, 0.008)
+    seen = slice(size[1]), slice(size[0])
+    (pair,) = shown.pairs
+    assert recalibrate(bad, [make_pair(pair.left[seen], pair.right[seen])]).accepted
+
+
 @pytest.mark.slow
 def test_late_images_whose_times_explain_a_motion_are_not_accepted(data_dir: Path):
     given = load_scene(data_dir / "kitti_odometry/suburb_drive")
@@ -180,3 +205,25 @@ def test_what_cannot_be_of_the_rig_takes_no_part_in_a_joint_estimate(data_dir: P
     assert not second.solution.accepted
     assert second.solution.mismatch is not None
     assert len(pickle.dumps(second.solution.mismatch)) < 2000, "no images travel with it"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("degrees", [0.0, 1.0])
+def test_images_that_are_rectified_already_are_named(scene, degrees):
+    """And no fix is offered: nothing says with which camera matrices."""
+    shown = scene("street", 0, (640, 480))
+    rig, size, rectified = shown.rig, shown.rig.left.size, []
+    cameras = [(np.asarray(camera.matrix), np.asarray(camera.distortion)) for camera in (rig.left, rig.right)]
+    shift = np.array(rig.translation, float)[:, None]
+    *turns, left, right = cv2.stereoRectify(*cameras[0], *cameras[1], size, np.array(rig.rotation, float), shift)[:4]
+    seen = zip(cameras, turns, (left, right), (shown.pairs[0].left, shown.pairs[0].right), strict=True)
+    for (matrix, lens), turn, new, image in seen:
+        maps = cv2.initUndistortRectifyMap(matrix, lens, turn, new, size, cv2.CV_32FC1)
+        rectified.append(cv2.remap(np.asarray(image, np.float32), *maps, cv2.INTER_LINEAR))
+    bad = decalibrate(rig, jax.random.key(0), degrees, 0.008 * degrees)
+    said = recalibrate(bad, [make_pair(*rectified)])
+    assert "as rectified images" in said.verdict
+    assert "rectified already" in said.advice
+    assert "--fix" not in said.advice
+    with pytest.raises(InputError, match="how to correct 'rectified'"):
+        fixed(bad, (make_pair(*rectified),), "rectified")
