@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
 from stereorecal.estimation._posterior import Posterior
-from stereorecal.estimation._rig_parameters import lens_parameters, moved_by_extrinsics
+from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import (
     PINHOLE,
     Camera,
@@ -20,7 +20,6 @@ from stereorecal.geometry import (
     StereoRig,
     View,
     projection,
-    ray_slopes,
     rectifying_rotations,
     reread,
     same_camera,
@@ -226,9 +225,9 @@ def consequences(
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
     left_rays, right_rays = (np.zeros((chart.dim, *points.shape)) for _ in SIDES)
     for side, camera_points, moved in zip(SIDES, (points, right), (left_rays, right_rays), strict=True):
-        own, names = lens_parameters(chart, side)
-        moved[own, :, :2] = chart.half_width[own, None, None] * ray_slopes(getattr(used, side), camera_points, names)
-    outer, by_extrinsics = moved_by_extrinsics(chart, theta, points)
+        own, by_lens = rays_by_lens(chart, used, side, camera_points)
+        moved[own] = by_lens
+    outer, by_extrinsics = moved_by_extrinsics(chart, used, points)
     right_rays[outer] = -(by_extrinsics - right / right[:, 2:] * by_extrinsics[..., 2:]) / right[:, 2:]
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     # Complex steps (Squire & Trapp 1998): derivatives of rows and nearness, exact.

@@ -9,16 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._arrays import central_difference
 from stereorecal.estimation._evidence import Normal
-from stereorecal.geometry import StereoRig, ray_slopes, rectifying_rotations
+from stereorecal.estimation._rig_parameters import moved_by_extrinsics, pose_slopes, rays_by_lens
+from stereorecal.geometry import StereoRig, rectifying_rotations, rectifying_slopes
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
 _FAR = 3.0  # standard deviations: beyond, a range is more likely another thing's
 _OF_OTHER_THINGS = 0.05  # probability that all are: in other units, of another pair, of other pixels
 _LONGEST = 10.0  # percent, of a baseline's error: what asks for more is in other units, and agrees on nothing
 _NEAR = 1e-6  # standard deviations by a percent of the baseline: a range of less is of the horizon
-_STEP = 1e-4  # of the units of θ, for derivatives
 _ANYWHERE = 0.1  # of the image's width, within which the disparities of other things lie
 
 
@@ -40,46 +39,42 @@ class MatchedRanges:
 
     def residuals(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Disparity that the distance asks for less the one that was found, in standard deviations."""
-        return self._disparity_errors(rig, *self._rays(rig)) / self.deviations(rig)
-
-    def _rays(self, rig: StereoRig) -> tuple[Float[np.ndarray, "b 3"], Float[np.ndarray, "b 3"]]:
-        return np.asarray(rig.left.rays(self.left)), np.asarray(rig.right.rays(self.right))
-
-    def _disparity_errors(
-        self, rig: StereoRig, left: Float[np.ndarray, "b 3"], right: Float[np.ndarray, "b 3"]
-    ) -> Float[np.ndarray, "b"]:
-        """The residuals in pixels of the right camera, of pixels with these rays."""
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
-        direction = left / np.linalg.norm(left, axis=-1, keepdims=True)
-        predicted = (direction @ rig.rotation.T + self._nearness[:, None] * rig.translation) @ to_right.T
-        observed = right @ to_right.T
-        return float(rig.right.focal[0]) * (observed[:, 0] / observed[:, 2] - predicted[:, 0] / predicted[:, 2])
+        direction, right, _ = self._rays(rig)
+        seen = direction @ rig.rotation.T + self._nearness[:, None] * rig.translation
+        (observed, _, depth), (x, _, z) = to_right @ right.T, to_right @ seen.T
+        return float(rig.right.focal[0]) * (observed / depth - x / z) / self.deviations(rig)
+
+    def _rays(
+        self, rig: StereoRig
+    ) -> tuple[Float[np.ndarray, "b 3"], Float[np.ndarray, "b 3"], Float[np.ndarray, "b"]]:
+        """Directions from the left camera, rays of the right one, and how long the rays of the left one are."""
+        left, right = np.asarray(rig.left.rays(self.left)), np.asarray(rig.right.rays(self.right))
+        length = np.linalg.norm(left, axis=-1)
+        return left / length[:, None], right, length
 
     def _jacobian(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "b n"]:
-        """Of the residuals; the deviations stay as they are. Central differences: extrinsics move the rotations,
-        intrinsics the rays."""
-        rig = chart.rig_at(theta)
-        rays = np.stack(self._rays(rig))
-        found = np.zeros((len(self.metres), chart.dim))
-        for index, axis in enumerate(np.eye(chart.dim)):
-            if "." not in chart.names[index]:
+        """Derivatives of the residuals by θ; the deviations stay as they are."""
+        rig, found = chart.rig_at(theta), np.zeros((chart.dim, len(self.metres)))
+        (direction, right, length), near = self._rays(rig), self._nearness
+        seen = direction @ rig.rotation.T + near[:, None] * rig.translation
+        _, to_right = rectifying_rotations(rig.rotation, rig.translation)
+        outer, *by_pose = pose_slopes(chart, rig)
+        turned = rectifying_slopes(rig.rotation, rig.translation, *by_pose)[:, 1].swapaxes(1, 2)
 
-                def errors(h: float, axis: Float[np.ndarray, "n"] = axis) -> Float[np.ndarray, "b"]:
-                    return self._disparity_errors(rig.with_extrinsics(chart.extrinsics(theta + h * axis)), *rays)
+        def column(points: Float[np.ndarray, "b 3"], moved: Float[np.ndarray, "m b 3"]) -> Float[np.ndarray, "m b"]:
+            """Derivatives of rectified columns, in focal lengths, of points whose rectified ones have these."""
+            x, _, z = to_right @ points.T
+            return (moved[..., 0] - x / z * moved[..., 2]) / z
 
-                found[:, index] = central_difference(errors, _STEP)
-        for side, name in enumerate(SIDES):
-            own = [index for index, parameter in enumerate(chart.names) if parameter.startswith(name)]
-            if not own:
-                continue
-            slopes = ray_slopes(getattr(rig, name), rays[side], [chart.names[index].split(".")[1] for index in own])
-            for index, slope in zip(own, slopes * chart.half_width[own, None, None], strict=True):
-                by = np.zeros_like(rays)
-                by[side][:, :2] = slope
-                found[:, index] = central_difference(
-                    lambda h, by=by: self._disparity_errors(rig, *(rays + h * by)), _STEP
-                )
-        return found / self.deviations(rig)[:, None]
+        _, moved = moved_by_extrinsics(chart, rig, direction, near)
+        found[outer] = column(right, right @ turned) - column(seen, seen @ turned + moved @ to_right.T)
+        own, by = rays_by_lens(chart, rig, SIDES[0], direction)
+        by = (by - direction * np.sum(direction * by, axis=-1, keepdims=True)) / length[:, None]
+        found[own] = -column(seen, by @ (to_right @ rig.rotation).T)
+        own, by = rays_by_lens(chart, rig, SIDES[1], right)
+        found[own] = column(right, by @ to_right.T)
+        return (float(rig.right.focal[0]) * found / self.deviations(rig)).T
 
     def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
         """Of the disparities less those that the distances ask for, pixels of the right camera."""

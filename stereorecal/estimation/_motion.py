@@ -19,19 +19,18 @@ from jaxtyping import Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
 from stereorecal.estimation._evidence import Normal, marginal
-from stereorecal.estimation._groups import PLACES, places_of
+from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._motion_residuals import (
     MOVES,
     PER_TRACK,
     Motion,
+    Residuals,
     TrackReadings,
     by_extrinsics,
     by_theta,
     consensus,
-    parallax,
     residuals,
     track_readings,
-    with_rays,
 )
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import StereoRig, rotation_from_vector
@@ -111,24 +110,28 @@ def window(
 ) -> Window:
     """The window of tracks, in pixels of the cameras of the chart's rig, linear near θ and the depth that it says
     itself; `way` is the distance travelled from an odometer, and its standard deviation, metres."""
-    nothing = Normal.flat(chart.dim)
-    tracks = with_rays(tracks, chart.rig_at(theta))
-    if len(tracks) < _FEWEST:
-        return Window(nothing, nothing, len(tracks), 0, None, (0.0, np.inf), 1.0)
-    readings = track_readings(tracks, chart.rig_at(theta))
-    found = _motion(readings, chart, theta, _roughly(tracks, chart, theta))
-    inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(found.motion.translation))
-    if np.median(parallax(readings, found.motion, found.nearness)) < _LEAST_PARALLAX:
-        return Window(nothing, nothing, len(tracks), inliers, found.motion, (metres, np.inf), found.scale)
-    theta_refined = theta + found.yaw * _yaw_axis(chart)
-    total = _products(readings, chart, theta_refined, found)
+    nothing, readings = Normal.flat(chart.dim), track_readings(tracks, chart.rig_at(theta))
+    number = len(readings)
+    if number < _FEWEST:
+        return Window(nothing, nothing, number, 0, None, (0.0, np.inf), 1.0)
+    motion, yaw = _roughly(readings, chart, theta)
+    found = _motion(readings, chart, theta, motion, yaw)
+    move = found.motion.translation
+    inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(move))
+    at = theta + found.yaw * _yaw_axis(chart)
+    linear, by = by_theta(readings, chart, at, found.motion, found.nearness)
+    # How many pixels of the left camera's later image the translation moves each point, whatever the rotation.
+    parallax = np.linalg.norm(linear.by_motion[:, 1:3, 3:] @ move, axis=1)
+    if np.median(parallax) < _LEAST_PARALLAX:
+        return Window(nothing, nothing, number, inliers, found.motion, (metres, np.inf), found.scale)
+    total = _products(linear, by, at, found, readings.place)
     normal, covariance = _normal(total, chart)
     with_distance = normal
     if way is not None and far_enough(way[0], chart.rig):
         with_distance = _normal(total + _of_way(found.motion, way, chart.dim), chart)[0]
-    ahead = found.motion.translation / max(metres, 1e-30)
+    ahead = move / max(metres, 1e-30)
     sigma = float(np.sqrt(max(ahead @ covariance @ ahead, 0.0)))
-    return Window(normal, with_distance, len(tracks), inliers, found.motion, (metres, sigma), found.scale)
+    return Window(normal, with_distance, number, inliers, found.motion, (metres, sigma), found.scale)
 
 
 def far_enough(metres: float, rig: StereoRig) -> bool:
@@ -141,42 +144,40 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.eye(chart.dim)[DRIFTING.index("yaw")]
 
 
-def _roughly(tracks: Tracks, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
-    """By some of the tracks, since most of the rounds are far from the end: from what most of them agree on, and, if
-    that does not end where they are expected, from rest, too; whichever ends nearer to them."""
-    rig, some = chart.rig_at(theta), tracks.of(slice(None, None, max(1, len(tracks) // _SOME)))
-    readings, number = track_readings(some, rig), len(some)
-
-    def ended(start: Motion, convex: int) -> _Solved:
-        return _motion(readings, chart, theta, _Solved(start, 0.0, np.zeros(number), 1.0, np.ones(number)), convex)
-
-    agreed = ended(consensus(readings, rig), 0)
-    if agreed.scale < _EXPECTED:
-        return agreed
-    return min(agreed, ended(Motion(np.eye(3), np.zeros(3)), _CONVEX), key=lambda one: one.scale)
+def _roughly(readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Motion, float]:
+    """A motion and a yaw by some of the tracks, since most of the rounds are far from the end: from what most of them
+    agree on, and, if that does not end where they are expected, from rest, too; whichever ends nearer to them."""
+    some = readings.of(slice(None, None, max(1, len(readings) // _SOME)))
+    found = _motion(some, chart, theta, consensus(some, chart.rig_at(theta)))
+    if not found.scale < _EXPECTED:
+        at_rest = _motion(some, chart, theta, Motion(np.eye(3), np.zeros(3)), convex=_CONVEX)
+        found = min(found, at_rest, key=lambda one: one.scale)
+    return found.motion, found.yaw
 
 
 def _motion(
-    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], start: _Solved, convex: int = 0
+    readings: TrackReadings,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+    motion: Motion,
+    yaw: float = 0.0,
+    convex: int = 0,
 ) -> _Solved:
     """Gauss-Newton with redescending weights, from a motion and a yaw; in the first `convex` rounds what is far still
     has some say."""
-    number, axis = len(readings.tracks), _yaw_axis(chart)
-    motion, yaw, nearness, scale, weight = start.motion, start.yaw, np.zeros(number), 1.0, np.ones(number)
-    prior = np.diag(np.r_[_wide(chart), _YAW**-2.0])
-    start_rig, slopes = chart.rig_at(theta), chart.extrinsic_slopes[[DRIFTING.index("yaw")]]
+    number, axis, of_yaw = len(readings), _yaw_axis(chart), DRIFTING.index("yaw")
+    nearness, scale, weight = np.zeros(number), 1.0, np.ones(number)
+    prior, start_rig = np.diag(np.r_[_wide(chart), _YAW**-2.0]), chart.rig_at(theta)
     for round_ in range(_ROUNDS):
         rig = start_rig.with_extrinsics(chart.extrinsics(theta + yaw * axis))
         linear = residuals(readings, rig, motion, nearness)
         if not round_:  # the first pair alone
             nearness = nearness - linear.value[:, 0] / linear.by_nearness[:, 0]
             continue
-        of_yaw = by_extrinsics(linear.expected, rig, slopes, nearness)
-        columns = np.concatenate([linear.value[..., None], linear.by_motion, of_yaw], axis=2)
-        depth_eliminated, pulls, _ = _without_depth(
-            _roots(linear.expected.along[1], _approach(motion, nearness)), linear.by_nearness, columns
-        )
-        ahead = linear.expected.ahead
+        by_yaw = by_extrinsics(linear, chart, rig, nearness)[1][..., [of_yaw]]
+        columns = np.concatenate([linear.value[..., None], linear.by_motion, by_yaw], axis=2)
+        depth_eliminated, pulls, _ = _without_depth(linear, motion, nearness, columns)
+        ahead = linear.ahead
         if not ahead.any():
             break
         depth_eliminated[~ahead] = 0.0
@@ -203,28 +204,20 @@ def _wide(chart: RigChart) -> Float[np.ndarray, "6"]:
     return np.repeat([_TURN**-2.0, (_MOVE * float(chart.rig.baseline)) ** -2.0], 3)
 
 
-def _approach(motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
-    """How far points come nearer, or move across, as a share of their depth."""
-    return np.abs(nearness) * float(np.linalg.norm(motion.translation))
-
-
-def _roots(along: Float[np.ndarray, "m 2"], approach: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m 4 4"]:
-    """What whitens the four numbers of each track: a partner later was looked for where the track was seen later."""
-    error = np.zeros((len(along), PER_TRACK, PER_TRACK + 1))
-    error[:, 0, 0] = error[:, 3, 0] = _ALIKE
-    error[:, 0, 1] = error[:, 3, 4] = _PARTNER
-    error[:, 1, 2] = error[:, 2, 3] = _LATER
-    error[:, 3, 2:4] = _LATER * along
-    larger = np.hypot(1.0, approach / _GROWS)[:, None, None]
-    return np.linalg.inv(np.linalg.cholesky(error @ error.swapaxes(1, 2))) / larger
-
-
 def _without_depth(
-    white: Float[np.ndarray, "m 4 4"], by_nearness: Float[np.ndarray, "m 4"], columns: Float[np.ndarray, "m 4 c"]
+    linear: Residuals, motion: Motion, nearness: Float[np.ndarray, "m"], columns: Float[np.ndarray, "m 4 c"]
 ) -> tuple[Float[np.ndarray, "m 4 c"], Float[np.ndarray, "m c"], Float[np.ndarray, "m 4"]]:
     """Columns, whitened, less what a point's depth takes of them; how much of the depth that is; and the directions
     that depth takes, of length 1."""
-    by, columns = (white @ by_nearness[..., None])[..., 0], white @ columns
+    error = np.zeros((len(nearness), PER_TRACK, PER_TRACK + 1))
+    error[:, 0, 0] = error[:, 3, 0] = _ALIKE
+    error[:, 0, 1] = error[:, 3, 4] = _PARTNER
+    error[:, 1, 2] = error[:, 2, 3] = _LATER
+    error[:, 3, 2:4] = _LATER * linear.along[1]  # a partner later was looked for where the track was seen later
+    approach = np.abs(nearness) * float(np.linalg.norm(motion.translation))  # or across, as a share of their depth
+    larger = np.hypot(1.0, approach / _GROWS)[:, None, None]
+    white = np.linalg.inv(np.linalg.cholesky(error @ error.swapaxes(1, 2))) / larger
+    by, columns = (white @ linear.by_nearness[..., None])[..., 0], white @ columns
     size = np.maximum(np.linalg.norm(by, axis=1, keepdims=True), 1e-150)
     by = by / size
     along = np.einsum("mk,mkc->mc", by, columns)
@@ -232,20 +225,19 @@ def _without_depth(
 
 
 def _products(
-    readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"], found: _Solved
+    linear: Residuals,
+    by: Float[np.ndarray, "m 4 n"],
+    theta: Float[np.ndarray, "n"],
+    found: _Solved,
+    place: Int[np.ndarray, "m"],
 ) -> Float[np.ndarray, "c c"]:
-    """Of the residuals at θ = 0 and their derivatives by θ and by the motion, linear there."""
-    n, rig = chart.dim, chart.rig_at(theta)
-    linear = residuals(readings, rig, found.motion, found.nearness)
-    by = by_theta(readings, chart, theta, found.motion, found.nearness)
+    """Products of the residuals at θ = 0 and their derivatives by θ and by the motion, linear there."""
     columns = np.concatenate([linear.value[..., None], by, linear.by_motion], axis=2)
-    white = _roots(linear.expected.along[1], _approach(found.motion, found.nearness))
-    depth_eliminated, _, depth_directions = _without_depth(white, linear.by_nearness, columns)
-    depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + n] @ theta
-    place = places_of(readings.tracks.left[0], readings.size)
-    depth_eliminated[~linear.expected.ahead] = 0.0
-    weight = found.weight * linear.expected.ahead
-    return _products_with_shared_errors(depth_eliminated / found.scale, depth_directions, weight, place)
+    depth_eliminated, _, directions = _without_depth(linear, found.motion, found.nearness, columns)
+    depth_eliminated[..., 0] -= depth_eliminated[..., 1 : 1 + len(theta)] @ theta
+    depth_eliminated[~linear.ahead] = 0.0
+    weight = found.weight * linear.ahead
+    return _products_with_shared_errors(depth_eliminated / found.scale, directions, weight, place)
 
 
 def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:

@@ -12,25 +12,21 @@ by least median of squares (Rousseeuw 1984), is not drawn to it.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
-from stereorecal.estimation._rig_parameters import lens_parameters
-from stereorecal.geometry import (
-    StereoRig,
-    euler_slopes,
-    pixel_slopes,
-    ray_slopes,
-    rotation_from_vector,
-    vector_from_rotation,
-)
+from stereorecal.estimation._groups import places_of
+from stereorecal.estimation._rig_parameters import by_point, moved_by_extrinsics, pixels_by_lens, rays_by_lens
+from stereorecal.geometry import StereoRig, pixel_slopes, rotation_from_vector, vector_from_rotation
 from stereorecal.objectives import SIDES, RigChart
 from stereorecal.scoring import Tracks
 
 PER_TRACK = 4  # numbers that are data: partner at first, column and row later, partner later
 MOVES = 6  # numbers of a motion: a rotation vector, applied after it [rad], and a translation [m]
-_PARTNERS = (0, 3)
+_LATER, _PARTNERS = [1, 2], [0, 3]  # which of those are of the left image, and of the right one
+_VIEW = [1, 0, 0, 2]  # of each: 0 is the left image later, 1 and 2 are the right one at first and later
 _DRAWS, _OF = 200, 4  # sets of tracks, and how many each; three would do for exact ones
 _SEED = 0
 _TURN, _MOVE = 0.3, 10.0  # rad, baselines: standard deviations, for sets that tell nothing of one of them
@@ -48,48 +44,29 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class TrackReadings:
-    """Tracks, with the rays that the cameras of a rig give to their pixels.
+    """Tracks as the cameras of a rig read them.
 
     Attributes:
-        tracks: their pixels.
-        size: of the images, width and height.
         rays: (m, 3) of the left camera, at first, at depth 1.
-        later: (m, 2, 2) pixels by ray of the left camera, later.
-        partners: (2, m, 2, 2) the same of the right camera at both times.
-        after: (3, m) shares of the motion, since the left camera saw it at first, after which the left one sees it
-            later, and the right one at both times.
+        place: (m,) of the left image, at first.
+        pixels: (3, m, 2) of the left image later, of the right one at first and later.
+        by_ray: (3, m, 2, 2) derivatives of those by the rays at depth 1 that are seen there.
+        after: (3, m) shares of the motion, since the left camera saw it at first, after which they are seen.
     """
 
-    tracks: Tracks
-    size: tuple[int, int]
     rays: Float[np.ndarray, "m 3"]
-    later: Float[np.ndarray, "m 2 2"]
-    partners: Float[np.ndarray, "2 m 2 2"]
+    place: Int[np.ndarray, "m"]
+    pixels: Float[np.ndarray, "3 m 2"]
+    by_ray: Float[np.ndarray, "3 m 2 2"]
     after: Float[np.ndarray, "3 m"]
 
+    def __len__(self) -> int:
+        return len(self.rays)
 
-@dataclass(frozen=True, eq=False)
-class Expected:
-    """Where a rig that moves has the points of tracks, times ρ.
-
-    Attributes:
-        later: (m, 3) for the left camera.
-        at_partner_times: (2, m, 3) for the left camera at the times when the right one sees them.
-        right: (2, m, 3) for the right camera at both times.
-        by_later, by_right: (m, 2, 3), (2, m, 2, 3) derivatives of their pixels by where they are, with the slopes that
-            the lenses have in the pixels that were seen.
-        along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
-        ahead: (m,) which points lie in front of both cameras at both times: where one passes a camera, its pixels are
-            anywhere, and their derivatives without end.
-    """
-
-    later: Float[np.ndarray, "m 3"]
-    at_partner_times: Float[np.ndarray, "2 m 3"]
-    right: Float[np.ndarray, "2 m 3"]
-    by_later: Float[np.ndarray, "m 2 3"]
-    by_right: Float[np.ndarray, "2 m 2 3"]
-    along: Float[np.ndarray, "2 m 2"]
-    ahead: Bool[np.ndarray, "m"]
+    def of(self, which: Any) -> "TrackReadings":
+        """Some of them."""
+        several = (part[:, which] for part in (self.pixels, self.by_ray, self.after))
+        return TrackReadings(self.rays[which], self.place[which], *several)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,64 +77,72 @@ class Residuals:
         value: (m, 4).
         by_nearness: (m, 4), by ρ.
         by_motion: (m, 4, 6).
-        expected: where the points should be.
+        by_point: (m, 4, 3) of what is expected, by where its camera has the point, times ρ; with the slopes that the
+            lenses have in the pixels that were seen.
+        points: (3, m, 3) where the left camera has the points when the pixels are seen, times ρ.
+        turned: (3, m, 3) the same of points that are infinitely far away.
+        along: (2, m, 2) unit vectors of the epipolar lines in the right image, towards nearer points.
+        ahead: (m,) which points lie in front of both cameras at both times: where one passes a camera, its pixels are
+            anywhere, and their derivatives without end.
     """
 
     value: Float[np.ndarray, "m 4"]
     by_nearness: Float[np.ndarray, "m 4"]
     by_motion: Float[np.ndarray, "m 4 6"]
-    expected: Expected
+    by_point: Float[np.ndarray, "m 4 3"]
+    points: Float[np.ndarray, "3 m 3"]
+    turned: Float[np.ndarray, "3 m 3"]
+    along: Float[np.ndarray, "2 m 2"]
+    ahead: Bool[np.ndarray, "m"]
 
 
 def track_readings(tracks: Tracks, rig: StereoRig) -> TrackReadings:
-    """Tracks as the cameras of a rig read them."""
-    left, right = (np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES)
-    later, partners = pixel_slopes(rig.left, left[1], ())[0], pixel_slopes(rig.right, right, ())[0]
-    down = tracks.readout / rig.left.size[1]
-    rows = np.stack([tracks.left[1], *tracks.right])[..., 1] - tracks.left[0, :, 1]
-    after = np.array([[1.0], [0.0], [1.0]]) + down * rows
-    return TrackReadings(tracks, rig.left.size, left[0] / left[0, :, 2:], later, partners, after)
-
-
-def with_rays(tracks: Tracks, rig: StereoRig) -> Tracks:
     """The tracks that the cameras of a rig see in front of them: a wide lens has no rays 90 degrees off its axis."""
     rays = np.stack([np.asarray(getattr(rig, side).rays(getattr(tracks, side)), float) for side in SIDES])
-    return tracks.of(np.isfinite(rays).all(axis=(0, 1, 3)))
+    some = np.isfinite(rays).all(axis=(0, 1, 3))
+    tracks, ((first, later), right) = tracks.of(some), rays[:, :, some]
+    slopes = [pixel_slopes(rig.left, later, ())[0], *pixel_slopes(rig.right, right, ())[0]]
+    pixels = np.stack([tracks.left[1], *tracks.right])
+    down = tracks.readout / rig.left.size[1]
+    after = np.array([[1.0], [0.0], [1.0]]) + down * (pixels[..., 1] - tracks.left[0, :, 1])
+    place = places_of(tracks.left[0], rig.left.size)
+    return TrackReadings(first / first[:, 2:], place, pixels, np.stack(slopes), after)
 
 
 def residuals(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Residuals:
     """Residuals of the tracks of points with these inverse depths [1 / m]."""
-    expected = _expected(readings, rig, motion, nearness)
-    rotation, baseline = rig.rotation, np.asarray(rig.translation)
+    inverse_depth, baseline = nearness[:, None], np.asarray(rig.translation)
+    turned = np.stack([_turned(readings.rays, motion, share) for share in readings.after])
     moves = readings.after[..., None] * motion.translation
-    value = np.empty((len(nearness), PER_TRACK))
-    by_nearness, by_motion = np.empty_like(value), np.empty((*value.shape, MOVES))
-
-    def by_move(
-        by_point: Float[np.ndarray, "m k 3"], point: Float[np.ndarray, "m 3"], number: int
-    ) -> Float[np.ndarray, "m k 6"]:
-        """Derivatives by the motion, after a share of it, of what has these by a point of the left camera."""
-        by_turn = by_point @ _crossed(point - nearness[:, None] * moves[number])
-        whole = np.concatenate([by_turn, nearness[:, None, None] * by_point], axis=2)
-        return readings.after[number][:, None, None] * whole
-
-    value[:, 1:3] = readings.tracks.left[1] - rig.left.project(expected.later)
-    by_nearness[:, 1:3] = -_times(expected.by_later, moves[0])
-    by_motion[:, 1:3] = -by_move(expected.by_later, expected.later, 0)
-    for time, index in enumerate(_PARTNERS):
-        along, point = expected.along[time], expected.at_partner_times[time]
-        value[:, index] = _dot(along, readings.tracks.right[time] - rig.right.project(expected.right[time]))
-        by_right = along[:, None] @ expected.by_right[time]
-        by_nearness[:, index] = -_dot(by_right[:, 0], baseline + moves[1 + time] @ rotation.T)
-        by_motion[:, index] = -by_move(by_right @ rotation, point, 1 + time)[:, 0]
-    return Residuals(value, by_nearness, by_motion, expected)
+    points = turned + inverse_depth * moves
+    seen_at = np.concatenate([points[:1], points[1:] @ rig.rotation.T + inverse_depth * baseline])
+    slopes = by_point(readings.by_ray, seen_at)
+    along = slopes[1:] @ baseline
+    along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
+    expected = np.stack([rig.left.project(seen_at[0]), *rig.right.project(seen_at[1:])])
+    value, of_camera = _data(along, (readings.pixels - expected)[..., None])[..., 0], _data(along, slopes)
+    by = _by_left(of_camera, rig)
+    by_nearness = -_dot(by, moves[_VIEW].swapaxes(0, 1))
+    by_nearness[:, _PARTNERS] -= of_camera[:, _PARTNERS] @ baseline
+    by_turn = np.cross(turned[_VIEW].swapaxes(0, 1), by)
+    by_motion = np.concatenate([by_turn, inverse_depth[:, None] * by], axis=2)
+    by_motion *= -readings.after[_VIEW].T[..., None]
+    first, away = np.linalg.norm(readings.rays, axis=-1), np.linalg.norm(seen_at, axis=-1)
+    ahead = np.all((away > _NEAREST * first) & (seen_at[..., 2] > _NEAREST * away), axis=0)
+    return Residuals(value, by_nearness, by_motion, of_camera, points, turned, along, ahead)
 
 
-def parallax(readings: TrackReadings, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Float[np.ndarray, "m"]:
-    """How many pixels of the left camera's later image the translation moves each point, whatever the rotation."""
-    move = nearness[:, None] * readings.after[0][:, None] * motion.translation
-    turned = _turned(readings.rays, motion, readings.after[0])
-    return np.linalg.norm(_times(_by_point(readings.later, turned + move), move), axis=1)
+def _data(along: Float[np.ndarray, "2 m 2"], of_pixels: Float[np.ndarray, "3 m 2 k"]) -> Float[np.ndarray, "m 4 k"]:
+    """What is data of something of the pixels."""
+    first, later = (along[..., None, :] @ of_pixels[1:])[..., 0, :]
+    return np.stack([first, of_pixels[0, :, 0], of_pixels[0, :, 1], later], axis=1)
+
+
+def _by_left(of_camera: Float[np.ndarray, "m 4 3"], rig: StereoRig) -> Float[np.ndarray, "m 4 3"]:
+    """Derivatives by where the left camera has the points."""
+    found = of_camera.copy()
+    found[:, _PARTNERS] = of_camera[:, _PARTNERS] @ rig.rotation
+    return found
 
 
 def by_theta(
@@ -166,59 +151,34 @@ def by_theta(
     theta: Float[np.ndarray, "n"],
     motion: Motion,
     nearness: Float[np.ndarray, "m"],
-) -> Float[np.ndarray, "m 4 n"]:
-    """Derivatives of the residuals by θ; as seen by the cameras of the rig there. Pixels stay pixels: longer focal
-    lengths do not make errors smaller."""
+) -> tuple[Residuals, Float[np.ndarray, "m 4 n"]]:
+    """The residuals as seen by the cameras of the rig at θ, and their derivatives by θ. Pixels stay pixels: longer
+    focal lengths do not make errors smaller."""
     rig, found = chart.rig_at(theta), np.zeros((len(nearness), PER_TRACK, chart.dim))
-    expected = _expected(readings, rig, motion, nearness)
-    outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    found[..., outer] = by_extrinsics(expected, rig, chart.extrinsic_slopes[outer], nearness)
+    linear = residuals(readings, rig, motion, nearness)
+    outer, moved = by_extrinsics(linear, chart, rig, nearness)
+    found[..., outer] = moved
     # Intrinsics of the left camera move the ray, and with it all that is expected.
-    own, names = lens_parameters(chart, SIDES[0])
-    units = chart.half_width[own, None, None]
-    slopes = units * ray_slopes(rig.left, readings.rays, names)
-    rays = np.concatenate([slopes, np.zeros_like(slopes[..., :1])], axis=-1)
-    turned = [_turned(rays, motion, share) for share in readings.after]
-    of_pixels = units * pixel_slopes(rig.left, expected.later, names)[1] + _times(expected.by_later, turned[0])
-    found[:, 1:3, own] = -np.moveaxis(of_pixels, 0, -1)
-    for time, index in enumerate(_PARTNERS):
-        moved = _times(expected.by_right[time], turned[1 + time] @ rig.rotation.T)
-        found[:, index, own] = -_dot(expected.along[time], moved).T
-    own, names = lens_parameters(chart, SIDES[1])
-    units = chart.half_width[own, None, None, None]
-    of_pixels = units * pixel_slopes(rig.right, expected.right, names)[1]
-    for time, index in enumerate(_PARTNERS):
-        found[:, index, own] = -_dot(expected.along[time], of_pixels[:, time]).T
-    return found
+    own, rays = rays_by_lens(chart, rig, SIDES[0], readings.rays)
+    turned = np.stack([_turned(rays, motion, share) for share in readings.after])
+    found[..., own] = -_dot(_by_left(linear.by_point, rig), np.moveaxis(turned[_VIEW], 0, -2)).transpose(1, 2, 0)
+    _, moved = pixels_by_lens(chart, rig, SIDES[0], linear.points[0])
+    found[:, _LATER[0] : _LATER[-1] + 1, own] -= moved.transpose(1, 2, 0)
+    right = linear.points[1:] @ rig.rotation.T + nearness[:, None] * rig.translation
+    own, moved = pixels_by_lens(chart, rig, SIDES[1], right)
+    found[np.ix_(range(len(nearness)), _PARTNERS, own)] = -_dot(linear.along, moved).transpose(2, 1, 0)
+    return linear, found
 
 
 def by_extrinsics(
-    expected: Expected, rig: StereoRig, slopes: Float[np.ndarray, "e 6"], nearness: Float[np.ndarray, "m"]
-) -> Float[np.ndarray, "m 4 e"]:
-    """Derivatives of the residuals by what moves the extrinsics of a rig, as `RigChart.extrinsic_slopes` has it: they
-    move what the right camera sees."""
-    found = np.zeros((len(nearness), PER_TRACK, len(slopes)))
-    by_angles, by_shift = np.split(slopes, 2, axis=1)
-    turns = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1)
-    for time, index in enumerate(_PARTNERS):
-        moved = expected.at_partner_times[time] @ turns.swapaxes(1, 2) + nearness[:, None] * by_shift[:, None]
-        found[:, index] = -_dot(expected.along[time], _times(expected.by_right[time], moved)).T
-    return found
-
-
-def _expected(readings: TrackReadings, rig: StereoRig, motion: Motion, nearness: Float[np.ndarray, "m"]) -> Expected:
-    inverse_depth, baseline = nearness[:, None], np.asarray(rig.translation)
-    turned = np.stack([_turned(readings.rays, motion, share) for share in readings.after])
-    points = turned + inverse_depth * readings.after[..., None] * motion.translation
-    later, at_partner_times = points[0], points[1:]
-    right = at_partner_times @ rig.rotation.T + inverse_depth * baseline
-    by_later, by_right = _by_point(readings.later, later), _by_point(readings.partners, right)
-    along = by_right @ baseline
-    along = along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-30)
-    seen, first = np.concatenate([points[:1], right]), np.linalg.norm(readings.rays, axis=-1)
-    away = np.linalg.norm(seen, axis=-1)
-    ahead = np.all((away > _NEAREST * first) & (seen[..., 2] > _NEAREST * away), axis=0)
-    return Expected(later, at_partner_times, right, by_later, by_right, along, ahead)
+    linear: Residuals, chart: RigChart, rig: StereoRig, nearness: Float[np.ndarray, "m"]
+) -> tuple[list[int], Float[np.ndarray, "m 4 e"]]:
+    """Where the extrinsics are in θ, and the derivatives of the residuals by them: they move what the right camera of
+    the rig sees."""
+    outer, moved = moved_by_extrinsics(chart, rig, linear.points[1:], nearness)
+    found = np.zeros((*linear.value.shape, len(outer)))
+    found[:, _PARTNERS] = -_dot(linear.by_point[:, _PARTNERS].swapaxes(0, 1), moved).transpose(2, 1, 0)
+    return outer, found
 
 
 def _turned(
@@ -236,37 +196,18 @@ def _turned(
     return vectors + np.sin(angle) * across + (1.0 - np.cos(angle)) * np.cross(axis, across)
 
 
-def _by_point(per_ray: Float[np.ndarray, "*c 2 2"], point: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 2 3"]:
-    """Derivatives of the pixel of a point by where it is."""
-    x, y, z = (point[..., axis, None] for axis in range(3))
-    by_x, by_y = per_ray[..., 0], per_ray[..., 1]
-    return np.stack([by_x, by_y, -(by_x * (x / z) + by_y * (y / z))], axis=-1) / z[..., None]
-
-
-def _times(slopes: Float[np.ndarray, "*#c 2 3"], moved: Float[np.ndarray, "*#c 3"]) -> Float[np.ndarray, "*c 2"]:
-    """How pixels move with their points."""
-    return (slopes @ moved[..., None])[..., 0]
-
-
 def _dot(one: Float[np.ndarray, "*#c k"], other: Float[np.ndarray, "*#c k"]) -> Float[np.ndarray, "*c"]:
     return np.sum(one * other, axis=-1)
-
-
-def _crossed(points: Float[np.ndarray, "m 3"]) -> Float[np.ndarray, "m 3 3"]:
-    """How points move with a rotation vector w: w x p."""
-    x, y, z = points.T
-    zero = np.zeros_like(x)
-    return np.stack([zero, z, -y, -z, zero, x, y, -x, zero], axis=-1).reshape(-1, 3, 3)
 
 
 def consensus(readings: TrackReadings, rig: StereoRig) -> Motion:
     """The motion, to first order of its rotation, from whose flow the tracks' median distance is least; their depths
     are those of the first pair."""
-    number, at_rest = len(readings.tracks), Motion(np.eye(3), np.zeros(3))
+    number, at_rest = len(readings), Motion(np.eye(3), np.zeros(3))
     first = residuals(readings, rig, at_rest, np.zeros(number))
     linear = residuals(readings, rig, at_rest, -first.value[:, 0] / first.by_nearness[:, 0])
     unit = np.repeat([_TURN, _MOVE * float(rig.baseline)], MOVES // 2)
-    offsets, flow = linear.value[:, 1:3], -linear.by_motion[:, 1:3] * unit
+    offsets, flow = linear.value[:, _LATER], -linear.by_motion[:, _LATER] * unit
     draws = np.random.default_rng(_SEED).integers(number, size=(_DRAWS, _OF))
     some = flow[draws].reshape(_DRAWS, -1, MOVES)
     known = some.swapaxes(1, 2) @ some + _ERROR**2 * np.eye(MOVES)

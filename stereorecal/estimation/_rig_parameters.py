@@ -8,12 +8,13 @@ Lens terms that a calibration did not fit are in the model too: a lens whose rad
 decentering does not grow as p1 and p2 say, is read wrongly towards the corners, and there a yaw would pay for it.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, euler_slopes, pixel_slopes
+from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, euler_slopes, pixel_slopes, ray_slopes
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
 from stereorecal.scoring import Correspondences, with_rays_of
 
@@ -29,7 +30,7 @@ def rig_parameters(rig: StereoRig) -> RigChart:
 
 
 def pixels_of(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 4"]:
-    """Of points in the frame of the left camera, in the left and the right image."""
+    """Pixels of points in the frame of the left camera, in the left and the right image."""
     right = points @ rig.rotation.T + rig.translation
     return np.concatenate([rig.left.project(points), rig.right.project(right)], axis=-1)
 
@@ -40,12 +41,10 @@ def slopes_of(
     """Derivatives of `pixels_of` the rig at θ, by θ."""
     rig, found = chart.rig_at(theta), np.zeros((chart.dim, *points.shape[:-1], 4))
     right = points @ rig.rotation.T + rig.translation
-    for side, camera_points in zip(range(len(SIDES)), (points, right), strict=True):
-        own, names = lens_parameters(chart, SIDES[side])
-        _, by_lens = pixel_slopes(getattr(rig, SIDES[side]), camera_points, names)
-        by_unit = chart.half_width[own].reshape(-1, *[1] * points.ndim)
-        found[own, ..., 2 * side : 2 * side + 2] = by_unit * by_lens
-    outer, moved = moved_by_extrinsics(chart, theta, points)
+    for side, camera_points, in_image in zip(SIDES, (points, right), (slice(2), slice(2, 4)), strict=True):
+        own, moved = pixels_by_lens(chart, rig, side, camera_points)
+        found[own, ..., in_image] = moved
+    outer, moved = moved_by_extrinsics(chart, rig, points)
     found[outer, ..., 2:] = (_by_point(rig.right, right) @ moved[..., None])[..., 0]
     return found
 
@@ -56,29 +55,55 @@ def slopes_by_point(rig: StereoRig, points: Float[np.ndarray, "*c 3"]) -> Float[
     return np.concatenate([_by_point(rig.left, points), _by_point(rig.right, right) @ rig.rotation], axis=-2)
 
 
-def lens_parameters(chart: RigChart, side: str) -> tuple[list[int], list[str]]:
-    """Where the intrinsics of a camera are in θ, and their names there."""
+def pixels_by_lens(
+    chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
+) -> tuple[list[int], Float[np.ndarray, "p *c 2"]]:
+    """Where the p intrinsics of a camera are in θ, and the derivatives by them of pixels of points in its frame."""
+    return _by_lens(chart, side, points, lambda names: pixel_slopes(getattr(rig, side), points, names)[1])
+
+
+def rays_by_lens(
+    chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
+) -> tuple[list[int], Float[np.ndarray, "p *c 3"]]:
+    """The same of the rays at depth 1 that a camera gives to pixels which stay."""
+    own, moved = _by_lens(chart, side, points, lambda names: ray_slopes(getattr(rig, side), points, names))
+    return own, np.concatenate([moved, np.zeros_like(moved[..., :1])], axis=-1)
+
+
+def _by_lens(chart: RigChart, side: str, points: Float[np.ndarray, "*c 3"], slopes: Callable):
     own = [index for index, name in enumerate(chart.names) if name.startswith(f"{side}.")]
-    return own, [chart.names[index].split(".")[1] for index in own]
+    moved = slopes([chart.names[index].split(".")[1] for index in own])
+    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * moved
+
+
+def pose_slopes(
+    chart: RigChart, rig: StereoRig
+) -> tuple[list[int], Float[np.ndarray, "m 3 3"], Float[np.ndarray, "m 3"]]:
+    """Where the m extrinsics are in θ, and the derivatives of R and T by them, at a rig of the chart."""
+    outer = [index for index, name in enumerate(chart.names) if "." not in name]
+    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
+    return outer, np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1), by_shift
 
 
 def moved_by_extrinsics(
-    chart: RigChart, theta: Float[np.ndarray, "n"], points: Float[np.ndarray, "*c 3"]
+    chart: RigChart, rig: StereoRig, points: Float[np.ndarray, "*c 3"], share: Float[np.ndarray, "_"] | float = 1.0
 ) -> tuple[list[int], Float[np.ndarray, "m *c 3"]]:
-    """Where the m extrinsics are in θ, and the derivatives by them of points that the right camera sees: R x + T."""
-    outer, extrinsics = [index for index, name in enumerate(chart.names) if "." not in name], chart.extrinsics(theta)
-    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
-    turns = np.tensordot(by_angles, euler_slopes(extrinsics[:3]), 1)
-    flat = points.reshape(-1, 3) @ turns.swapaxes(1, 2) + by_shift[:, None]
-    return outer, flat.reshape(len(outer), *points.shape)
+    """Where the m extrinsics are in θ, and the derivatives by them of where the right camera of a rig of the chart has
+    points: at R x + share T."""
+    outer, turns, shifts = pose_slopes(chart, rig)
+    turned = (points.reshape(-1, 3) @ turns.swapaxes(1, 2)).reshape(len(outer), *points.shape)
+    shares = np.broadcast_to(share, points.shape[:-1])[..., None]
+    return outer, turned + shares * shifts.reshape(-1, *[1] * (points.ndim - 1), 3)
 
 
 def _by_point(camera: Camera, points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 2 3"]:
-    """Of the pixels of points in the camera's frame."""
-    by_ray, _ = pixel_slopes(camera, points, ())
-    rays = points[..., :2] / points[..., 2:]
-    of_rays = np.concatenate([np.broadcast_to(np.eye(2), by_ray.shape), -rays[..., None]], axis=-1)
-    return by_ray @ of_rays / points[..., 2, None, None]
+    return by_point(pixel_slopes(camera, points, ())[0], points)
+
+
+def by_point(by_ray: Float[np.ndarray, "*c 2 2"], points: Float[np.ndarray, "*c 3"]) -> Float[np.ndarray, "*c 2 3"]:
+    """Derivatives by points, in the frame of a camera, of what has these by their rays at depth 1."""
+    depth = points[..., 2, None, None]
+    return np.concatenate([by_ray, -(by_ray @ points[..., :2, None]) / depth], axis=-1) / depth
 
 
 def within_field(
