@@ -7,7 +7,8 @@ from stereorecal.estimation import _calibration_prior as _calibration_prior
 from stereorecal.estimation._calibration_prior import SIZES as SIZES, drift_sizes as drift_sizes, widest as widest
 from stereorecal.estimation._estimate import parts_of as parts_of
 from stereorecal.estimation._evidence import (
-    Explained as Explained,
+    Explanation as Explanation,
+    Nuisances as Nuisances,
     all_explained as all_explained,
     marginal as marginal,
     normal_of as normal_of,
@@ -35,7 +36,6 @@ from stereorecal.estimation._motion_residuals import (
     track_readings as track_readings,
 )
 from stereorecal.estimation._outlines import (
-    Offsets as Offsets,
     _rectangle as _rectangle,
     _squares as _squares,
     _sums as _sums,

@@ -11,7 +11,6 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
-from stereorecal.estimation._posterior import Posterior
 from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import (
     PINHOLE,
@@ -35,7 +34,6 @@ _REACHED = 0.97  # of the angle up to which a lens model is good: a little other
 _MARGIN = 0.05  # of the image, at each side
 _TINY = 1e-30
 _MIDDLE = 0.5  # of the image, each way
-_SEED = 0
 
 
 def points_of_view(rig: StereoRig, distance: float, view: View | None = None) -> Float[np.ndarray, "p 3"]:
@@ -169,17 +167,6 @@ def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], view: View | Non
     return view.formulas.stretch(y, z, np.sqrt(x * x + y * y + z * z))
 
 
-def readings_at(
-    used: StereoRig, true: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None = None
-) -> tuple[list[Float[np.ndarray, "_"]], Float[np.ndarray, "d"]]:
-    """`readings` of several sets of points: the row differences of each, and the mean relative error of its
-    disparities over the view."""
-    ends = np.cumsum([len(points) for points in sets])[:-1]
-    rows, nearness = (np.split(found, ends) for found in readings(used, true, np.concatenate(sets), view))
-    each = zip(_weights(true, sets, view), nearness, strict=True)
-    return rows, np.array([over_view @ some for (over_view, _), some in each])
-
-
 def _focal(used: StereoRig) -> float:
     """The mean focal length."""
     return float(np.mean([used.left.focal, used.right.focal]))
@@ -206,7 +193,16 @@ class Consequences:
     @cached_property
     def mean_nearness(self) -> Float[np.ndarray, "d n"]:
         """Mean relative error of disparity over the view at each of the distances."""
-        return np.stack([w[0] @ part for w, part, _ in zip(self.weights, self.nearness, self.distances, strict=False)])
+        return self.mean_over_view(np.concatenate(self.nearness))
+
+    def of_sets(self, values: Float[np.ndarray, "p *n"]) -> list[Float[np.ndarray, "_ *n"]]:
+        """Values at all points, by the set that they are of."""
+        return np.split(values, np.cumsum([len(some) for some in self.points])[:-1])
+
+    def mean_over_view(self, values: Float[np.ndarray, "p *n"]) -> Float[np.ndarray, "d *n"]:
+        """The mean of values at all points over the view, at each of the distances."""
+        each = zip(self.weights, self.of_sets(values), self.distances, strict=False)
+        return np.stack([over_view @ some for (over_view, _), some, _ in each])
 
 
 def consequences(
@@ -239,56 +235,56 @@ def consequences(
     rows = _focal(used) * np.imag(rows) / _stretch(used, points, view) / _TINY
     nearness = np.imag(inverse_depth) / np.real(inverse_depth) / _TINY
     ends = np.cumsum([len(some) for some in sets])[:-1]
-    rows_of_sets, nearness_of_sets = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
-    weights = tuple(_weights(used, sets, view))
-    return Consequences(distances, tuple(sets), rows_of_sets, nearness_of_sets, weights)
+    by_rows, by_nearness = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
+    return Consequences(distances, tuple(sets), by_rows, by_nearness, tuple(_weights(used, sets, view)))
 
 
 @dataclass(frozen=True, eq=False)
-class SampleReadings:
-    """Rows and disparities over a view, of some rigs that may be true; always the same ones."""
+class Readings:
+    """What rigs read if one of them is the true one: exact if it is that at θ = at, linear around it.
+
+    Attributes:
+        chart: from θ to rigs.
+        at: θ of the rig that is taken for the true one.
+        view: in which rows and depth are read; None: the rig's own pinhole.
+        near: the points, and slopes by θ at or near that rig.
+    """
 
     chart: RigChart
-    posterior: Posterior
-    distances: tuple[float, ...]
+    at: Float[np.ndarray, "n"]
     view: View | None
-    number: int
+    near: Consequences
 
-    def rows_and_nearness(
-        self, used: Float[np.ndarray, "n"]
-    ) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "s d"]]:
-        """What the rig at θ = used reads: root mean squares of row errors [pixels] over the view, and relative errors
-        of disparity, on average over it."""
-        at_mean, nearness = readings_at(self.chart.rig_at(used), self.mean_rig, self.slopes.points, self.view)
-        square = [
-            np.mean(rows**2) - moved @ rows * (2.0 / len(rows)) + of_moved
-            for rows, (moved, of_moved) in zip(at_mean, self._rows, strict=True)
-        ]
-        return np.sqrt(np.maximum(square, 0.0)), nearness - self._nearness
-
-    @cached_property
-    def samples(self) -> Float[np.ndarray, "s n"]:
-        """θ of the rigs."""
-        return self.posterior.samples(self.number, _SEED)
+    def of(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 p"]:
+        """Row errors [pixels] and relative errors of disparity of the rig at θ = used. Read once: where a search ends,
+        the decision begins."""
+        if (key := used.tobytes()) not in self._read:
+            rig = self.chart.rig_at(used)
+            kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
+            rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
+            self._read[key] = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
+            self._read[key].flags.writeable = False
+        return self._read[key]
 
     @cached_property
-    def mean_rig(self) -> StereoRig:
-        """The rig at the posterior's mean."""
-        return self.chart.rig_at(self.posterior.mean)
+    def slopes(self) -> Float[np.ndarray, "2 p n"]:
+        """By what the truth differs by, with the opposite sign."""
+        return np.stack([np.concatenate(self.near.rows), np.concatenate(self.near.nearness)])
 
     @cached_property
-    def slopes(self) -> Consequences:
-        """Slopes of the readings with respect to θ, at the posterior's mean."""
-        return consequences(self.chart, self.posterior.mean, self.distances, self.view)
+    def true(self) -> StereoRig:
+        """The rig that is taken for the true one."""
+        return self.chart.rig_at(self.at)
 
     @cached_property
-    def _rows(self) -> list[tuple[Float[np.ndarray, "s _"], Float[np.ndarray, "s"]]]:
-        """At each distance: by how much rows of each sample's rig differ from those at the mean, and their mean
-        squares."""
-        moved = [(self.samples - self.posterior.mean) @ slopes.T for slopes in self.slopes.rows]
-        return [(some, np.mean(some**2, axis=1)) for some in moved]
+    def _read(self) -> dict[bytes, Float[np.ndarray, "2 p"]]:
+        return {}
 
     @cached_property
-    def _nearness(self) -> Float[np.ndarray, "s d"]:
-        """By how much disparities of each sample's rig differ from those at the mean, relative to them."""
-        return (self.samples - self.posterior.mean) @ self.slopes.mean_nearness.T
+    def _points(self) -> Float[np.ndarray, "p 3"]:
+        return np.concatenate(self.near.points)
+
+    @cached_property
+    def _given_rays(self) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
+        """What the given cameras read, which most candidates keep."""
+        return rays_read(self.chart.rig, self.true, self._points)

@@ -15,8 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import checked_choice
-from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._consequences import DISTANCES, Consequences, SampleReadings
+from stereorecal.estimation._consequences import DISTANCES, Consequences, Readings, consequences
 from stereorecal.estimation._explanations import Hypothesis, mixture
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._late_shutter import Delay
@@ -24,13 +23,11 @@ from stereorecal.estimation._linear_groups import OtherRig
 from stereorecal.estimation._losses import (
     USUAL,
     Errors,
-    Known,
     Losses,
     Matters,
     PointwiseLoss,
     errors_near,
     least_loss,
-    losses,
     points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -79,16 +76,13 @@ def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
         yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, some)
 
 
-def rests(
-    groups: Groups, hypotheses: Sequence[Hypothesis], prior: CalibrationPrior
-) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
+def rests(groups: Groups, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
     """Each part that shows enough, and what the rest knows of θ."""
-    likely = [index for index, weight in enumerate(prior.weights) if weight > 0.0]
+    likely = np.flatnonzero(hypotheses[0].rows.model.prior.weights > 0.0).tolist()
     for name, inside in parts_of(groups):
         if min(np.count_nonzero(inside), np.count_nonzero(~inside)) < _FEWEST:
             continue
-        several = [one for some in hypotheses for one in some.explained(prior, likely, some.rows.of(~inside))]
-        yield name, inside, mixture(several)
+        yield name, inside, mixture([e for one in hypotheses for e in one.explained(likely, one.rows.of(~inside))])
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +107,6 @@ class Estimate:
         view: in which rows and depth are judged; None: the rig's own.
         delay: of the right shutter, if windows leave one possible.
         hypotheses: of what is behind the rows; none where there are no rows, or nobody asks again.
-        prior: of the calibration, with which these were weighed.
         samples: number of rigs that are drawn from the posterior.
         slopes: of errors at the distances that matter, and at `points`, near another rig, where these are known.
     """
@@ -133,7 +126,6 @@ class Estimate:
     view: View | None = None
     delay: Delay | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
-    prior: CalibrationPrior | None = None
     samples: int = 2000
     slopes: Consequences | None = None
 
@@ -159,7 +151,7 @@ class Estimate:
     @cached_property
     def intervals(self) -> Float[np.ndarray, "n 2"]:
         """95 % of each parameter, marginal over all others."""
-        return median_and_interval(self._readings.samples)[1:].T
+        return median_and_interval(self._samples)[1:].T
 
     @property
     def is_late(self) -> bool:
@@ -186,9 +178,9 @@ class Estimate:
         return theta
 
     @cached_property
-    def known(self) -> Known:
-        """What candidates are chosen by."""
-        return Known(self._errors, self.posterior)
+    def loss(self) -> PointwiseLoss:
+        """What candidates are chosen by: expected losses of rigs."""
+        return PointwiseLoss(self._errors, self.posterior)
 
     @cached_property
     def _errors(self) -> Errors:
@@ -199,19 +191,20 @@ class Estimate:
         return errors_near(self.chart, self.theta, self.matters, self.view, points, self.slopes)
 
     @cached_property
-    def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
-        """Of a rig without any, under each of some rigs drawn from the posterior; always the same ones."""
-        return (self._readings.samples - self.theta) @ self._errors.slopes.T
+    def _samples(self) -> Float[np.ndarray, "s n"]:
+        """θ of rigs that are drawn from the posterior; always the same ones."""
+        return self.posterior.samples(self.samples)
 
     @cached_property
-    def _loss(self) -> PointwiseLoss:
-        return PointwiseLoss.under(self._errors, self.posterior)
+    def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
+        """Of a rig without any, if each of these is the true one."""
+        return (self._samples - self.theta) @ self._errors.slopes.T
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> Losses:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
         if (key := used.tobytes()) not in self._losses_of:
-            self._losses_of[key] = losses(self._errors, self._errors.of(used), self._errors_of_samples)
+            self._losses_of[key] = self._errors.losses(self._errors.of(used), self._errors_of_samples)
         return self._losses_of[key]
 
     @cached_property
@@ -221,8 +214,7 @@ class Estimate:
     def rows_seen(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
         """Row errors [pixels] of the rig at θ = used, if the one at the posterior's mean is true, at points that stand
         for what the images show, and the weights of these, which sum to 1."""
-        seen = self._errors.seen
-        return self.matters.rows_px * self._errors.of(used)[: len(seen)], seen
+        return self._errors.readings.of(used)[0], self._errors.seen
 
     def judged_by(self, matters: Matters) -> "Estimate":
         """The same, where another row error and another error of depth are noticed."""
@@ -231,7 +223,7 @@ class Estimate:
     @one_blas_thread()
     def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
         """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point."""
-        return self._loss.expected(self._errors.of(used))
+        return self.loss.expected(self._errors.of(used))
 
     @one_blas_thread()
     def held_out(self, names: Sequence[str], share: float = 1.0, keep_depth: float = 1.0) -> list[HeldOut]:
@@ -249,7 +241,7 @@ class Estimate:
         rows, slopes = near.differences[0], near.jacobian[:, 0].T
 
         def under(posterior: Posterior) -> Float[np.ndarray, "g"]:
-            known, shared = replace(self.known, posterior=posterior), np.zeros_like(free)
+            known, shared = PointwiseLoss(self._errors, posterior), np.zeros_like(free)
             (theta,) = least_loss([known], free, shared, linear=True)
             if share < 1.0:
                 (kept,) = least_loss([known], free, shared, keep_depth=keep_depth, linear=True)
@@ -267,18 +259,22 @@ class Estimate:
     @cached_property
     def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
         """Parts of the images, and what the rest knows."""
-        if self.shown is None or self.prior is None:
-            return []
-        return list(rests(self.shown, self.hypotheses, self.prior))
+        return list(rests(self.shown, self.hypotheses)) if self.shown is not None and self.hypotheses else []
 
     def effect(self, change: Float[np.ndarray, "n"]) -> float:
         """What a small change of θ moves, as the loss counts it."""
         return float(self._errors.weights @ np.abs(self._errors.slopes @ change))
 
+    def _readings(self, distances: tuple[float, ...]) -> Readings:
+        """At distances, if the rig at the posterior's mean is true."""
+        if distances not in self._readings_at:
+            near = consequences(self.chart, self.theta, distances, self.view)
+            self._readings_at[distances] = Readings(self.chart, self.theta, self.view, near)
+        return self._readings_at[distances]
+
     @cached_property
-    def _readings(self) -> SampleReadings:
-        """What rigs of the posterior read, at all distances at which something is said."""
-        return SampleReadings(self.chart, self.posterior, DISTANCES, self.view, self.samples)
+    def _readings_at(self) -> dict[tuple[float, ...], Readings]:
+        return {}
 
     @one_blas_thread()
     def depth_error_percent(
@@ -286,13 +282,13 @@ class Estimate:
     ) -> dict[float, tuple[float, float, float]]:
         """The error of depth of the rig at θ = used, at distances in baselines: median, and 95 % interval; positive: it
         reports too far; infinite where a point seems to lie at infinity or beyond. Over the view, on average."""
-        usual = tuple(distances) == self._readings.distances
-        read = self._readings if usual else replace(self._readings, distances=tuple(distances))
-        found = {}
-        for distance, of_samples in zip(distances, read.rows_and_nearness(used)[1].T, strict=True):
+        readings = self._readings(tuple(distances))
+        of_mean, found = readings.near.mean_over_view(readings.of(used)[1]), {}
+        of_samples = of_mean - (self._samples - self.theta) @ readings.near.mean_nearness.T
+        for distance, nearness in zip(distances, of_samples.T, strict=True):
             middle, high, low = (
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
-                for value in (1.0 + median_and_interval(of_samples)).tolist()
+                for value in (1.0 + median_and_interval(nearness)).tolist()
             )
             found[distance] = (middle, low, high)
         return found
@@ -301,9 +297,11 @@ class Estimate:
     def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
         """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
         median, and 95 % interval; pixels of the images."""
-        found = {}
-        for distance, of_samples in zip(DISTANCES, self._readings.rows_and_nearness(used)[0], strict=False):
-            middle, low, high = median_and_interval(of_samples).tolist()
+        readings, found = self._readings(DISTANCES), {}
+        near = readings.near
+        for distance, rows, slopes in zip(DISTANCES, near.of_sets(readings.of(used)[0]), near.rows, strict=True):
+            of_samples = rows - (self._samples - self.theta) @ slopes.T
+            middle, low, high = median_and_interval(np.sqrt(np.mean(of_samples**2, axis=1))).tolist()
             found[distance] = (middle, low, high)
         return found
 
@@ -323,4 +321,4 @@ def with_free_together(
     for name in names:
         checked_choice(name, list(parameters), "parameter")
     free, shared = np.isin(parameters, names), ~np.isin(parameters, DRIFTING)
-    return least_loss([one.known for one in estimates], free, shared, keep_depth=keep_depth)
+    return least_loss([one.loss for one in estimates], free, shared, keep_depth=keep_depth)

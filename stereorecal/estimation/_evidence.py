@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
+from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._rig_parameters import DRIFTING
 
 _DRIFTING = len(DRIFTING)
@@ -39,6 +40,10 @@ class Normal:
     def of_parameters(self, to: Float[np.ndarray, "n m"]) -> "Normal":
         """Of parameters p with x = to p."""
         return Normal(to.T @ self.a @ to, to.T @ self.b, self.c)
+
+    def of(self, which: Int[np.ndarray, "m"]) -> "Normal":
+        """Of some of the parameters, the others 0; or of all in another order."""
+        return Normal(self.a[np.ix_(which, which)], self.b[which], self.c)
 
     def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
         """Of what the first parameters differ by from a mean."""
@@ -70,25 +75,45 @@ def normal_of(
     return Normal(j.T @ j, -j.T @ r, float(r @ r + 2.0 * np.log(np.diag(lower)).sum()))
 
 
-def marginal(of_rows: Normal, nuisance: Float[np.ndarray, "q q"]) -> Normal:
-    """The likelihood of θ alone, the last parameters integrated, of whose covariance `nuisance` is a root."""
-    n = len(of_rows.b) - len(nuisance)
-    cross = nuisance.T @ np.column_stack([of_rows.a[n:, :n], of_rows.b[n:]])
-    lower = np.linalg.cholesky(np.eye(len(nuisance)) + nuisance.T @ of_rows.a[n:, n:] @ nuisance)
+def marginal(normal: Normal, root: Float[np.ndarray, "q r"]) -> Normal:
+    """The likelihood of the others, the last q parameters integrated, of whose covariance this is a root."""
+    n, own = len(normal.b) - len(root), root.shape[1]
+    cross = root.T @ np.column_stack([normal.a[n:, :n], normal.b[n:]])
+    lower = np.linalg.cholesky(np.eye(own) + root.T @ normal.a[n:, n:] @ root)
     white = np.linalg.solve(lower, cross)
     of_theta, of_pull = white[:, :n], white[:, n]
     return Normal(
-        of_rows.a[:n, :n] - of_theta.T @ of_theta,
-        of_rows.b[:n] - of_theta.T @ of_pull,
-        of_rows.c - float(of_pull @ of_pull) + 2.0 * float(np.log(np.diag(lower)).sum()),
+        normal.a[:n, :n] - of_theta.T @ of_theta,
+        normal.b[:n] - of_theta.T @ of_pull,
+        normal.c - float(of_pull @ of_pull) + 2.0 * float(np.log(np.diag(lower)).sum()),
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Explained:
-    """θ under each of k kinds of drift, one calibration's κ and one misfit.
+class Nuisances:
+    """Parameters ν beside θ, which belong to no rig: normal, around 0.
 
     Attributes:
+        sizes: (q,) their standard deviations.
+        log_prior: natural logarithm of the probability that there are these.
+    """
+
+    sizes: Float[np.ndarray, "q"]
+    log_prior: float
+
+
+ALONE = Nuisances(np.zeros(0), 0.0)  # the rig, and nothing beside it
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """θ under a misfit and one calibration's κ, for each of k kinds of drift.
+
+    Attributes:
+        misfit: deviations of the field of each frame and of the common one, pixels.
+        prior: which of the calibration's covariances.
+        of_rows: the likelihood of θ and ν that this rests on.
+        nuisances: what ν is.
         log_evidence: (k,).
         without_drift: (n + q,) the mean of θ and ν if there were no drift.
         by_drift: (n + q, 5) how they follow the drift.
@@ -99,6 +124,10 @@ class Explained:
         lower: (n + q, n + q) the Cholesky factor of the precision of c and ν that the rows leave, in units of roots.
     """
 
+    misfit: tuple[float, float]
+    prior: int
+    of_rows: Normal
+    nuisances: Nuisances
     log_evidence: Float[np.ndarray, "k"]
     without_drift: Float[np.ndarray, "m"]
     by_drift: Float[np.ndarray, "m 5"]
@@ -114,9 +143,24 @@ class Explained:
         return self._all_means[:, : len(self.calibration)]
 
     @property
-    def nuisance(self) -> Float[np.ndarray, "k q"]:
-        """Means of the nuisance parameters."""
+    def nuisance_means(self) -> Float[np.ndarray, "k q"]:
+        """Of ν."""
         return self._all_means[:, len(self.calibration) :]
+
+    @property
+    def best(self) -> int:
+        """The kind of drift under which it is most probable."""
+        return int(self.log_evidence.argmax())
+
+    @property
+    def theta(self) -> Float[np.ndarray, "n"]:
+        """The mean of θ under that."""
+        return self.means[self.best]
+
+    @property
+    def most(self) -> float:
+        """The logarithm of its evidence under that."""
+        return float(self.log_evidence.max())
 
     @cached_property
     def _all_means(self) -> Float[np.ndarray, "k m"]:
@@ -129,12 +173,8 @@ class Explained:
         half = np.linalg.solve(self.lower, np.eye(len(self.lower), n) @ self.calibration.T)
         return half.T @ half
 
-    def covariance(self, index: int) -> Float[np.ndarray, "n n"]:
-        """Of θ under one of them."""
-        return self.covariances(np.array([index]))[0]
-
     def covariances(self, which: Int[np.ndarray, "s"]) -> Float[np.ndarray, "s n n"]:
-        """Of θ under some of them."""
+        """Of θ under some kinds of drift."""
         across, down = self.sizes[which][:, None], self.sizes[which][:, :, None]
         drift = down * np.linalg.inv(np.eye(_DRIFTING) + down * self.precision * across) * across
         follows = self.by_drift[: len(self.calibration)]
@@ -142,31 +182,28 @@ class Explained:
 
 
 def all_explained(
-    of_rows: Sequence[Normal],
-    calibrations: Float[np.ndarray, "j n n"],
-    prior_mean: Float[np.ndarray, "j n"],
-    nuisance: Float[np.ndarray, "q q"],
-    sizes: Float[np.ndarray, "k 5"],
-    log_weights: Float[np.ndarray, "j k"],
-) -> list[Explained]:
-    """Integrate, for each of j likelihoods, or one that all have in common, and its calibration.
+    told: Sequence[tuple[tuple[float, float], int, float, Normal]],
+    prior: CalibrationPrior,
+    nuisances: Nuisances,
+    drifts: tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, "k"]],
+) -> list[Explanation]:
+    """Integrate each of several likelihoods under one of the calibration's covariances.
 
     Args:
-        of_rows: of θ and q nuisance parameters.
-        calibrations: roots S of the covariances S Sᵀ of c.
-        prior_mean: their means.
-        nuisance: a root of the covariance of the nuisance parameters.
-        sizes: standard deviations of each kind of drift.
-        log_weights: logarithms of their probabilities.
+        told: of each the misfit, which covariance, the logarithm of its probability, and the likelihood of θ and ν.
+        drifts: standard deviations of each kind of drift, and their probabilities.
     """
-    n, q = calibrations.shape[1], len(nuisance)
-    a, b, c = (np.stack([np.asarray(getattr(one, name)) for one in of_rows]) for name in "abc")
+    (sizes, weights), which = drifts, [index for _, index, _, _ in told]
+    calibrations, prior_mean = prior.roots[which], prior.means[which]
+    log_weights = np.log(weights * prior.weights[which, None]) + np.array([log for _, _, log, _ in told])[:, None]
+    n, q = prior.means.shape[1], len(nuisances.sizes)
+    a, b, c = (np.stack([np.asarray(getattr(one, name)) for *_, one in told]) for name in "abc")
     by_mean = (a[:, :, :n] @ prior_mean[:, :, None])[:, :, 0]
     c = c - np.einsum("jn,jn->j", prior_mean, (2.0 * b - by_mean)[:, :n])
     b = b - by_mean
     # With θ and ν in units of their roots.
-    roots = np.zeros((len(calibrations), n + q, n + q))
-    roots[:, :n, :n], roots[:, n:, n:] = calibrations, nuisance
+    roots = np.zeros((len(told), n + q, n + q))
+    roots[:, :n, :n], roots[:, n:, n:] = calibrations, np.diag(nuisances.sizes)
     turned, by_root = roots.swapaxes(1, 2), a @ roots
     pulled, inner = turned @ b[:, :, None], np.eye(n + q) + turned @ by_root
     lower = np.linalg.cholesky(inner)
@@ -177,15 +214,18 @@ def all_explained(
     precision = a[:, :_DRIFTING, :_DRIFTING] - of_drift @ solved[:, :, 1:]
     precision = 0.5 * (precision + precision.swapaxes(1, 2))
     pull = b[:, :_DRIFTING] - (of_drift @ solved[:, :, :1])[:, :, 0]
-    drifts, information = _of_drifts(precision, pull, sizes)
+    means, information = _of_drifts(precision, pull, sizes)
     at_zero = c - (pulled * solved[:, :, :1]).sum(axis=(1, 2))
     at_zero += 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
-    evidence = log_weights - 0.5 * (at_zero[:, None] + information - (drifts @ pull[:, :, None])[:, :, 0])
+    evidence = log_weights - 0.5 * (at_zero[:, None] + information - (means @ pull[:, :, None])[:, :, 0])
     without_drift = without_drift[:, :, 0]
     without_drift[:, :n] += prior_mean
     by_drift = drift_response + np.eye(n + q, _DRIFTING)
-    of_each = zip(evidence, without_drift, by_drift, drifts, precision, calibrations, lower, strict=True)
-    return [Explained(e, w, f, d, p, sizes, root, half) for e, w, f, d, p, root, half in of_each]
+    each = zip(told, evidence, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
+    return [
+        Explanation(misfit, index, normal, nuisances, e, w, by, d, p, sizes, root, half)
+        for (misfit, index, _, normal), e, w, by, d, p, root, half in each
+    ]
 
 
 def _of_drifts(

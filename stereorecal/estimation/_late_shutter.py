@@ -13,13 +13,12 @@ from operator import add
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._confounders import NEGLIGIBLE
-from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._explanations import Explanation, Hypothesis, best_of, explanations
+from stereorecal.estimation._evidence import Explanation, Normal, Nuisances
+from stereorecal.estimation._explanations import Hypothesis, best_of, evidence_of, explanations
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._linear_groups import DEVIATIONS, LinearGroups
-from stereorecal.estimation._motion import Window, Windows, root_and_mean, together, window
+from stereorecal.estimation._motion import Window, Windows, root_and_mean, together
 from stereorecal.estimation._motion_residuals import Motion
 from stereorecal.geometry import StereoRig, euler_from_rotation, rotation_from_vector, vector_from_rotation
 from stereorecal.objectives import RigChart
@@ -51,55 +50,43 @@ class Delay:
 
 def delay_of(late: Hypothesis, alone: Sequence[Explanation]) -> Delay:
     """What a hypothesis whose nuisance parameter is the delay in seconds says of it, beside explanations without."""
-    evidence, without = (np.concatenate([e.found.log_evidence for e in some]) for some in (late.several, alone))
-    both = np.logaddexp.reduce(np.concatenate([evidence, without]))
-    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-    values = np.concatenate([one.found.nuisance[:, 0] for one in late.several])
-    return Delay(float(np.exp(np.logaddexp.reduce(evidence) - both)), float(weights @ values))
+    evidence = np.concatenate([one.log_evidence for one in late.several])
+    own, without = np.logaddexp.reduce(evidence), evidence_of(alone)
+    values = np.concatenate([one.nuisance_means[:, 0] for one in late.several])
+    return Delay(float(np.exp(own - np.logaddexp(own, without))), float(np.exp(evidence - own) @ values))
 
 
-def hypothesis_with_delay(
-    rows: LinearGroups, chart: RigChart, prior: CalibrationPrior, alone: Sequence[Explanation]
-) -> tuple[Hypothesis, LinearGroups] | None:
+def hypothesis_with_delay(rows: LinearGroups, alone: Sequence[Explanation]) -> tuple[Hypothesis, LinearGroups] | None:
     """θ beside a delay in seconds, and the rows near the best of it, with that delay; None where it has no say.
 
     Args:
         rows: near the rig that was fitted alone, with windows.
         alone: the rig alone, for some misfits and all covariances of the calibration's prior.
     """
-    windows, end = rows.measured.windows, best_of(alone)[0]
+    windows, chart, end = rows.model.windows, rows.model.chart, best_of(alone)
     if not windows.frames:
         return None
-    size = _DELAY * float(np.median(windows.seconds))
-    least = float(end.found.log_evidence.max()) - NEGLIGIBLE
-    theta, delay = end.found.means[end.found.log_evidence.argmax()], 0.0
-    misfits = list(dict.fromkeys(one.misfit for one in alone))
-    ways, late, found = np.zeros((len(windows.tracks), chart.dim)), rows, list(alone)
-    nuisance, log_prior = np.full((1, 1), size), float(np.log(_LATE_SHUTTER))
+    size, least = _DELAY * float(np.median(windows.seconds)), end.most - NEGLIGIBLE
+    late, nuisances = rows, Nuisances(np.array([size]), float(np.log(_LATE_SHUTTER)))
+    misfits, found = list(dict.fromkeys(one.misfit for one in alone)), list(alone)
+    theta, delay, ways = end.theta, 0.0, np.zeros((len(windows.tracks), chart.dim))
     for round_ in range(_ROUNDS):
-        rig = chart.rig_at(theta)
-        windows_at_theta = [
-            window(one, chart, theta + delay * way, travelled)
-            for one, way, travelled in zip(windows.tracks, ways, windows.all_ways, strict=True)
-        ]
-        if sum(one.motion is not None for one in windows_at_theta) < _FEWEST_MOVING:
+        told = windows.linear_at(chart, theta + delay * ways)
+        if sum(one.motion is not None for one in told) < _FEWEST_MOVING:
             return None
-        ways = np.stack(
-            [
-                np.zeros(chart.dim) if one.motion is None else of_motion(chart, rig, one.motion) / seconds
-                for one, seconds in zip(windows_at_theta, windows.seconds, strict=True)
-            ]
-        )
-        likelihoods = _delay_evidence(rows, chart, theta, windows_at_theta, ways, prior, size)
-        by_frame = _of_frames(windows, windows_at_theta, ways, rows.groups)
-        late = replace(_rows_and_delay(rows, chart, theta, delay, by_frame), likelihoods=likelihoods)
+        rig, ways = chart.rig_at(theta), np.zeros_like(ways)
+        for way, one, seconds in zip(ways, told, windows.seconds, strict=True):
+            if one.motion is not None:
+                way[:] = of_motion(chart, rig, one.motion) / seconds
+        late = _beside_delay(rows, theta, delay, _of_frames(windows, told, ways, rows.groups), nuisances)
+        late = replace(late, likelihoods=_likelihoods(rows, theta, told, ways, size))
         if round_:
             late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
-        found = explanations(late, prior, range(len(prior.roots)), misfits, nuisance, log_prior)
-        end, kind = best_of(found)
-        if end.found.log_evidence[kind] < least:
+        found = explanations(late, range(len(rows.model.prior.roots)), misfits)
+        end = best_of(found)
+        if end.most < least:
             return None
-        last, theta, delay = delay, end.found.means[kind], float(end.found.nuisance[kind, 0])
+        last, theta, delay = delay, end.theta, float(end.nuisance_means[end.best, 0])
         # The rig alone may have been far away, and much was misfit.
         at, commons = DEVIATIONS.index(end.misfit[0]), dict.fromkeys(common for _, common in misfits)
         misfits = [(deviation, common) for deviation in DEVIATIONS[max(at - 2, 0) : at + 2] for common in commons]
@@ -107,56 +94,56 @@ def hypothesis_with_delay(
             break
     moved = late.at_zero + delay * late.jacobian[:, -1]
     with_delay = replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation)
-    return Hypothesis(late, found, end.misfit, nuisance, log_prior), with_delay
+    return Hypothesis(late, found, end.misfit), with_delay
 
 
-def _rows_and_delay(
-    rows: LinearGroups, chart: RigChart, theta: Float[np.ndarray, "n"], delay: float, ways: Float[np.ndarray, "g n"]
+def _beside_delay(
+    rows: LinearGroups,
+    theta: Float[np.ndarray, "n"],
+    delay: float,
+    ways: Float[np.ndarray, "g n"],
+    nuisances: Nuisances,
 ) -> LinearGroups:
-    """Linear near a θ and a delay, with a column for that."""
+    """Rows linear near a θ and a delay, which is a nuisance parameter."""
     jacobian, at_zero = np.empty_like(rows.jacobian), np.empty_like(rows.at_zero)
     for groups in rows.frames:
-        theta_of_frame = theta + delay * ways[groups[0]]
-        linear = rows.groups.of(groups).rows(chart, theta_of_frame)
-        jacobian[groups] = linear.jacobian[:, 0].T
-        at_zero[groups] = linear.differences[0] - jacobian[groups] @ theta_of_frame
+        of_frame = rows.model.linear(rows.groups.of(groups), theta + delay * ways[groups[0]], rows.likelihoods)
+        jacobian[groups], at_zero[groups] = of_frame.jacobian, of_frame.at_zero
     column = np.einsum("gn,gn->g", jacobian, ways)
-    return replace(rows, jacobian=np.column_stack([jacobian, column]), at_zero=at_zero)
+    return replace(rows, jacobian=jacobian, at_zero=at_zero).beside(nuisances, column[:, None])
 
 
-def _delay_evidence(
+def _likelihoods(
     rows: LinearGroups,
-    chart: RigChart,
     theta: Float[np.ndarray, "n"],
-    windows_at_theta: Sequence[Window],
+    windows: Sequence[Window],
     ways: Float[np.ndarray, "w n"],
-    prior: CalibrationPrior,
     size: float,
 ) -> list[tuple[float, Normal]]:
-    """What windows and ranges tell of θ and the delay."""
-    root, mean = root_and_mean(prior)
-    wider = np.zeros((len(mean) + 1,) * 2)
-    wider[:-1, :-1], wider[-1, -1] = root, size
+    """What windows and ranges tell of θ and the delay, whose standard deviation is `size`."""
+    root, mean = root_and_mean(rows.model.prior)
+    n, chart = len(mean), rows.model.chart
+    wider = np.zeros((n + 1, n + 1))
+    wider[:n, :n], wider[n, n] = root, size
     # Of θ and of how often the way of a window is added to it.
-    to = [(one, np.column_stack([np.eye(len(way)), way])) for one, way in zip(windows_at_theta, ways, strict=True)]
-    several = [one.normal.of_parameters(both) for one, both in to]
-    by_ways = [(one.with_distance - one.normal).of_parameters(both) for one, both in to]
-    alone = together(several, wider, np.append(mean, 0.0))
-    of_windows = rows.measured.windows.explained(alone, reduce(add, by_ways), chart)
+    both = [(one, np.column_stack([np.eye(n), way])) for one, way in zip(windows, ways, strict=True)]
+    by_ways = reduce(add, ((one.with_distance - one.normal).of_parameters(to) for one, to in both))
+    alone = together([one.normal.of_parameters(to) for one, to in both], wider, np.append(mean, 0.0))
+    of_windows = rows.model.windows.explained(alone, by_ways, chart)
     return [
         (log + other, of_ranges.with_nuisance(1) + normal)
-        for log, of_ranges in rows.measured.ranges.likelihoods(chart, theta)
+        for log, of_ranges in rows.model.ranges.likelihoods(chart, theta)
         for other, normal in of_windows
     ]
 
 
 def _of_frames(
-    windows: Windows, windows_at_theta: Sequence[Window], ways: Float[np.ndarray, "w n"], groups: Groups
+    windows: Windows, told: Sequence[Window], ways: Float[np.ndarray, "w n"], groups: Groups
 ) -> Float[np.ndarray, "g n"]:
     """Of the frame of each group: the mean of its windows; of one that is in none, that of the nearest."""
     known = [
         (groups.first[frame], way)
-        for pair, one, way in zip(windows.frames, windows_at_theta, ways, strict=True)
+        for pair, one, way in zip(windows.frames, told, ways, strict=True)
         for frame in pair
         if one.motion is not None
     ]

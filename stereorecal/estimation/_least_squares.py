@@ -17,13 +17,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
+from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
-from stereorecal.estimation._evidence import Normal, marginal
+from stereorecal.estimation._evidence import Explanation, Normal, marginal
 from stereorecal.estimation._explanations import (
-    NOTHING,
-    Explanation,
     Hypothesis,
     best_of,
     evidence_of,
@@ -37,9 +35,8 @@ from stereorecal.estimation._linear_groups import (
     COMMON,
     DEVIATIONS,
     LinearGroups,
-    Measured,
+    Model,
     OtherRig,
-    linear_groups,
     neighbours,
     other_rigs,
 )
@@ -49,7 +46,6 @@ from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._prior_choice import Prior, as_prior, updated
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters, within_field
 from stereorecal.geometry import StereoRig, View
-from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
 _ROUNDS = 8
@@ -79,14 +75,15 @@ class Recording:
     windows: Windows = NO_WINDOWS
     view: View | None = None
 
-    @property
-    def measured(self) -> Measured:
-        """What tells of its rig besides rows."""
-        return Measured(self.ranges, self.windows)
+    @cached_property
+    def model(self) -> Model:
+        """What is known besides its rows."""
+        return Model(rig_parameters(self.rig), self.prior, self.ranges, self.windows)
 
-    def begun(self, chart: RigChart) -> Float[np.ndarray, "n"]:
+    @property
+    def begun(self) -> Float[np.ndarray, "n"]:
         """θ to begin at."""
-        return np.zeros(chart.dim) if self.start is None else self.start
+        return np.zeros(self.model.chart.dim) if self.start is None else self.start
 
 
 @one_blas_thread()
@@ -122,13 +119,11 @@ class Fit:
 
     Attributes:
         recording: that it is of.
-        chart: from θ to rigs.
         rows: linear near the most probable θ; None, where there are too few.
         misfit: the most probable one.
     """
 
     recording: Recording
-    chart: RigChart
     rows: LinearGroups | None
     misfit: tuple[float, float]
 
@@ -137,51 +132,46 @@ class Fit:
     def alone(self) -> Estimate:
         """The estimate under this misfit, without asking what else may be behind the rows: it says where to match, and
         which frames show another rig."""
-        return self._mixed([] if self.rows is None else [self._alone(self.rows, [self.misfit])], self.rows)[0]
+        return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)[0]
 
     @one_blas_thread()
     def weighed(self) -> tuple[Estimate, Explanation]:
         """The estimate, mixed of all hypotheses, and the most probable one of its explanations."""
-        rows, prior, delay = self.rows, self.recording.prior, None
+        rows, delay = self.rows, None
         if rows is None:
             return self._mixed([], None)
-        hypotheses = [self._alone(rows, _neighbouring_misfits(self.misfit, len(rows.frames) > 1))]
+        # The misfits whose fits are mixed: the best one and its neighbours.
+        common = neighbours(self.misfit[1], COMMON) if len(rows.frames) > 1 else (0.0,)
+        hypotheses = [_alone(rows, list(product(neighbours(self.misfit[0], DEVIATIONS), common)))]
         alone = hypotheses[0].several
-        hypotheses += hypotheses_with_confounders(rows, self.chart, prior, alone)
-        if (late := hypothesis_with_delay(rows, self.chart, prior, alone)) is not None:
+        hypotheses += hypotheses_with_confounders(rows, alone)
+        if (late := hypothesis_with_delay(rows, alone)) is not None:
             delay = delay_of(late[0], [one for some in hypotheses for one in some.several])
             hypotheses.append(late[0])
             rows = late[1] if delay.likely else rows
         return self._mixed(hypotheses, rows, delay)
 
-    def _alone(self, rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypothesis:
-        prior = self.recording.prior
-        several = explanations(rows, prior, range(len(prior.roots)), misfits)
-        return Hypothesis(rows, several, best_of(several)[0].misfit, NOTHING, 0.0)
-
     def _mixed(
         self, hypotheses: Sequence[Hypothesis], rows: LinearGroups | None, delay: Delay | None = None
     ) -> tuple[Estimate, Explanation]:
         """The mixture of hypotheses; without rows, of what else was measured."""
-        recording, chart, prior = self.recording, self.chart, self.recording.prior
+        recording, model = self.recording, self.recording.model
         several = [one for some in hypotheses for one in some.several]
         if rows is None:
-            flat = Normal.flat(chart.dim)
-            likelihoods = recording.measured.likelihoods(chart, recording.begun(chart), prior)
-            several = explained_by({(0.0, 0.0): flat}, likelihoods, prior, range(len(prior.roots)))
-        best, posterior = best_of(several)[0], mixture(several)
+            flat, likelihoods = Normal.flat(model.chart.dim), model.likelihoods(recording.begun)
+            several = explained_by(model, {(0.0, 0.0): flat}, likelihoods, range(len(model.prior.roots)))
+        best, posterior = best_of(several), mixture(several)
         estimated = Estimate(
-            chart,
+            model.chart,
             posterior,
             best.misfit,
             0,
             float("nan"),
-            _prior_variance(several, prior),
-            matched_ranges=recording.ranges,
-            windows=recording.windows,
+            _prior_variance(several, model.prior),
+            matched_ranges=model.ranges,
+            windows=model.windows,
             view=recording.view,
             delay=delay,
-            prior=prior,
         )
         if rows is None:
             return estimated, best
@@ -190,7 +180,7 @@ class Fit:
             estimated,
             groups=len(residual),
             residual_px=float(np.sqrt(np.mean(residual**2))),
-            other_rigs=_other_rigs(recording.found, rows, chart, prior, best, posterior.mean),
+            other_rigs=_other_rigs(recording.found, rows, best, posterior.mean),
             shown=rows.groups,
             hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
         )
@@ -200,9 +190,12 @@ class Fit:
 @one_blas_thread()
 def fitted(recording: Recording) -> Fit:
     """The fit of a recording: a prior and a misfit for a round are the evidence's best."""
-    chart = rig_parameters(recording.rig)
-    begun, measured = recording.begun(chart), recording.measured
-    return Fit(recording, chart, *_settled(recording.found, chart, recording.prior, begun, measured))
+    return Fit(recording, *_settled(recording.found, recording.model, recording.begun))
+
+
+def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypothesis:
+    several = explanations(rows, range(len(rows.model.prior.roots)), misfits)
+    return Hypothesis(rows, several, best_of(several).misfit)
 
 
 def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> Float[np.ndarray, "n"]:
@@ -213,24 +206,23 @@ def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> 
 
 
 def _settled(
-    found: Correspondences, chart: RigChart, prior: CalibrationPrior, theta: Float[np.ndarray, "n"], measured: Measured
+    found: Correspondences, model: Model, theta: Float[np.ndarray, "n"]
 ) -> tuple[LinearGroups | None, tuple[float, float]]:
     """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few. It begins
     at `theta`."""
-    misfit, which = (DEVIATIONS[2], 0.0), len(prior.roots) // 2
+    chart, misfit, which = model.chart, (DEVIATIONS[2], 0.0), len(model.prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
         return None, misfit
     first = first_of_same(groups)
     if any_same(first):
         groups = grouped(found, chart, theta, first)
-    rows = linear_groups(groups, chart, theta, prior, measured)
-    step = np.zeros(chart.dim)
+    rows, step = model.linear(groups, theta), np.zeros(chart.dim)
     for number in range(_ROUNDS):
-        best, kind = best_of(_searched(rows, prior, misfit, which))
+        best = best_of(_searched(rows, misfit, which))
         misfit, which = best.misfit, best.prior
-        deviations = np.sqrt(np.maximum(np.diag(best.found.covariance(kind)), 1e-30))
-        last, step = step, (best.found.means[kind] - theta) / deviations
+        deviations = np.sqrt(np.maximum(np.diag(best.covariances(np.array([best.best]))[0]), 1e-30))
+        last, step = step, (best.theta - theta) / deviations
         if number and np.abs(step).max() < _SETTLED:  # from the second round on, groups that err alone have less say
             break
         # Where rows bend along what they hardly tell, whole steps go to and fro.
@@ -238,45 +230,31 @@ def _settled(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta, first)
-        rows = linear_groups(groups, chart, theta, prior, measured, None if number < _REGROUPED else rows.likelihoods)
+        rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     return rows, misfit
 
 
 def _other_rigs(
-    found: Correspondences,
-    rows: LinearGroups,
-    chart: RigChart,
-    prior: CalibrationPrior,
-    best: Explanation,
-    theta: Float[np.ndarray, "n"],
+    found: Correspondences, rows: LinearGroups, best: Explanation, theta: Float[np.ndarray, "n"]
 ) -> tuple[OtherRig, ...]:
     """Frames that show another rig than θ, each by itself, also where several show the same; `best` is the most
     probable explanation of rows near θ."""
     misfit = best.misfit
     if any_same(rows.groups.first):
-        rows = linear_groups(grouped(found, chart, theta), chart, theta, prior, rows.measured, rows.likelihoods)
-        misfit = best_of(_searched(rows, prior, misfit, best.prior))[0].misfit
+        rows = rows.model.linear(grouped(found, rows.model.chart, theta), theta, rows.likelihoods)
+        misfit = best_of(_searched(rows, misfit, best.prior)).misfit
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     return other_rigs(rows, sum(misfit), theta)
 
 
-def _searched(
-    rows: LinearGroups, prior: CalibrationPrior, misfit: tuple[float, float], which: int
-) -> list[Explanation]:
+def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> list[Explanation]:
     """The best misfit for a prior, then the best prior for that misfit."""
-    found = explanations(rows, prior, [which], [(d, misfit[1]) for d in DEVIATIONS])
+    found = explanations(rows, [which], [(d, misfit[1]) for d in DEVIATIONS])
     if len(rows.frames) > 1:
-        deviation = best_of(found)[0].misfit[0]
-        found += explanations(rows, prior, [which], [(deviation, c) for c in COMMON])
-    best = best_of(found)[0]
-    return found + explanations(rows, prior, range(len(prior.roots)), [best.misfit])
-
-
-def _neighbouring_misfits(misfit: tuple[float, float], several: bool) -> list[tuple[float, float]]:
-    """The misfits whose fits are mixed: the best one and its neighbours."""
-    common = neighbours(misfit[1], COMMON) if several else (0.0,)
-    return list(product(neighbours(misfit[0], DEVIATIONS), common))
+        deviation = best_of(found).misfit[0]
+        found += explanations(rows, [which], [(deviation, c) for c in COMMON])
+    return found + explanations(rows, range(len(rows.model.prior.roots)), [best_of(found).misfit])
 
 
 def estimate_together(
@@ -312,9 +290,9 @@ def _estimate_and_message(one: Recording) -> tuple[Estimate, Normal]:
 def of_calibration(best: Explanation) -> Normal:
     """The likelihood of the calibration's error under an explanation, the drift integrated: normal, as large as all
     kinds of drift are on average, by their evidence."""
-    of_theta, log_evidence = marginal(best.of_rows, best.nuisance), best.found.log_evidence
-    weights = np.exp(log_evidence - np.logaddexp.reduce(log_evidence))
-    axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ drift_sizes()[0] ** 2)
+    of_theta = marginal(best.of_rows, np.diag(best.nuisances.sizes))
+    weights = np.exp(best.log_evidence - np.logaddexp.reduce(best.log_evidence))
+    axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ best.sizes**2)
     both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
     return marginal(both, np.diag(sizes))
 

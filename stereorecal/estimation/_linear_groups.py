@@ -7,7 +7,7 @@ deviations; their length is short, since a smooth field would be the keystone of
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from itertools import product
 from statistics import NormalDist
 
@@ -15,7 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.estimation._calibration_prior import CalibrationPrior
-from stereorecal.estimation._evidence import Normal, normal_of
+from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
@@ -68,18 +68,37 @@ def unexpected(covariance: Float[np.ndarray, "g g"], residual: Float[np.ndarray,
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
-    """Ranges and windows of what was seen."""
+class Model:
+    """What is known of a rig besides rows.
 
+    Attributes:
+        chart: from θ to rigs.
+        prior: of what the calibration left.
+        ranges, windows: of what was seen.
+    """
+
+    chart: RigChart
+    prior: CalibrationPrior
     ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
 
-    def likelihoods(
-        self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
-    ) -> list[tuple[float, Normal]]:
-        """What they may tell of θ, near a θ: every combination, each with the logarithm of its probability."""
-        of_ranges, of_windows = self.ranges.likelihoods(chart, theta), self.windows.likelihoods(chart, theta, prior)
+    def likelihoods(self, theta: Float[np.ndarray, "n"]) -> list[tuple[float, Normal]]:
+        """What ranges and windows may tell of θ, near a θ: every combination, each with the logarithm of its
+        probability."""
+        of_ranges = self.ranges.likelihoods(self.chart, theta)
+        of_windows = self.windows.likelihoods(self.chart, theta, self.prior)
         return [(one + other, a + b) for (one, a), (other, b) in product(of_ranges, of_windows)]
+
+    def linear(
+        self, groups: Groups, theta: Float[np.ndarray, "n"], likelihoods: Sequence[tuple[float, Normal]] | None = None
+    ) -> "LinearGroups":
+        """The rows of groups, linear near θ; with likelihoods of ranges and windows as they were near another θ, or
+        anew."""
+        rows = groups.rows(self.chart, theta)
+        jacobian = rows.jacobian[:, 0].T
+        likelihoods = self.likelihoods(theta) if likelihoods is None else likelihoods
+        at_zero = rows.differences[0] - jacobian @ theta
+        return LinearGroups(self, groups, jacobian, at_zero, groups.deviation, likelihoods)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,38 +106,36 @@ class LinearGroups:
     """The rows of groups near θ: r₀ + J θ.
 
     Attributes:
+        model: what is known besides.
         groups: with frames, places and deviations.
-        jacobian: (g, n); nuisance parameters may follow θ.
+        jacobian: (g, n + q); nuisance parameters may follow θ.
         at_zero: (g,) r₀.
         deviation: (g,) pixels; larger than that of `groups` where a group errs alone.
-        frames: indices of the groups of each frame.
-        measured: ranges and windows.
-        likelihoods: what these may tell of θ, as `Measured.likelihoods` has it.
+        likelihoods: what else may tell of θ, as `Model.likelihoods` has it.
+        nuisances: what follows θ.
     """
 
+    model: Model
     groups: Groups
     jacobian: Float[np.ndarray, "g n"]
     at_zero: Float[np.ndarray, "g"]
     deviation: Float[np.ndarray, "g"]
-    frames: Sequence[Int[np.ndarray, "_"]]
-    measured: Measured
     likelihoods: Sequence[tuple[float, Normal]]
+    nuisances: Nuisances = ALONE
+
+    @cached_property
+    def frames(self) -> list[Int[np.ndarray, "_"]]:
+        """Indices of the groups of each frame."""
+        return [np.flatnonzero(self.groups.frame == frame) for frame in np.unique(self.groups.frame)]
 
     def of(self, which: Bool[np.ndarray, "g"]) -> "LinearGroups":
         """Some of them."""
-        groups = self.groups.of(which)
-        return replace(
-            self,
-            groups=groups,
-            jacobian=self.jacobian[which],
-            at_zero=self.at_zero[which],
-            deviation=self.deviation[which],
-            frames=_frames(groups),
-        )
+        some = {name: getattr(self, name)[which] for name in ("jacobian", "at_zero", "deviation")}
+        return replace(self, groups=self.groups.of(which), **some)
 
-    def with_columns(self, columns: Float[np.ndarray, "g q"]) -> "LinearGroups":
+    def beside(self, nuisances: Nuisances, columns: Float[np.ndarray, "g q"]) -> "LinearGroups":
         """With nuisance parameters after θ, which do this to rows."""
-        return replace(self, jacobian=np.column_stack([self.jacobian, columns]))
+        return replace(self, jacobian=np.column_stack([self.jacobian, columns]), nuisances=nuisances)
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """At θ."""
@@ -145,28 +162,6 @@ class LinearGroups:
             covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
             unexpected_errors[f] = unexpected(covariance, residual[f])
         return self.groups.deviation * np.sqrt(1.0 + (unexpected_errors / _BOUND) ** 2)
-
-
-def linear_groups(
-    groups: Groups,
-    chart: RigChart,
-    theta: Float[np.ndarray, "n"],
-    prior: CalibrationPrior,
-    measured: Measured,
-    likelihoods: Sequence[tuple[float, Normal]] | None = None,
-) -> LinearGroups:
-    """The rows of groups, linear near θ; with likelihoods of ranges and windows as they were near another θ, or
-    anew."""
-    rows = groups.rows(chart, theta)
-    jacobian = rows.jacobian[:, 0].T
-    at_zero = rows.differences[0] - jacobian @ theta
-    likelihoods = measured.likelihoods(chart, theta, prior) if likelihoods is None else likelihoods
-    return LinearGroups(groups, jacobian, at_zero, groups.deviation, _frames(groups), measured, likelihoods)
-
-
-def _frames(groups: Groups) -> list[Int[np.ndarray, "_"]]:
-    """Indices of the groups of each frame."""
-    return [np.flatnonzero(groups.frame == frame) for frame in np.unique(groups.frame)]
 
 
 def rows_of_groups(

@@ -15,16 +15,15 @@ from jaxtyping import Bool, Float
 from stereorecal._errors import InputError
 from stereorecal.estimation._consequences import (
     Consequences,
+    Readings,
     consequences,
     nearness_of,
-    rays_read,
-    readings_of_rays,
     within_lens,
 )
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._posterior import Posterior, merged
 from stereorecal.estimation._rig_parameters import DRIFTING
-from stereorecal.geometry import StereoRig, View, reread
+from stereorecal.geometry import View, reread
 from stereorecal.objectives import RigChart
 
 _OF_SHOWN = 2.0 / 3.0  # of the weight of rows: where images show something; the rest is even over the view
@@ -60,58 +59,29 @@ class Errors:
     """Row errors and errors of depth of a rig at p points, in units of what matters: q = 2p errors.
 
     Attributes:
-        matters: those units, and the distances.
-        consequences: slopes by θ near `at`, of the points even over the view at each of its distances, and, if images
-            show something, of a last set of points.
-        at: θ of the rig that is taken for the true one.
-        true: that rig.
-        chart: from θ to rigs.
-        view: in which rows and depth are read; None: the rig's own.
+        readings: of the points even over the view at each of the distances that matter, and, if images show something,
+            of a last set of points.
+        matters: those units.
         shown: (m,) weights of the last set; empty: there is none.
     """
 
+    readings: Readings
     matters: Matters
-    consequences: Consequences
-    at: Float[np.ndarray, "n"]
-    true: StereoRig
-    chart: RigChart
-    view: View | None
     shown: Float[np.ndarray, "m"]
+
+    def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
+        """The errors of the rig at θ, if the one that is taken for true is: rows, then depth."""
+        return self.readings.of(theta).ravel() / self._units
 
     @cached_property
     def slopes(self) -> Float[np.ndarray, "q n"]:
         """Of rows, then of depth."""
-        return self._in_units(*map(np.concatenate, (self.consequences.rows, self.consequences.nearness)))
-
-    def of(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
-        """The errors of the rig at θ, if the one at `at` is true: rows, then depth. Read once: where a search ends, the
-        decision begins."""
-        if (key := theta.tobytes()) not in self._read:
-            used = self.chart.rig_at(theta)
-            kept = used.left is self.chart.rig.left and used.right is self.chart.rig.right
-            rays = self._given_rays if kept else rays_read(used, self.true, self._points)
-            found = self._in_units(*readings_of_rays(used, *rays, self._points, self.view))
-            found.flags.writeable = False
-            self._read[key] = found
-        return self._read[key]
+        slopes = self.readings.slopes
+        return slopes.reshape(-1, slopes.shape[-1]) / self._units[:, None]
 
     @cached_property
-    def _read(self) -> dict[bytes, Float[np.ndarray, "q"]]:
-        return {}
-
-    @cached_property
-    def _points(self) -> Float[np.ndarray, "p 3"]:
-        return np.concatenate(self.consequences.points)
-
-    @cached_property
-    def _given_rays(self) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
-        """What the given cameras read, which most candidates keep."""
-        return rays_read(self.chart.rig, self.true, self._points)
-
-    def _in_units(
-        self, rows: Float[np.ndarray, "p *n"], nearness: Float[np.ndarray, "p *n"]
-    ) -> Float[np.ndarray, "q *n"]:
-        return np.concatenate([rows / self.matters.rows_px, 100.0 * nearness / self.matters.depth_points])
+    def _units(self) -> Float[np.ndarray, "q"]:
+        return np.repeat([self.matters.rows_px, 0.01 * self.matters.depth_points], self.readings.slopes.shape[1])
 
     @cached_property
     def even(self) -> Float[np.ndarray, "p"]:
@@ -126,14 +96,6 @@ class Errors:
         return np.concatenate([np.zeros(len(self.even) - len(self.shown)), self.shown])
 
     @cached_property
-    def farthest(self) -> Float[np.ndarray, "p"]:
-        """Weights of the points ahead at the farthest of the distances."""
-        lengths, farthest = map(len, self.consequences.points), int(np.argmax(self.consequences.distances))
-        of_set = [np.full(length, float(index == farthest)) for index, length in enumerate(lengths)]
-        weights = self._of_distances(1) * np.concatenate(of_set)
-        return weights / weights.sum()
-
-    @cached_property
     def weights(self) -> Float[np.ndarray, "q"]:
         """Of all errors in the loss; those of rows sum to 1, and so do those of depth."""
         return np.concatenate([_OF_SHOWN * self.seen + (1.0 - _OF_SHOWN) * self.even, self.even])
@@ -144,11 +106,47 @@ class Errors:
         corners, and that need not be kept."""
         return np.concatenate([np.zeros_like(self.even), self._of_distances(1)])
 
-    def _of_distances(self, which: int) -> Float[np.ndarray, "p"]:
-        """Weights of the points at all distances alike, over the view, 0, or ahead, 1."""
-        number = len(self.consequences.distances)
-        each = [weights[which] / number for weights in self.consequences.weights[:number]]
-        return np.concatenate([*each, np.zeros(len(self.shown))])
+    def _of_distances(self, which: int, distances: Sequence[float] | None = None) -> Float[np.ndarray, "p"]:
+        """Weights of the points at some of the distances, default all, at each alike: over the view, 0, or ahead, 1."""
+        near = self.readings.near
+        some = near.distances if distances is None else distances
+        each = zip(near.weights, near.distances, strict=False)
+        weights = [weights[which] * (distance in some) / len(some) for weights, distance in each]
+        return np.concatenate([*weights, np.zeros(len(self.shown))])
+
+    @cached_property
+    def _of_losses(self) -> Float[np.ndarray, "q 4"]:
+        """Weights of the errors in `Losses`, in their units."""
+        none, matters = np.zeros_like(self.even), self.matters
+        farthest = self._of_distances(1, [max(self.readings.near.distances)])
+        rows = [np.concatenate([matters.rows_px * weights, none]) for weights in (self.seen, self.even)]
+        return np.stack([*rows, np.concatenate([none, matters.depth_points * farthest]), self.weights], axis=1)
+
+    def losses(self, found: Float[np.ndarray, "q"], samples: Float[np.ndarray, "s q"]) -> "Losses":
+        """What a rig loses that has these errors, for errors of a rig without any under each sample."""
+        away = found - samples
+        np.abs(away, out=away)  # in place: fresh pages for a few megabytes take longer than the sums
+        lost = away @ self._of_losses
+        lost.flags.writeable = False  # kept, and given to whoever asks again
+        return Losses(*lost.T)
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """What a rig loses if each of s rigs drawn from the posterior is the true one.
+
+    Attributes:
+        seen: mean |row error| where images show something, pixels.
+        even: mean |row error| over the whole view at all distances, pixels.
+        farthest: mean |error of depth| ahead, in the middle half of the view each way, at the farthest distance,
+            percent.
+        total: the loss.
+    """
+
+    seen: Float[np.ndarray, "s"]
+    even: Float[np.ndarray, "s"]
+    farthest: Float[np.ndarray, "s"]
+    total: Float[np.ndarray, "s"]
 
 
 def errors_near(
@@ -156,7 +154,7 @@ def errors_near(
     at: Float[np.ndarray, "n"],
     matters: Matters,
     view: View | None,
-    shown: tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]] | None,
+    shown: tuple[Float[np.ndarray, "m 3"], Float[np.ndarray, "m"]] | None = None,
     slopes: Consequences | None = None,
 ) -> Errors:
     """Linear near the rig at θ = at, of points that stand for what the images show as well, if they and their weights
@@ -164,12 +162,12 @@ def errors_near(
     points, weights = shown if shown is not None else (np.zeros((0, 3)), np.zeros(0))
     if slopes is None:
         slopes = consequences(chart, at, matters.distances, view, [points] if len(points) else [])
-    return Errors(matters, slopes, at, chart.rig_at(at), chart, view, weights)
+    return Errors(Readings(chart, at, view, slopes), matters, weights)
 
 
 def extrinsics_like(chart: RigChart, view: View | None) -> Float[np.ndarray, "5 n"]:
     """The change of the extrinsics that is most like each parameter's in what it does to rows and depth."""
-    errors = errors_near(chart, np.zeros(chart.dim), USUAL, view, None)
+    errors = errors_near(chart, np.zeros(chart.dim), USUAL, view)
     slopes = np.sqrt(errors.weights)[:, None] * errors.slopes
     return np.linalg.lstsq(slopes[:, : len(DRIFTING)], slopes, rcond=None)[0]
 
@@ -194,33 +192,38 @@ def points_shown(
 
 @dataclass(frozen=True, eq=False)
 class PointwiseLoss:
-    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of normal ones.
+    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of k normal ones.
 
     Attributes:
-        errors: the points, and their weights.
-        centres: (k, q) errors of a rig without any, for each of the normal distributions of the posterior.
-        deviations: (k, q)
-        probabilities: (k,)
+        errors: near the posterior's mean.
+        posterior: of θ.
     """
 
     errors: Errors
-    centres: Float[np.ndarray, "k q"]
-    deviations: Float[np.ndarray, "k q"]
-    probabilities: Float[np.ndarray, "k"]
+    posterior: Posterior
 
-    @classmethod
-    def under(cls, errors: Errors, posterior: Posterior) -> "PointwiseLoss":
-        """That of a posterior."""
-        slopes = errors.slopes
-        variances = np.einsum("pi,kpi->kp", slopes, slopes @ posterior.covariances)
-        deviations = np.sqrt(np.maximum(variances, 1e-18))
-        return cls(errors, (posterior.means - errors.at) @ slopes.T, deviations, posterior.weights)
+    @cached_property
+    def centres(self) -> Float[np.ndarray, "k q"]:
+        """Errors of a rig without any, for each of the normal distributions of the posterior."""
+        return (self.posterior.means - self.errors.readings.at) @ self.errors.slopes.T
+
+    @cached_property
+    def deviations(self) -> Float[np.ndarray, "k q"]:
+        """Of the errors, likewise."""
+        slopes = self.errors.slopes
+        return np.sqrt(np.maximum(np.einsum("pi,kpi->kp", slopes, slopes @ self.posterior.covariances), 1e-18))
+
+    @property
+    def spread(self) -> Float[np.ndarray, "n"]:
+        """Standard deviations of θ."""
+        return np.sqrt(np.maximum(np.diag(self.posterior.covariance), 1e-24))
 
     def expected(self, found: Float[np.ndarray, "q"]) -> float:
         """The mean of |error|, that of a folded normal distribution at each point, for `errors.of` a rig."""
         z = (found - self.centres) / self.deviations
         density, twice = _normal(z)
-        return float(self.errors.weights @ (self.probabilities @ (self.deviations * (2.0 * density + z * twice))))
+        each = self.deviations * (2.0 * density + z * twice)
+        return float(self.errors.weights @ (self.posterior.weights @ each))
 
     def quadratic(self, found: Float[np.ndarray, "q"]) -> tuple[Float[np.ndarray, "q"], Float[np.ndarray, "q"]]:
         """A bound from above that touches the loss at `found`: curvature and slope by each error (reweighted least
@@ -229,8 +232,8 @@ class PointwiseLoss:
         density, twice = _normal(away / self.deviations)
         flat = np.abs(away) < 1e-3 * self.deviations
         each = np.where(flat, 2.0 * density / self.deviations, twice / np.where(flat, 1.0, away))
-        weights = self.errors.weights
-        return weights * (self.probabilities @ each), weights * (self.probabilities @ twice)
+        weights, probabilities = self.errors.weights, self.posterior.weights
+        return weights * (probabilities @ each), weights * (probabilities @ twice)
 
 
 def _normal(z: Float[np.ndarray, "*p"]) -> tuple[Float[np.ndarray, "*p"], Float[np.ndarray, "*p"]]:
@@ -240,58 +243,8 @@ def _normal(z: Float[np.ndarray, "*p"]) -> tuple[Float[np.ndarray, "*p"], Float[
     return np.exp(-0.5 * z * z) / _ROOT_2_PI, erf(z / _ROOT_2)
 
 
-@dataclass(frozen=True, eq=False)
-class Losses:
-    """What a rig loses if each of s rigs drawn from the posterior is the true one.
-
-    Attributes:
-        seen: mean |row error| where images show something, pixels.
-        even: mean |row error| over the whole view at all distances, pixels.
-        farthest: mean |error of depth| ahead, in the middle half of the view each way, at the farthest distance,
-            percent.
-        total: the loss.
-    """
-
-    seen: Float[np.ndarray, "s"]
-    even: Float[np.ndarray, "s"]
-    farthest: Float[np.ndarray, "s"]
-    total: Float[np.ndarray, "s"]
-
-
-def losses(errors: Errors, found: Float[np.ndarray, "q"], samples: Float[np.ndarray, "s q"]) -> Losses:
-    """What `errors.of` a rig loses, for errors of a rig without any under each sample."""
-    away = found - samples
-    np.abs(away, out=away)  # in place: fresh pages for a few megabytes take longer than the sums
-    p = len(errors.even)
-    weights = np.zeros((2 * p, 4))
-    weights[:p, 0], weights[:p, 1] = errors.matters.rows_px * errors.seen, errors.matters.rows_px * errors.even
-    weights[p:, 2], weights[:, 3] = errors.matters.depth_points * errors.farthest, errors.weights
-    found = away @ weights
-    found.flags.writeable = False  # kept, and given to whoever asks again
-    return Losses(*found.T)
-
-
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What is known of a rig, as far as candidates are chosen by it: errors of rigs near the posterior's mean, and
-    that."""
-
-    errors: Errors
-    posterior: Posterior
-
-    @property
-    def initial(self) -> Float[np.ndarray, "q"]:
-        """Errors of the initial rig, if that at the mean is true."""
-        return self.errors.of(np.zeros_like(self.errors.at))
-
-    @property
-    def deviations(self) -> Float[np.ndarray, "n"]:
-        """Of θ."""
-        return np.sqrt(np.maximum(np.diag(self.posterior.covariance), 1e-24))
-
-
 def least_loss(
-    several: Sequence[Known],
+    several: Sequence[PointwiseLoss],
     free: Bool[np.ndarray, "n"],
     shared: Bool[np.ndarray, "n"],
     *,
@@ -304,7 +257,7 @@ def least_loss(
     Reweighted least squares: the pointwise loss is convex, and a quadratic bound of it falls with each step.
 
     Args:
-        several: rigs, with the same parameters.
+        several: what rigs lose, with the same parameters.
         free: which parameters may change.
         shared: which are the same for all.
         keep_depth: times that a change of depth ahead, against the initial rig, costs its square: depth changes by
@@ -312,7 +265,7 @@ def least_loss(
         linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
     """
     searches = [_Search(one, keep_depth, linear) for one in several]
-    units = [np.where(shared, several[0].deviations, one.deviations) for one in several]
+    units = [np.where(shared, several[0].spread, one.spread) for one in several]
     own, common = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared)
     moves, size = np.concatenate([own, common]), len(several) * len(own) + len(common)
     where = [
@@ -358,36 +311,38 @@ def least_loss(
 class _Search:
     """One rig's part of the loss."""
 
-    def __init__(self, known: Known, keep_depth: float, linear: bool) -> None:
-        posterior = merged(known.posterior, 1 if linear else _NORMALS)
-        self.known, self.kept, self.linear = known, _KEPT * keep_depth, linear
-        self.loss = PointwiseLoss.under(known.errors, posterior)
-        scale = known.deviations
-        self.far = _FAR * np.linalg.inv(
-            known.posterior.covariance / np.outer(scale, scale) + _ROUNDING * np.eye(len(scale))
-        )
-        self.far /= np.outer(scale, scale)
+    def __init__(self, known: PointwiseLoss, keep_depth: float, linear: bool) -> None:
+        self.loss = PointwiseLoss(known.errors, merged(known.posterior, 1 if linear else _NORMALS))
+        self.kept, self.linear, scale = _KEPT * keep_depth, linear, known.spread
+        self.mean, covariance = known.posterior.mean, known.posterior.covariance
+        scales = np.outer(scale, scale)
+        self.far = _FAR * np.linalg.inv(covariance / scales + _ROUNDING * np.eye(len(scale))) / scales
+
+    @cached_property
+    def initial(self) -> Float[np.ndarray, "q"]:
+        """Errors of the initial rig, if that at the mean is true."""
+        return self.loss.errors.of(np.zeros_like(self.mean))
 
     def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
-        errors = self.known.errors
-        return errors.slopes @ (theta - errors.at) if self.linear else errors.of(theta)
+        errors = self.loss.errors
+        return errors.slopes @ (theta - errors.readings.at) if self.linear else errors.of(theta)
 
     def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]) -> float:
         """What is minimised."""
-        away = theta - self.known.posterior.mean
+        away = theta - self.mean
         loss = self.loss.expected(found) + float(away @ self.far @ away)
         if self.kept:
-            loss += self.kept * float(self.known.errors.depth_ahead @ (found - self.known.initial) ** 2)
+            loss += self.kept * float(self.loss.errors.depth_ahead @ (found - self.initial) ** 2)
         return loss
 
     def quadratic(
         self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]
     ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
         """Curvature and slope of a bound, by θ."""
-        slopes = self.known.errors.slopes
+        slopes = self.loss.errors.slopes
         curvature, slope = self.loss.quadratic(found)
         if self.kept:
-            kept = 2.0 * self.kept * self.known.errors.depth_ahead
-            curvature, slope = curvature + kept, slope + kept * (found - self.known.initial)
+            kept = 2.0 * self.kept * self.loss.errors.depth_ahead
+            curvature, slope = curvature + kept, slope + kept * (found - self.initial)
         by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self.far
-        return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.known.posterior.mean)
+        return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.mean)

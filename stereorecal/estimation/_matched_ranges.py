@@ -60,7 +60,7 @@ class MatchedRanges:
         seen = direction @ rig.rotation.T + near[:, None] * rig.translation
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
         outer, *by_pose = pose_slopes(chart, rig)
-        turned = rectifying_slopes(rig.rotation, rig.translation, *by_pose)[:, 1].swapaxes(1, 2)
+        turned = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), *by_pose)[:, 1].swapaxes(1, 2)
 
         def column(points: Float[np.ndarray, "b 3"], moved: Float[np.ndarray, "m b 3"]) -> Float[np.ndarray, "m b"]:
             """Derivatives of rectified columns, in focal lengths, of points whose rectified ones have these."""

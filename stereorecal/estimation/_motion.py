@@ -322,9 +322,10 @@ class Windows:
             tuple(self.ways[number] for number in some if self.ways),
         )
 
-    def linear_at(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Window, ...]:
-        """The window of each pair of pairs, linear near θ."""
-        return tuple(window(one, chart, theta, way) for one, way in zip(self.tracks, self.all_ways, strict=True))
+    def linear_at(self, chart: RigChart, theta: Float[np.ndarray, "*w n"]) -> tuple[Window, ...]:
+        """The window of each pair of pairs, linear near θ, or near one of its own."""
+        each = zip(self.tracks, np.broadcast_to(theta, (len(self.tracks), chart.dim)), self.all_ways, strict=True)
+        return tuple(window(one, chart, near, way) for one, near, way in each)
 
     @property
     def all_ways(self) -> tuple[tuple[float, float] | None, ...]:

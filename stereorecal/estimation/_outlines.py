@@ -7,14 +7,16 @@ walk on a lattice takes to be told.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._groups import PLACES
 
+# Pixels of row: what moves between two exposures, or while one is read, moves by a row or two; more finds no match.
+MOVED = 1.5
 _EDGE = 1.0  # nats: closed walks of n steps on a square lattice are about 2.64ⁿ many
 _FEWEST = 4  # places inside, and outside: fewer are outliers
 _RARER = 4  # power of the share that stood still: what moves covers a sixth of an image on average, hardly ever most
@@ -23,26 +25,7 @@ _ALIKE = 0.1  # of the places: outlines that differ by less are one
 _KEPT = 2  # outlines: a region, and its rival
 
 
-@dataclass(frozen=True, eq=False)
-class Offsets:
-    """The log likelihood of row offsets o of all places of a frame: -½ (oᵀ a o - 2 bᵀ o).
-
-    Attributes:
-        a: (p, p).
-        b: (p,).
-        size: standard deviation of the offset of a region, pixels.
-    """
-
-    a: Float[np.ndarray, "p p"]
-    b: Float[np.ndarray, "p"]
-    size: float
-
-    def gain(self, pull: Float[np.ndarray, "s"], stiff: Float[np.ndarray, "s"]) -> Float[np.ndarray, "s"]:
-        """Log evidence of an offset of the places l over that of none, for bᵀl and lᵀ a l."""
-        return 0.5 * pull**2 / (stiff + 1.0 / self.size**2) - 0.5 * np.log1p(self.size**2 * np.maximum(stiff, 0.0))
-
-
-def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
+def outlines(several: Iterable[Normal], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
     """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
     prior probability of each: rows alone cannot tell which side of an outline stood still; by likelihoods of offsets
     under priors of θ, of the places that have rows."""
@@ -59,7 +42,7 @@ def outlines(several: Iterable[Offsets], present: Bool[np.ndarray, "p"]) -> list
     ]
 
 
-def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
+def _searched(offsets: Normal, present: Bool[np.ndarray, "p"]) -> Iterator[tuple[float, float, Bool[np.ndarray, "p"]]]:
     """Log evidence, log prior and outline: the best rectangle, the best one that the rest moved around, and what grows
     of both."""
     whole = present.astype(float)
@@ -71,15 +54,20 @@ def _searched(offsets: Offsets, present: Bool[np.ndarray, "p"]) -> Iterator[tupl
     fits = (number >= _FEWEST) & (number <= whole.sum() - _FEWEST)
     if not fits.any():
         return
-    for gains, around in ((offsets.gain(pull, stiff), False), (offsets.gain(rest_pull, rest_stiff), True)):
+    for gains, around in ((_gain(pull, stiff), False), (_gain(rest_pull, rest_stiff), True)):
         index = int(np.where(fits, gains, -np.inf).argmax())
         label = present & (_rectangle(index) != around)
         yield float(gains[index]) + log_prior, log_prior, label
         yield _grown(offsets, label, present)
 
 
+def _gain(pull: Float[np.ndarray, "s"], stiff: Float[np.ndarray, "s"]) -> Float[np.ndarray, "s"]:
+    """Log evidence of an offset of the places l over that of none, for bᵀl and lᵀ a l."""
+    return 0.5 * pull**2 / (stiff + MOVED**-2.0) - 0.5 * np.log1p(MOVED**2 * np.maximum(stiff, 0.0))
+
+
 def _grown(
-    offsets: Offsets, label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]
+    offsets: Normal, label: Bool[np.ndarray, "p"], present: Bool[np.ndarray, "p"]
 ) -> tuple[float, float, Bool[np.ndarray, "p"]]:
     """Single places change sides, the one that gains most first, while that helps."""
     side, adjacency = label.astype(float), _neighbours() * present * present[:, None]
@@ -90,7 +78,7 @@ def _grown(
     for _ in range(_STEPS):
         sign = 1.0 - 2.0 * side
         more = sign * (degree - 2.0 * neighbours_inside)
-        gains = offsets.gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
+        gains = _gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
         number = side.sum() + sign
         gains[~present | (number < _FEWEST) | (number > present.sum() - _FEWEST)] = -np.inf
         p = int(gains.argmax())

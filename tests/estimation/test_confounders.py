@@ -22,7 +22,7 @@ def rolled(found: Correspondences, rig: sr.StereoRig, rows=0.0, columns=0.0, row
 
 def beside(found) -> set[int]:
     """The numbers of nuisance parameters of the hypotheses that have a say."""
-    return {len(one.nuisance) for one in found.hypotheses}
+    return {len(one.rows.nuisances.sizes) for one in found.hypotheses}
 
 
 @pytest.mark.parametrize("taken", [0.0, 0.5, 1.0])

@@ -25,7 +25,7 @@ def test_it_is_the_mean_of_absolute_errors_of_many_rigs(chart, seed, spread):
     """Whether it is told of a rig at the mean or of another; in units of what is noticed."""
     known = posterior_of(chart, seed, spread=spread)
     errors = errors_near(chart, known.mean, Matters(0.1, 2.0, (7, 40)), None, None)
-    loss = PointwiseLoss.under(errors, known)
+    loss = PointwiseLoss(errors, known)
     drawn = (known.samples(8000, seed) - known.mean) @ errors.slopes.T
     for found in (np.zeros(drawn.shape[1]), drawn[0]):
         each = np.abs(found - drawn) @ errors.weights
@@ -38,7 +38,7 @@ def test_a_quadratic_bound_touches_it_and_lies_above(chart, near, seed, step, ex
     """Also at the centre of a distribution, and of one that is nearly a point."""
     known, rng = posterior_of(chart, seed), np.random.default_rng(seed)
     known = Posterior(known.weights, known.means, known.covariances * (1e-12 if exact else 1.0))
-    loss = PointwiseLoss.under(near, known)
+    loss = PointwiseLoss(near, known)
     here = np.where(rng.random(loss.centres.shape[1]) < 0.2, loss.centres[0], 3.0 * rng.normal(size=len(near.weights)))
     curvature, slope = loss.quadratic(here)
     assert (curvature >= 0.0).all()

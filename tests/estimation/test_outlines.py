@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from parts_of_estimates import Offsets, _rectangle, _squares, _sums, outlines
+from parts_of_estimates import _rectangle, _squares, _sums, outlines
 
-from stereorecal.estimation import PLACES
+from stereorecal.estimation import PLACES, Normal
 
 N = PLACES[0] * PLACES[1]
 LABELS = [
@@ -47,7 +47,7 @@ def test_a_rectangle_that_moved_is_found(index):
     label = LABELS[index]
     if not 12 <= min(label.sum(), N - label.sum()) <= N // 2:
         return
-    offsets = Offsets(100.0 * np.eye(N), 100.0 * 1.0 * label, 1.5)
+    offsets = Normal(100.0 * np.eye(N), 100.0 * 1.0 * label, 0.0)
     (found, _), *_ = outlines([offsets], np.ones(N, bool))
     assert (found == label).all() or (found == ~label).all()
 
@@ -57,7 +57,7 @@ def test_either_side_of_an_outline_may_have_moved(wide):
     """The likelihood is the same, and most of an image moves rarely."""
     left = np.arange(N) % PLACES[0] < wide
     still = np.eye(N) - 1.0 / N  # an offset of all places is the rig's
-    offsets = Offsets(100.0 * still, 100.0 * still @ left, 1.5)
+    offsets = Normal(100.0 * still, 100.0 * still @ left, 0.0)
     found = outlines([offsets], np.ones(N, bool))
     prior = {label.tobytes(): log_prior for label, log_prior in found}
     assert len(prior) == len(found)
