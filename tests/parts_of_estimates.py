@@ -45,6 +45,7 @@ from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_choice import updated as updated
 from stereorecal.estimation._rig_parameters import within_field as within_field
 from stereorecal.online._filter import (
+    DRIFT as DRIFT,
     FilterEstimate as FilterEstimate,
     Measurement as Measurement,
     at_start as at_start,

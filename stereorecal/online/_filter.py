@@ -32,10 +32,13 @@ _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _LATE, _RATES = -4, slice(-3, None)  # after θ
 # Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
-_PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
-_USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
+PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
+USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
+_AS_SET = np.ones(2)
 _MEMORY = 100.0  # measurements
 _FARTHEST = 25.0  # squared standard deviations of one measurement: outliers do not tell the speed
+
+OfEach = Float[np.ndarray, "*k"] | float
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,20 +72,29 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class FilterEstimate:
-    """Mean (m,) and covariance (m, m) of θ, the delay, and the rates of the angles."""
+    """Mean (*k, m) and covariance (*k, m, m) of θ, the delay, and the rates of the angles; of several filters, too."""
 
-    mean: Float[np.ndarray, "m"]
-    covariance: Float[np.ndarray, "m m"]
+    mean: Float[np.ndarray, "*k m"]
+    covariance: Float[np.ndarray, "*k m m"]
+
+    def __getitem__(self, number: int | slice) -> "FilterEstimate":
+        """One of several filters, or some."""
+        return FilterEstimate(self.mean[number], self.covariance[number])
+
+    @classmethod
+    def of(cls, each: "Sequence[FilterEstimate]") -> "FilterEstimate":
+        """Several filters."""
+        return cls(np.stack([one.mean for one in each]), np.stack([one.covariance for one in each]))
 
     @property
-    def theta(self) -> Float[np.ndarray, "n"]:
+    def theta(self) -> Float[np.ndarray, "*k n"]:
         """Changes of all parameters of the rig, in the units of people."""
-        return self.mean[:_LATE]
+        return self.mean[..., :_LATE]
 
     @property
-    def of_theta(self) -> Float[np.ndarray, "n n"]:
+    def of_theta(self) -> Float[np.ndarray, "*k n n"]:
         """The covariance of those."""
-        return self.covariance[:_LATE, :_LATE]
+        return self.covariance[..., :_LATE, :_LATE]
 
     @property
     def is_finite(self) -> bool:
@@ -99,37 +111,48 @@ class FilterEstimate:
         """Its variance."""
         return float(self.covariance[_LATE, _LATE])
 
-    def later(self, config: Config) -> "FilterEstimate":
-        """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little."""
-        onwards, lasting = np.eye(len(self.mean)), np.exp(-1.0 / config.lasting)
+    def later(self, config: Config, paces: Float[np.ndarray, "*k 2"] = _AS_SET) -> "FilterEstimate":
+        """A frame later: the angles go on at their rates, which are slowly forgotten; everything wanders a little.
+
+        Args:
+            paces: factors on `config.wander` and `config.heating`.
+        """
+        onwards, lasting = np.eye(self.mean.shape[-1]), np.exp(-1.0 / config.lasting)
         onwards[:3, _RATES] = np.eye(3)
         onwards[_RATES, _RATES] = lasting * np.eye(3)
-        rates = np.sqrt(1.0 - lasting**2) * np.asarray(config.heating)
-        delay = 0.0 if config.synchronous else _DELAY_WANDER
-        steps = np.zeros(len(self.mean))
-        steps[:SIZE] = [*config.wander, config.shift, config.shift]
-        steps[_LATE], steps[_RATES] = delay, rates
-        covariance = onwards @ self.covariance @ onwards.T + np.diag(steps**2)
+        steps, shrinkage = np.zeros(self.mean.shape), np.ones(self.mean.shape)
+        steps[..., :3], steps[..., 3:SIZE] = paces[..., :1] * config.wander, config.shift
+        steps[..., _LATE] = 0.0 if config.synchronous else _DELAY_WANDER
+        steps[..., _RATES] = np.sqrt(1.0 - lasting**2) * paces[..., 1:] * config.heating
+        covariance = onwards @ self.covariance @ onwards.T + steps[..., None] ** 2 * np.eye(len(onwards))
         # Row and column together: an element that is cut alone leaves what is no covariance.
-        shrinkage = np.ones(len(self.mean))
-        shrinkage[_LATE] = _DELAY / max(_DELAY, float(np.sqrt(covariance[_LATE, _LATE])))
-        return FilterEstimate(onwards @ self.mean, covariance * np.outer(shrinkage, shrinkage))
+        shrinkage[..., _LATE] = _DELAY / np.maximum(_DELAY, np.sqrt(covariance[..., _LATE, _LATE]))
+        return FilterEstimate(self.mean @ onwards.T, covariance * shrinkage[..., None] * shrinkage[..., None, :])
 
-    def updated(self, measured: Measurement) -> "FilterEstimate":
-        """With one more measurement; by extrinsics alone, where it says nothing new of lenses (Schmidt 1966)."""
-        design, information = measured.design, measured.normal.a
-        pull = design.T @ (measured.normal.b - information @ (design @ self.mean))
+    def updated(self, measured: Measurement, together: float | Float[np.ndarray, "*k"] = 1.0) -> "FilterEstimate":
+        """With one more measurement, of which so many err together: none votes twice; by extrinsics alone, where it
+        says nothing new of lenses (Schmidt 1966)."""
+        design, share = measured.design, 1.0 / np.asarray(together)[..., None]
+        information, told = self._undoubted(measured)
+        information = design.T @ (share[..., None] * information) @ design
+        pull = (share * told) @ design - (information @ self.mean[..., None])[..., 0]
         # Not the inverse of the covariance: what does not drift at all has none.
-        known = np.eye(len(self.mean)) + self.covariance @ design.T @ information @ design
-        covariance = np.linalg.solve(known, self.covariance)
-        mean, covariance = self.mean + covariance @ pull, 0.5 * (covariance + covariance.T)
+        covariance = np.linalg.solve(np.eye(len(design.T)) + self.covariance @ information, self.covariance)
+        mean = self.mean + (covariance @ pull[..., None])[..., 0]
+        covariance = 0.5 * (covariance + covariance.swapaxes(-1, -2))
         if measured.as_extrinsics is not None:
             lenses = slice(SIZE, _LATE)
-            held = np.vstack([-measured.as_extrinsics[:, SIZE:], np.eye(len(mean[lenses]))])
-            learnt = (self.covariance - covariance)[lenses, lenses]
-            covariance[:_LATE, :_LATE] += held @ learnt @ held.T
-            mean[:_LATE] -= held @ (mean - self.mean)[lenses]
+            held = np.vstack([-measured.as_extrinsics[:, SIZE:], np.eye(len(design) - SIZE)])
+            learnt = (self.covariance - covariance)[..., lenses, lenses]
+            covariance[..., :_LATE, :_LATE] += held @ learnt @ held.T
+            mean[..., :_LATE] -= (mean - self.mean)[..., lenses] @ held.T
         return FilterEstimate(mean, covariance)
+
+    def _undoubted(self, measured: Measurement) -> tuple[Float[np.ndarray, "*k n n"], Float[np.ndarray, "*k n"]]:
+        """What a measurement tells of what it measures, less what the delay makes of an error of the turn."""
+        a, b, doubt = measured.normal.a, measured.normal.b, self._doubt(measured)
+        less = doubt * np.linalg.solve(np.eye(3) + doubt * a[:3, :3], a[:3])
+        return a - a[:, :3] @ less, b - b[:3] @ less
 
     def chance_of(self, measured: Measurement) -> float:
         """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
@@ -138,128 +161,78 @@ class FilterEstimate:
         number, squared_distance, _ = self._innovation(measured)
         return float(chdtrc(number, squared_distance)) if number else 1.0
 
-    def log_likelihood(self, measured: Measurement, most: float = np.inf) -> float:
+    def log_likelihood(self, measured: Measurement, most: float = np.inf) -> OfEach:
         """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
         _, squared_distance, log_volume = self._innovation(measured)
-        return -0.5 * (min(squared_distance, most) + log_volume)
+        return -0.5 * (np.minimum(squared_distance, most) + log_volume)
 
-    def _innovation(self, measured: Measurement) -> tuple[int, float, float]:
+    def _innovation(self, measured: Measurement) -> tuple[int, OfEach, OfEach]:
         """How many numbers are measured, how far they are from the estimate, squared standard deviations, and the
         logarithm of the determinant of the covariance of that. Numbers of what drifts: the pull on them, by what is
         measured, of an estimate that is not there (a score test: Rao 1948); lenses, hardly measured, would hide it."""
         information, design = measured.normal.a, measured.design
-        pull = (measured.normal.b - information @ (design @ self.mean))[:SIZE]
-        of_look = design @ self.covariance @ design.T + np.diag(self._doubt(measured))
-        spread = information[:SIZE, :SIZE] + information[:SIZE] @ of_look @ information[:, :SIZE]
+        seen, drifts = information[:SIZE] @ design, information[:3, :SIZE]
+        doubt = self._doubt(measured) * (drifts.T @ drifts)
+        spread = information[:SIZE, :SIZE] + seen @ self.covariance @ seen.T + doubt
         values, axes = np.linalg.eigh(information[:SIZE, :SIZE])
         some = values > 1e-9 * max(float(values[-1]), 1e-12)
         told = axes[:, some] / np.sqrt(values[some])
-        pull, spread = told.T @ pull, told.T @ spread @ told
-        return len(pull), float(pull @ np.linalg.solve(spread, pull)), float(np.linalg.slogdet(spread)[1])
+        pull, spread = (measured.normal.b[:SIZE] - self.mean @ seen.T) @ told, told.T @ spread @ told
+        squared_distance = np.sum(pull * np.linalg.solve(spread, pull[..., None])[..., 0], axis=-1)
+        return pull.shape[-1], squared_distance, np.linalg.slogdet(spread)[1]
 
-    def doubted(self, measured: Measurement) -> Measurement:
-        """The measurement, less sure by what the delay makes of an error of the turn."""
-        a, b, c = measured.normal.a, measured.normal.b, measured.normal.c
-        less = np.linalg.inv(np.eye(len(b)) + a * self._doubt(measured))
-        return replace(measured, normal=Normal(less @ a, less @ b, c))
-
-    def _doubt(self, measured: Measurement) -> Float[np.ndarray, "n"]:
-        """Variances of what is measured, by an error of the turn."""
-        doubt = np.zeros(len(measured.normal.b))
-        if measured.turn is not None:
-            doubt[:3] = (_TURN_ERROR * self.delay * float(np.linalg.norm(measured.turn))) ** 2
-        return doubt
-
-    def followed(self, measured: Measurement, together: int = 1) -> "FilterEstimate":
-        """With one more measurement, less sure by the turn's error, of which so many err together: none votes twice."""
-        return self.updated(self.doubted(measured).weighed(1.0 / together))
+    def _doubt(self, measured: Measurement) -> Float[np.ndarray, "*k 1 1"]:
+        """Variance of what is measured of each angle, by an error of the turn."""
+        turn = 0.0 if measured.turn is None else float(np.linalg.norm(measured.turn))
+        return np.square(_TURN_ERROR * turn * self.mean[..., _LATE])[..., None, None]
 
     def late(self) -> "FilterEstimate":
         """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
-        widened = self._widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL])
-        widened.covariance[_LATE, _LATE] += _DELAY**2
-        return widened
+        late = self.widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL])
+        late.covariance[_LATE, _LATE] += _DELAY**2
+        return late
 
-    def after_knock(self) -> "FilterEstimate":
-        """After a knock: as far away as a rig may drift."""
-        return self._widened(DRIFT)
+    def widened(self, by: Sequence[float] | Float[np.ndarray, "k"]) -> "FilterEstimate":
+        """By standard deviations of the first numbers."""
+        variances = np.zeros(self.mean.shape[-1])
+        variances[: len(by)] = np.square(by)
+        return replace(self, covariance=self.covariance + np.diag(variances))
+
+    def moved(
+        self, numbers: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"], first: int = 0
+    ) -> "FilterEstimate":
+        """With k numbers from elsewhere, from the first of θ on; what is left depends on them no more."""
+        mean, known = self.mean.copy(), self.covariance.copy()
+        some = slice(first, first + len(numbers))
+        mean[some], known[some], known[:, some] = numbers, 0.0, 0.0
+        known[some, some] = covariance
+        return FilterEstimate(mean, known)
 
     def of_shutters(self, synchronous: bool) -> "FilterEstimate":
         """With a delay of 0, if it is said that the shutters open at once; with any, if it is no more."""
-        mean, known = self.mean.copy(), self.covariance.copy()
-        mean[_LATE], known[_LATE], known[:, _LATE] = 0.0, 0.0, 0.0
-        known[_LATE, _LATE] = 0.0 if synchronous else _DELAY**2
-        return FilterEstimate(mean, known)
-
-    def turned(self, yaw: float) -> "FilterEstimate":
-        """After a yaw of so many degrees that is not the rig's: of other things that move."""
-        return self._widened([0.0, yaw])
-
-    def moved(self, theta: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"]) -> "FilterEstimate":
-        """With the first k numbers of θ from elsewhere; what is left depends on them no more."""
-        mean, known, k = self.mean.copy(), self.covariance.copy(), len(theta)
-        mean[:k], known[:k], known[:, :k] = theta, 0.0, 0.0
-        known[:k, :k] = covariance
-        return FilterEstimate(mean, known)
-
-    def _widened(self, by: Sequence[float] | Float[np.ndarray, "k"]) -> "FilterEstimate":
-        """By standard deviations of the first numbers."""
-        variances = np.zeros(len(self.mean))
-        variances[: len(by)] = np.square(by)
-        return replace(self, covariance=self.covariance + np.diag(variances))
+        variance = 0.0 if synchronous else _DELAY**2
+        return self.moved(np.zeros(1), np.array([[variance]]), len(self.mean) + _LATE)
 
 
 def at_start(of_theta: Float[np.ndarray, "n n"], config: Config) -> FilterEstimate:
     """The rig that was given, and how far it may be off: a covariance of θ."""
     n = len(of_theta)
-    covariance = np.zeros((n + 4, n + 4))
-    covariance[:n, :n] = of_theta
-    covariance[_LATE, _LATE] = 0.0 if config.synchronous else _DELAY**2
-    covariance[_RATES, _RATES] = np.diag(np.square(config.heating))
-    return FilterEstimate(np.zeros(n + 4), covariance)
+    nothing = FilterEstimate(np.zeros(n + 4), np.zeros((n + 4, n + 4)))
+    rates = nothing.moved(np.zeros(3), np.diag(np.square(config.heating)), n + 1)
+    return rates.moved(np.zeros(n), of_theta).of_shutters(config.synchronous)
 
 
-@dataclass(frozen=True, eq=False)
-class Pace:
-    """How fast a rig drifts: filters and their evidence.
-
-    Attributes:
-        several: a filter for each pace.
-        logs: (k,) logarithms of the evidence of each.
-    """
-
-    several: tuple[FilterEstimate, ...]
-    logs: Float[np.ndarray, "k"]
-
-    @staticmethod
-    def at(estimate: FilterEstimate) -> "Pace":
-        """Filters before anything is learnt."""
-        return Pace((estimate,) * len(_PACES), _USUAL)
-
-    def again(self, estimate: FilterEstimate) -> "Pace":
-        """The filters from another estimate on, with their evidence."""
-        return replace(self, several=(estimate,) * len(self.several))
-
-    def config(self, config: Config) -> Config:
-        """The configuration with the learnt wander and heating."""
-        weights = np.exp(self.logs - np.logaddexp.reduce(self.logs))
-        return _scaled_rates(config, np.sqrt(weights @ _PACES**2))
-
-    def later(self, config: Config) -> "Pace":
-        """The filters a frame later."""
-        each = zip(self.several, _PACES, strict=True)
-        return replace(self, several=tuple(one.later(_scaled_rates(config, times)) for one, times in each))
-
-    def updated(self, measured: Measurement) -> "Pace":
-        """The filters after one more measurement."""
-        logs = np.array([one.log_likelihood(measured, _FARTHEST) for one in self.several])
-        logs = _USUAL + (1.0 - 1.0 / _MEMORY) * (self.logs - _USUAL) + logs
-        return Pace(tuple(one.followed(measured) for one in self.several), logs - logs.max())
+def filters_beside(freed: FilterEstimate, estimate: FilterEstimate) -> FilterEstimate:
+    """What is followed beside an estimate: another one, and one for each of PACES."""
+    return FilterEstimate.of([freed, *[estimate] * len(PACES)])
 
 
-def _scaled_rates(config: Config, times: Float[np.ndarray, "2"]) -> Config:
-    wander, heating = (
-        tuple((factor * np.asarray(some)).tolist())
-        for factor, some in zip(times, (config.wander, config.heating), strict=True)
-    )
-    return replace(config, wander=wander, heating=heating)
+def learnt_pace(logs: Float[np.ndarray, "k"]) -> Float[np.ndarray, "2"]:
+    """The learnt factors on `Config.wander` and `Config.heating`, by the log evidence of each of PACES."""
+    return np.sqrt(np.exp(logs - np.logaddexp.reduce(logs)) @ PACES**2)
+
+
+def learnt_logs(logs: Float[np.ndarray, "k"], filters: FilterEstimate, measured: Measurement) -> Float[np.ndarray, "k"]:
+    """The evidence of the filters of all paces after one more measurement; what is old is forgotten."""
+    logs = USUAL + (1.0 - 1.0 / _MEMORY) * (logs - USUAL) + filters.log_likelihood(measured, _FARTHEST)
+    return logs - logs.max()

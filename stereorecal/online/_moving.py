@@ -100,7 +100,7 @@ def _after_window(state: State, measured: Measurement) -> State:
     from scipy.special import expit  # a third of a second to import
 
     estimate = state.estimate
-    of_rig, of_others = (one.log_likelihood(measured) for one in (estimate, estimate.turned(_OWN_YAW)))
+    of_rig, of_others = (one.log_likelihood(measured) for one in (estimate, estimate.widened([0.0, _OWN_YAW])))
     expected = _STAY * state.others + _COME * (1.0 - state.others)
     share = float(expit(np.log1p(-expected) - np.log(expected) + of_rig - of_others))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
@@ -110,7 +110,7 @@ def _after_window(state: State, measured: Measurement) -> State:
     state = state.replace(outlier_motion=measured)
     if first is None:
         return state
-    turned = state.freed.updated(first)
+    turned = state.beside[0].updated(first)
     if turned.chance_of(measured) < _FITS:
         return state
     turned = turned.updated(measured)

@@ -21,12 +21,12 @@ from stereorecal.geometry import Camera, StereoRig, View
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config, Event, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace
+from stereorecal.online._filter import FilterEstimate, Measurement
 from stereorecal.online._state import Job, State
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/14"
+SCHEMA = "stereorecal.state/15"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -36,7 +36,6 @@ _KNOWN: dict[str, Any] = {
         FilterEstimate,
         Measurement,
         Normal,
-        Pace,
         Corners,
         Job,
         StereoRig,

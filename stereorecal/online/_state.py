@@ -12,7 +12,15 @@ from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import RigChart
 from stereorecal.online._calibration_kinds import posterior
 from stereorecal.online._config import Config, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement, Pace
+from stereorecal.online._filter import (
+    PACES,
+    USUAL,
+    FilterEstimate,
+    Measurement,
+    filters_beside,
+    learnt_logs,
+    learnt_pace,
+)
 from stereorecal.online._pair_estimate import no_coverage
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
@@ -48,9 +56,9 @@ class State:
         view: of all looks, that of the initial calibration.
         using: (5,) offset of the calibration in use.
         estimate: where the true rig stands, and how late a shutter is.
-        freed: the same, had the rig turned by any yaw before it was first seen: what rows showed of that may have been
-            taken for lenses.
-        pace: how fast it drifts.
+        beside: the same, had the rig turned by any yaw before it was first seen, since what rows showed of that may
+            have been taken for lenses; and a filter for each pace at which a rig may drift.
+        logs: of the evidence of each pace.
         frame: number of the next pair.
         matcher: with its disparity range; None until one is measured.
         seen: informative looks so far.
@@ -81,8 +89,8 @@ class State:
     view: View
     using: Offset
     estimate: FilterEstimate
-    freed: FilterEstimate
-    pace: Pace
+    beside: FilterEstimate
+    logs: Float[np.ndarray, "paces"] = field(default_factory=lambda: USUAL)
     frame: int = 0
     matcher: AbstractMatcher | None = None
     seen: int = 0
@@ -157,21 +165,26 @@ class State:
         """The state with one more pair that a repair may rest on."""
         return replace(self, repair_pairs=(*self.repair_pairs, pair)[-_REPAIR_PAIRS:])
 
+    @property
+    def pace(self) -> Float[np.ndarray, "2"]:
+        """How fast it drifts: factors on `Config.wander` and `Config.heating`."""
+        return learnt_pace(self.logs)
+
     def later(self) -> "State":
         """A pair later."""
-        config = self.pace.config(self.config)
-        estimate, freed = self.estimate.later(config), self.freed.later(config)
-        return replace(self, estimate=estimate, freed=freed, pace=self.pace.later(self.config))
+        estimate = self.estimate.later(self.config, self.pace)
+        return replace(self, estimate=estimate, beside=self.beside.later(self.config, np.vstack([self.pace, PACES])))
 
-    def measured(self, measurement: Measurement, together: int = 1) -> "State":
+    def measured(self, measurement: Measurement, together: float = 1.0) -> "State":
         """With a measurement, of which so many err together."""
-        pace = self.pace.updated(measurement.weighed(together**-0.5))
-        estimate, freed = (one.followed(measurement, together) for one in (self.estimate, self.freed))
-        return replace(self, estimate=estimate, freed=freed, pace=pace)
+        fewer = np.r_[together, np.full(len(PACES), together**0.5)]
+        logs = learnt_logs(self.logs, self.beside[1:], measurement.weighed(together**-0.5))
+        estimate, beside = self.estimate.updated(measurement, together), self.beside.updated(measurement, fewer)
+        return replace(self, estimate=estimate, beside=beside, logs=logs)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
         """With another estimate."""
-        return replace(self, estimate=estimate, freed=estimate, pace=self.pace.again(estimate))
+        return replace(self, estimate=estimate, beside=filters_beside(estimate, estimate))
 
     def configured(self, config: Config) -> "State":
         """With other settings. What was known of a delay is forgotten, where they say otherwise of the shutters."""

@@ -14,7 +14,7 @@ from stereorecal.geometry import StereoRig, as_view, checked_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
-from stereorecal.online._filter import SIZE, Measurement, Pace, at_start
+from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, estimate_pair
 from stereorecal.online._state import Offset, State
@@ -52,7 +52,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     known = matcher if matcher.num_disparities is not None else None
     start, freed = (at_start(before_looks(rig, config.prior, any_yaw=any_yaw), config) for any_yaw in (False, True))
     view, using = as_view(config.view, rig), np.zeros(SIZE)
-    return State(config, rig, view, using, start, freed, Pace.at(start), matcher=known, attempt=_FIRST)
+    return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known, attempt=_FIRST)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -132,7 +132,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
-    look = estimate_pair(state.chart, state.theta, state.estimate.after_knock(), pair, state.view, matcher)
+    look = estimate_pair(state.chart, state.theta, state.estimate.widened(DRIFT), pair, state.view, matcher)
     if look.normal is None:
         return _unmatched_pair(state, pair)
     turned = _turn(state, before, current)

@@ -15,7 +15,7 @@ from stereorecal.decision import Decision
 from stereorecal.estimation import Estimate
 from stereorecal.objectives import EXTRINSICS, Parameters
 from stereorecal.online._config import Event, Kind
-from stereorecal.online._filter import FilterEstimate, Measurement
+from stereorecal.online._filter import DRIFT, FilterEstimate, Measurement
 from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._reading import filtered_by, prior_now, reading
 from stereorecal.online._state import Job, Offset, State, theta_of
@@ -140,11 +140,11 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
     A delay explains with one number what a knock explains with five, so it is asked first."""
     together = state.config.together
     if not state.config.synchronous:
-        late = state.estimate.late().followed(first, together)
+        late = state.estimate.late().updated(first, together)
         if state.estimate.late().chance_of(first) > _AGREE and late.chance_of(second) > _AGREE:
-            return late.followed(second, together), False
-    knocked = state.estimate.after_knock().followed(first, together)
-    return (knocked.followed(second, together), True) if knocked.chance_of(second) > _AGREE else None
+            return late.updated(second, together), False
+    knocked = state.estimate.widened(DRIFT).updated(first, together)
+    return (knocked.updated(second, together), True) if knocked.chance_of(second) > _AGREE else None
 
 
 def standing(state: State) -> tuple[State, list[Event]]:

@@ -95,7 +95,7 @@ def bent(yaw: float) -> State:
     rows = np.concatenate(near.rows)
     a = rows.T @ rows / 0.1**2
     seen = Measurement(Normal(a, yaw * a[1], 0.0), np.zeros(3))
-    return state.replace(estimate=state.estimate.updated(seen), freed=state.freed.updated(seen))
+    return state.replace(estimate=state.estimate.updated(seen), beside=state.beside.updated(seen))
 
 
 def test_a_yaw_that_rows_took_for_lenses_is_believed_to_two_windows():
@@ -111,12 +111,12 @@ def test_a_yaw_that_rows_took_for_lenses_is_believed_to_two_windows():
 def test_a_filter_beside_knows_the_yaw_less_whatever_came(ridden):
     """By depth, until a knock makes any yaw likely."""
     state = ridden[3].state
-    yaw, (one, other) = state.as_extrinsics[1], (state.estimate.of_theta, state.freed.of_theta)
+    yaw, (one, other) = state.as_extrinsics[1], (state.estimate.of_theta, state.beside[0].of_theta)
     assert yaw @ other @ yaw > 2.0 * (yaw @ one @ yaw)
     for covariance in (one, other):
         spread = np.sqrt(np.diag(covariance))
         assert np.linalg.eigvalsh(covariance / np.outer(spread, spread)).min() > -1e-9
-    assert ridden[-1].state.standing_at(state.estimate).freed is state.estimate
+    assert np.array_equal(ridden[-1].state.standing_at(state.estimate).beside[0].mean, state.estimate.mean)
 
 
 def test_two_windows_of_a_boat_are_not_believed_either():
