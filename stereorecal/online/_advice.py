@@ -7,18 +7,18 @@ interval that is widest beside what matters. What a look would say is not needed
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
-from stereorecal.estimation import Normal, consequences, one_blas_thread, window
-from stereorecal.geometry import StereoRig, View
+from stereorecal.estimation import Consequences, Normal, one_blas_thread, window
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._config import Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._moving import AHEAD, motion_measurement
 from stereorecal.online._pair_estimate import as_taken, band_of, part_of
-from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, chart_around, reading
+from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, around, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import NORMAL_95, Condition
 from stereorecal.scoring import Tracks
@@ -42,6 +42,11 @@ class Undetermined:
     distance: float
     half_width: float
     matters: float
+
+    @property
+    def excess(self) -> float:
+        """The half width, of the one that would do."""
+        return self.half_width / self.matters
 
 
 @dataclass(frozen=True)
@@ -90,16 +95,15 @@ def advice(state: State) -> Advice:
     if not state.estimate.is_finite:
         return Advice((), (), None, blind, stands=False)
     estimate = state.estimate.moved(state.posterior.mean, state.posterior.covariance)
-    chart, around = _around(state.initial, tuple(state.using.tolist()), state.view, _distances(state))
-    errors = _errors(around, state.config.tolerances.good_rows_px)
-    wide = sorted((one for one in errors if one.excess(estimate) > 1.0), key=lambda one: -one.excess(estimate))
-    candidates = [*_looks(state, around), *_motions(state, chart, around)] if wide else []
-    show = next((best for one in wide if (best := _best(estimate, one, candidates))), None)
-    deviations = np.sqrt(np.diag(state.of_offset))
-    alone = [NORMAL_95 * deviations * np.linalg.norm(one.by[:, :SIZE], axis=0) / one.matters for one in errors]
+    errors, matters = _errors(state), {"epipolar": state.config.tolerances.good_rows_px, "depth": DEPTH_MATTERS}
+    every = [Undetermined(*key, _half_width(estimate, by), matters[key[0]]) for key, by in errors.items()]
+    wide = sorted((one for one in every if one.excess > 1.0), key=lambda one: -one.excess)
+    candidates = [*_looks(state), *_motions(state)] if wide else []
+    show = next((best for one in wide if (best := _best(estimate, one, errors, candidates))), None)
+    deviations = NORMAL_95 * np.sqrt(np.diag(state.of_offset))
+    alone = [deviations * np.linalg.norm(by[:, :SIZE], axis=0) / matters[error] for (error, _), by in errors.items()]
     axes = tuple(name for name, most in zip(EXTRINSICS, np.max(alone, axis=0), strict=True) if most > 1.0)
-    undetermined = tuple(one.told(estimate) for one in wide)
-    return Advice(undetermined, axes, show, blind, stands=not (wide or blind) and _settled(state, reading(state)))
+    return Advice(tuple(wide), axes, show, blind, stands=not (wide or blind) and _settled(state, reading(state)))
 
 
 def _settled(state: State, found: Reading) -> bool:
@@ -113,146 +117,88 @@ def _settled(state: State, found: Reading) -> bool:
     return found.condition is Condition.HEALTHY and state.reported is Kind.HEALTHY  # seen through since a switch
 
 
-def _distances(state: State) -> tuple[float, ...]:
-    """The distances that matter [baselines]: those of the decision and of depth, but for what is nearer than the
-    matcher finds anything."""
+def _near(state: State) -> tuple[RigChart, Consequences]:
+    """Changes of the calibration in use, and what they do at the distances that matter: those of the decision and of
+    depth, but for what is nearer than the matcher finds anything."""
     matcher, every = state.matcher, sorted({*state.config.tolerances.distances, float(FAR)})
-    if matcher is None or matcher.num_disparities is None:
-        return tuple(every)
-    most = matcher.min_disparity + matcher.num_disparities
-    return tuple(away for away in every if state.view.focal <= most * away or away == FAR)
+    if matcher is not None and matcher.num_disparities is not None:
+        most = matcher.min_disparity + matcher.num_disparities
+        every = [away for away in every if state.view.focal <= most * away or away == FAR]
+    return around(state.initial, tuple(state.using.tolist()), state.view, tuple(every))
 
 
-@dataclass(frozen=True, eq=False)
-class _Around:
-    """Points over the view at a distance, and what the numbers of the filter do there.
-
-    Attributes:
-        distance: in baselines.
-        points: (p, 3) metres.
-        part: (p,) the part of the view in which each appears.
-        rows: (p, m) row differences, pixels.
-        weight: (p,) of the points in a mean over the view.
-        depth: (m,) error of depth, percent.
-    """
-
-    distance: float
-    points: Float[np.ndarray, "p 3"]
-    part: Int[np.ndarray, "p"]
-    rows: Float[np.ndarray, "p m"]
-    weight: Float[np.ndarray, "p"]
-    depth: Float[np.ndarray, "m"]
+def _errors(state: State) -> dict[tuple[str, float], Float[np.ndarray, "q n"]]:
+    """The errors that matter, of rows at each distance, and of depth at one: derivatives by θ of q parts, whose squares
+    sum up to the error's."""
+    _, near = _near(state)
+    each = zip(near.distances, near.rows, near.weights, strict=False)
+    rows = {("epipolar", away): np.sqrt(weights[0])[:, None] * rows for away, rows, weights in each}
+    depth = near.mean_nearness[near.distances.index(FAR)]
+    return {**rows, ("depth", float(FAR)): 100.0 * depth[None]}
 
 
-@lru_cache(maxsize=2)  # the same until another calibration is in use
-def _around(
-    initial: StereoRig, using: tuple[float, ...], view: View, distances: tuple[float, ...]
-) -> tuple[RigChart, tuple[_Around, ...]]:
-    """Changes of the calibration in use, and what they do at each distance."""
-    chart = chart_around(initial, using)
-    by_filter = np.eye(chart.dim, chart.dim + 4)
-    near = consequences(chart, np.zeros(chart.dim), distances, view)
-    each = zip(distances, near.points, near.rows, near.weights, near.mean_nearness, strict=True)
-    return chart, tuple(
-        _Around(away, points, part_of(chart.rig, points), rows @ by_filter, weights[0], 100.0 * depth @ by_filter)
-        for away, points, rows, weights, depth in each
-    )
+def _half_width(estimate: FilterEstimate, by: Float[np.ndarray, "q n"]) -> float:
+    """Half the width of the 95 % interval of an error."""
+    return NORMAL_95 * float(np.sqrt(max(np.sum(by @ estimate.of_theta * by), 0.0)))
 
 
-@dataclass(frozen=True, eq=False)
-class _Error:
-    """An error of the calibration in use, by what the filter knows.
-
-    Attributes:
-        error, distance, matters: as `Undetermined` has them.
-        by: (q, m) derivatives by the numbers of the filter of q parts, whose squares sum up to the error's.
-    """
-
-    error: str
-    distance: float
-    matters: float
-    by: Float[np.ndarray, "q m"]
-
-    def half_width(self, estimate: FilterEstimate) -> float:
-        """Half the width of its 95 % interval."""
-        variance = float(np.einsum("qi,ij,qj->", self.by, estimate.covariance, self.by))
-        return NORMAL_95 * float(np.sqrt(max(variance, 0.0)))
-
-    def excess(self, estimate: FilterEstimate) -> float:
-        """The half width, of the one that would do."""
-        return self.half_width(estimate) / self.matters
-
-    def told(self, estimate: FilterEstimate) -> Undetermined:
-        """The error and how well it is known."""
-        return Undetermined(self.error, self.distance, self.half_width(estimate), self.matters)
-
-
-def _errors(around: Sequence[_Around], good_rows_px: float) -> list[_Error]:
-    """The errors that matter: of rows at each distance, and of depth at one."""
-    rows = [_Error("epipolar", at.distance, good_rows_px, np.sqrt(at.weight)[:, None] * at.rows) for at in around]
-    return rows + [_Error("depth", FAR, DEPTH_MATTERS, at.depth[None]) for at in around if at.distance == FAR]
-
-
-@dataclass(frozen=True, eq=False)
-class _Candidate:
+class _Candidate(NamedTuple):
     """Something that could be shown, as `Showing` has it, and what it would measure."""
 
     part: tuple[int, int] | None
     distance: float | None
+    motion: bool
     measures: Measurement
-    motion: bool = False
 
 
-def _best(estimate: FilterEstimate, error: _Error, candidates: Sequence[_Candidate]) -> Showing | None:
+def _best(
+    estimate: FilterEstimate, wide: Undetermined, errors: dict, candidates: Sequence[_Candidate]
+) -> Showing | None:
     """What narrows an error most; None if nothing does by much."""
-    left = [error.half_width(estimate.updated(one.measures)) for one in candidates]
+    by = errors[wide.error, wide.distance]
+    left = [_half_width(estimate.updated(one.measures), by) for one in candidates]
     best = int(np.argmin(left))
-    if left[best] > _WORTH * error.half_width(estimate):
-        return None
-    one = candidates[best]
-    return Showing(error.told(estimate), left[best], one.part, one.distance, one.motion)
+    return Showing(wide, left[best], *candidates[best][:3]) if left[best] <= _WORTH * wide.half_width else None
 
 
-def _looks(state: State, around: Sequence[_Around]) -> list[_Candidate]:
+def _looks(state: State) -> list[_Candidate]:
     """Something in each part of the view, at each distance, while the rig is held still."""
-    return [
-        _Candidate(as_taken(part, state.initial), at.distance, _look(state, at.rows[at.part == part]))
-        for at in around
-        for part in np.unique(at.part).tolist()
-    ]
+    chart, near = _near(state)
+    found = []
+    for away, points, rows in zip(near.distances, near.points, near.rows, strict=False):
+        parts = part_of(chart.rig, points)
+        for part in np.unique(parts).tolist():
+            a = rows[parts == part].T @ rows[parts == part] / _NOISE**2
+            told = Measurement(Normal(a, a @ state.estimate.theta, 0.0), np.zeros(3))
+            found.append(_Candidate(as_taken(part, state.initial), away, False, told))
+    return found
 
 
-def _look(state: State, rows: Float[np.ndarray, "p m"]) -> Measurement:
-    """What row differences would measure, by their derivatives by the numbers of the filter."""
-    by_theta = rows[:, : state.chart.dim]
-    a = by_theta.T @ by_theta / _NOISE**2
-    return Measurement(Normal(a, a @ state.estimate.theta, 0.0), np.zeros(3))
-
-
-def _motions(state: State, chart: RigChart, around: tuple[_Around, ...]) -> list[_Candidate]:
+def _motions(state: State) -> list[_Candidate]:
     """The rig moving on past what it has seen; or, if that would tell nothing, past something at each distance."""
     if not state.config.motion:
         return []
     covered = tuple(map(tuple, (state.coverage > 0).tolist()))
     return [
-        _Candidate(None, distance, motion_measurement(state, of_motion, np.zeros(3)), motion=True)
-        for distance, of_motion in _tracked(chart, around, covered)
+        _Candidate(None, distance, True, motion_measurement(state, of_motion, np.zeros(3)))
+        for distance, of_motion in _tracked(*_near(state), covered)
     ]
 
 
 @lru_cache(maxsize=2)  # most looks cover nothing new
 @one_blas_thread()
 def _tracked(
-    chart: RigChart, around: tuple[_Around, ...], covered: tuple[tuple[bool, ...], ...]
+    chart: RigChart, near: Consequences, covered: tuple[tuple[bool, ...], ...]
 ) -> list[tuple[float | None, Normal]]:
     """Distances as `Showing` has them, and what the motion past them would tell of the rig; `covered` says whether
     something was seen in each part of the view at each distance."""
-    seen = [at.points[np.array(covered)[at.part, band_of(at.distance)]] for at in around]
+    each = list(zip(near.distances, near.points, strict=False))
+    seen = [points[np.array(covered)[part_of(chart.rig, points), band_of(away)]] for away, points in each]
     here = _after_motion(chart, np.concatenate(seen))
     if here is not None:
         return [(None, here)]
-    past = ((at.distance, _after_motion(chart, at.points)) for at in around)
-    return [(distance, of_motion) for distance, of_motion in past if of_motion is not None]
+    past = ((away, _after_motion(chart, points)) for away, points in each)
+    return [(away, of_motion) for away, of_motion in past if of_motion is not None]
 
 
 def _after_motion(chart: RigChart, points: Float[np.ndarray, "p 3"]) -> Normal | None:

@@ -12,10 +12,10 @@ from stereorecal.estimation import Normal, window
 from stereorecal.geometry import Camera, vector_from_rotation
 from stereorecal.online._calibration_kinds import squared_error
 from stereorecal.online._filter import Measurement
-from stereorecal.online._pair_estimate import PairEstimate
 from stereorecal.online._state import State
 from stereorecal.recordings import Pair
-from stereorecal.scoring.host import Corners, corner_tracks, corners
+from stereorecal.scoring import Correspondences
+from stereorecal.scoring.host import Corners, Matches, corner_tracks, corners, match_radius
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
@@ -38,14 +38,14 @@ _ROUNDS, _LOST = 5, 5.0  # pixels that corners are off after them: of another pl
 Small = UInt8[np.ndarray, "h w"]
 
 
-def anchored(state: State, pair: Pair, look: PairEstimate) -> State:
+def anchored(state: State, pair: Pair, found: Correspondences) -> State:
     """With the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
-    found = corners(pair, look.matches, look.match_radius, _MOST)
-    if len(found.left) < _FEWEST:
+    seen = corners(pair, Matches.of(found, state.rig), match_radius(found, state.rig), _MOST)
+    if len(seen.left) < _FEWEST:
         return state
-    return state.replace(corners=found, corners_frame=state.frame, corners_time=pair.time)
+    return state.replace(corners=seen, corners_frame=state.frame, corners_time=pair.time)
 
 
 def moved(state: State, pair: Pair) -> State:

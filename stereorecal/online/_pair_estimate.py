@@ -2,8 +2,6 @@
 at which distances, its matches cover.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -23,49 +21,16 @@ PARTS = (3, 3)  # rows and columns of the left image
 BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
 
 
-@dataclass(frozen=True, eq=False)
-class PairEstimate:
-    """What one pair says of the rig.
-
-    Attributes:
-        chart: from θ to rigs, around the calibration that was given first.
-        rig: the calibration that was looked through.
-        normal: the likelihood of θ; None if too little matches, or what matches does so by chance.
-        found: the correspondences that it rests on.
-    """
-
-    chart: RigChart
-    rig: StereoRig
-    normal: Normal | None = None
-    found: Correspondences | None = None
-
-    @property
-    def match_radius(self) -> float:
-        """Pixels: what is farther from all correspondences is of something else."""
-        assert self.found is not None
-        return host.match_radius(self.found, self.rig)
-
-    @property
-    def matches(self) -> host.Matches:
-        """Pixels that correspond."""
-        assert self.found is not None
-        return host.Matches.of(self.found, self.rig)
-
-    def row_error(self, theta: Float[np.ndarray, "n"]) -> float:
-        """|Row difference| of the rig at θ, pixels at full size: the mean over the tiles of a tile's median."""
-        assert self.found is not None
-        return _row_error(self.found, self.chart, theta)
-
-
-def estimate_pair(
+def look(
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     known: FilterEstimate,
     pair: Pair,
     view: View,
     matcher: AbstractMatcher,
-) -> PairEstimate:
-    """Match a pair through the rig at θ, and solve once: a rig that is watched is not far off.
+) -> tuple[Normal, Correspondences] | None:
+    """The likelihood of θ, and the correspondences that it rests on, of a pair through the rig at θ, solved once: a rig
+    that is watched is not far off. None if too little matches, or what matches does so by chance.
 
     Args:
         known: of the rig, before the pair.
@@ -74,18 +39,19 @@ def estimate_pair(
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
     if found.found < ENOUGH.matches or found.covered < ENOUGH.covered or len(places_of(found)) < ENOUGH.places:
-        return PairEstimate(chart, rig)
+        return None
     solved = normal_of_pair(found, chart, theta, known.theta, known.of_theta)
     if solved is None or (
         is_sparse(found.covered, 1.0)
         and is_sparse(found.covered, image_quality(pair).texture)
-        and _row_error(found, chart, solved[1]) * float(found.scale) > _FALSE
+        and row_error(found, chart, solved[1]) * float(found.scale) > _FALSE
     ):
-        return PairEstimate(chart, rig)
-    return PairEstimate(chart, rig, solved[0], found)
+        return None
+    return solved[0], found
 
 
-def _row_error(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> float:
+def row_error(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> float:
+    """|Row difference| of the rig at θ, pixels at full size: the mean over the tiles of a tile's median."""
     valid = np.asarray(found.weight) > 0
     differences = differences_at(found, chart, theta)[valid] / float(found.scale)
     return float(np.mean(tile_medians(differences, np.asarray(found.tile)[valid])))
@@ -116,11 +82,9 @@ def no_coverage() -> Int[np.ndarray, "parts distances"]:
     return np.zeros((PARTS[0] * PARTS[1], len(DISTANCES)), int)
 
 
-def covered_by(look: PairEstimate, view: View) -> Bool[np.ndarray, "parts distances"]:
-    """Whether a look shows each part of the view at each distance: in as large a share of the part as a whole image
-    must be covered by."""
-    found, rig = look.found, look.rig
-    assert found is not None
+def covered_by(found: Correspondences, rig: StereoRig, view: View) -> Bool[np.ndarray, "parts distances"]:
+    """Whether a look through a rig shows each part of the view at each distance: in as large a share of the part as a
+    whole image must be covered by."""
     valid = np.asarray(found.weight[0]) > 0
     left, right = (np.asarray(rays[0], float)[valid] for rays in (found.left, found.right))
     away = 1.0 / np.maximum(nearness_of(rig, left, right, view), 1e-9)

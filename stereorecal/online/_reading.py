@@ -1,5 +1,5 @@
 """The health of a rig, read off its state: what the filter knows, as the decision takes it, an estimate around the
-calibration in use; and what it knows before the first look.
+calibration in use.
 """
 
 from collections.abc import Mapping
@@ -11,22 +11,11 @@ from jaxtyping import Float
 
 from stereorecal._arrays import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, decide
-from stereorecal.estimation import (
-    CalibrationCovariance,
-    Consequences,
-    Estimate,
-    Matters,
-    Posterior,
-    Prior,
-    consequences,
-    is_exact,
-    points_of_view,
-    rig_parameters,
-)
+from stereorecal.estimation import Consequences, Estimate, Posterior, consequences, points_of_view, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
-from stereorecal.online._filter import SIZE, FilterEstimate
-from stereorecal.online._pair_estimate import PARTS, part_of
+from stereorecal.online._filter import SIZE
+from stereorecal.online._pair_estimate import no_coverage, part_of
 from stereorecal.online._state import State, rig_with, theta_of
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 
@@ -39,75 +28,22 @@ _ROTATION = EXTRINSICS[:3]  # y and z are left alone where a late shutter could 
 _UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
-def known(
-    initial: StereoRig, using: tuple[float, ...], of_rig: Posterior, view: View, matters: Matters, coverage: bytes
-) -> Estimate:
-    """The estimate of the rig, as changes of the calibration in use, whose offset from the initial one is `using`; rows
-    and depth are judged in a view, and where looks showed something."""
-    chart, points, slopes = _around(initial, using, view, matters.distances)
-    looks = np.frombuffer(coverage, int)
-    looks = looks if looks.any() else np.ones(len(points))
-    posterior = replace(of_rig, means=of_rig.means - theta_of(np.array(using), chart))
-    return Estimate(
-        chart,
-        posterior,
-        (0.0, 0.0),
-        0,
-        float("nan"),
-        np.diag(posterior.covariance),
-        points=(points, looks / looks.sum()),
-        matters=matters,
-        view=view,
-        samples=_SAMPLES,
-        slopes=slopes,
-    )
-
-
-@lru_cache(maxsize=2)  # the same until another calibration is in use
-def _around(
+@lru_cache(maxsize=4)  # the same until another calibration is in use
+def around(
     initial: StereoRig, using: tuple[float, ...], view: View, distances: tuple[float, ...]
-) -> tuple[RigChart, Float[np.ndarray, "m 3"], Consequences]:
-    """Changes of the calibration in use; a point in the middle of each part of the view at each distance, in the order
-    of coverage [m]; and what changes do there, and over the view at distances [baselines]."""
-    chart, found = chart_around(initial, using), np.zeros((PARTS[0] * PARTS[1], len(DISTANCES), 3))
+) -> tuple[RigChart, Consequences]:
+    """Changes of all parameters of the calibration in use, whose offset from the initial one is `using`; and what they
+    do over the view at distances [baselines], and at a last set of points: one in the middle of each part of the view
+    at each of DISTANCES, in the order of coverage."""
+    chart = rig_parameters(rig_with(initial, np.array(using)))
+    middles = np.zeros((*no_coverage().shape, 3))
     for index, distance in enumerate(DISTANCES):
         points = points_of_view(chart.rig, distance, view)
         part = part_of(chart.rig, points)
-        for number in range(len(found)):
-            inside = points[part == number]
-            found[number, index] = inside[len(inside) // 2] if len(inside) else points[len(points) // 2]
-    points = found.reshape(-1, 3)
-    return chart, points, consequences(chart, np.zeros(chart.dim), distances, view, [points])
-
-
-def prior_now(state: State) -> Prior:
-    """What is known of the calibration in use, for an estimate by other pairs: of exact intrinsics only that they are;
-    else all that looks have told, lenses included."""
-    if is_exact(state.config.prior) or not state.estimate.is_finite:
-        return state.config.prior
-    names, covariance = state.chart.names, state.posterior.covariance
-    some = np.flatnonzero(np.diag(covariance) > 0.0)
-    mean = (state.posterior.mean - state.theta)[some]
-    return CalibrationCovariance([names[index] for index in some], covariance[np.ix_(some, some)], mean)
-
-
-def filtered_by(state: State, estimate: Estimate, trusted: float) -> FilterEstimate:
-    """The filter's estimate that knows of θ what an estimate by some pairs does: the inverse of `known`. The kinds of
-    calibration were told apart before, and will be again: lenses that no pair shows seem better known, 1.4 times.
-
-    Args:
-        estimate: with `prior_now` as its prior, of changes of the calibration in use.
-        trusted: standard deviation of what these pairs may have in common, degrees and percent of the baseline.
-    """
-    covariance = estimate.posterior.covariance.copy()
-    covariance[:SIZE, :SIZE] += trusted**2 * np.eye(SIZE)
-    return state.estimate.moved(state.theta + estimate.theta, covariance)
-
-
-@lru_cache(maxsize=2)  # the same until another calibration is in use
-def chart_around(initial: StereoRig, using: tuple[float, ...]) -> RigChart:
-    """Changes of all parameters of the calibration in use, whose offset from the initial one is `using`."""
-    return rig_parameters(rig_with(initial, np.array(using)))
+        for number in range(len(middles)):
+            some = points[part == number] if (part == number).any() else points
+            middles[number, index] = some[len(some) // 2]
+    return chart, consequences(chart, np.zeros(chart.dim), distances, view, [middles.reshape(-1, 3)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,18 +135,10 @@ def reading(state: State) -> Reading:
         name: Interval(value, value - width, value + width)
         for name, value, width in zip(EXTRINSICS, offset.tolist(), widths.tolist(), strict=True)
     }
-    config = state.config
-    using, free = tuple(state.using.tolist()), EXTRINSICS if config.synchronous else _ROTATION
-    estimate, decision, shifted = _decided(
-        state.initial,
-        using,
-        state.posterior,
-        state.view,
-        state.coverage.tobytes(),
-        free,
-        config.limits,
-        config.tolerances,
-    )
+    config, using, coverage = state.config, tuple(state.using.tolist()), state.coverage.tobytes()
+    free = EXTRINSICS if config.synchronous else _ROTATION
+    given = (state.initial, using, state.posterior, state.view, coverage)
+    estimate, decision, shifted = _decided(*given, free, config.limits, config.tolerances)
     rows = Interval(*decision.rows_px[0].tolist())
     return Reading(axes, state.row_error, rows, late, decision, shifted, estimate)
 
@@ -226,13 +154,29 @@ def _decided(
     limits: Tolerances,
     of_recordings: Tolerances,
 ) -> tuple[Estimate, Decision, bool]:
-    """Of a calibration in use what is known, the decision on what may be switched, and whether it is shifted, as a
-    recording would tell: no switch corrects that."""
-    estimate = known(initial, using, of_rig, view, limits.matters, coverage)
+    """Of a calibration in use what is known, rows and depth being judged in a view, and where looks showed something;
+    the decision on what may be switched; and whether it is shifted, as a recording would tell: no switch corrects
+    that."""
+    chart, near = around(initial, using, view, limits.distances)
+    looks = np.frombuffer(coverage, int)
+    looks = looks if looks.any() else np.ones(len(looks))
+    posterior = replace(of_rig, means=of_rig.means - theta_of(np.array(using), chart))
+    estimate = Estimate(
+        chart,
+        posterior,
+        (0.0, 0.0),
+        0,
+        float("nan"),
+        np.diag(posterior.covariance),
+        points=(near.points[-1], looks / looks.sum()),
+        matters=limits.matters,
+        view=view,
+        samples=_SAMPLES,
+        slopes=near,
+    )
     found = decide(estimate, free, limits)
     left = found.rows_px[0 if found.refused else 1, 0]
     beyond = free != EXTRINSICS and found.verdict is not Verdict.GOOD and bool(left > limits.good_rows_px)
-    posterior = estimate.posterior
     if not found.refused:  # what the rotation alone repairs is no shift
         posterior = replace(posterior, means=posterior.means - found.theta)
     shifted = beyond and not decide(replace(estimate, posterior=posterior), EXTRINSICS, of_recordings).refused

@@ -22,7 +22,8 @@ from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import FilterEstimate, Measurement
-from stereorecal.online._state import Job, State
+from stereorecal.online._state import State
+from stereorecal.recalibration import Progress
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -37,7 +38,7 @@ _KNOWN: dict[str, Any] = {
         Measurement,
         Normal,
         Corners,
-        Job,
+        Progress,
         StereoRig,
         Camera,
         View,

@@ -22,6 +22,7 @@ from stereorecal.online._filter import (
     learnt_pace,
 )
 from stereorecal.online._pair_estimate import no_coverage
+from stereorecal.recalibration import Progress
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
@@ -29,21 +30,6 @@ _REPAIR_PAIRS = 3  # of a repair after a knock
 
 Offset = Float[np.ndarray, "5"]
 """Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
-
-
-@dataclass(frozen=True, eq=False)
-class Job:
-    """A repair of what the looks cannot follow, cut into slices, so that no step takes long.
-
-    Attributes:
-        pairs: that it rests on.
-        at: (6,) extrinsics [rad, m] where the next slice begins.
-        done: slices so far.
-    """
-
-    pairs: tuple[Pair, ...]
-    at: Float[np.ndarray, "6"]
-    done: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +63,7 @@ class State:
             not fit; up to three: what a repair after a knock rests on.
         unmatched_in_a_row: how many pairs hardly matched, one after the other.
         attempt: at how many of them the next repair is tried.
-        job: the repair under way.
+        job: the repair under way, of `repair_pairs`, cut into slices, so that no step takes long.
         ready: the pair from which on the calibration may be switched again.
         previous: offsets of calibrations that were in use before, the last one last.
         reported: the last standing event, so that each is said once.
@@ -107,7 +93,7 @@ class State:
     repair_pairs: tuple[Pair, ...] = ()
     unmatched_in_a_row: int = 0
     attempt: int = 2
-    job: Job | None = None
+    job: Progress | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()
     reported: Kind | None = None

@@ -16,7 +16,7 @@ from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
 from stereorecal.online._moving import Small, anchored, moved, small, turn
-from stereorecal.online._pair_estimate import covered_by, estimate_pair
+from stereorecal.online._pair_estimate import covered_by, look, row_error
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import (
     Outcome,
@@ -132,21 +132,21 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
-    look = estimate_pair(state.chart, state.theta, state.estimate.widened(DRIFT), pair, state.view, matcher)
-    if look.normal is None:
+    seen = look(state.chart, state.theta, state.estimate.widened(DRIFT), pair, state.view, matcher)
+    if seen is None:
         return _unmatched_pair(state, pair)
-    turned = _turn(state, before, current)
+    (normal, found), turned = seen, _turn(state, before, current)
     # Looks have a misfit in common that is in no lens: of more, it would seem to be.
     as_extrinsics = state.as_extrinsics if state.seen >= _LEARN else None
-    measured = Measurement(look.normal, None if turned is None else np.degrees(turned), as_extrinsics)
+    measured = Measurement(normal, None if turned is None else np.degrees(turned), as_extrinsics)
     state = state.replace(
         seen=state.seen + 1,
-        row_error=look.row_error(state.theta),
-        coverage=state.coverage + covered_by(look, state.view),
+        row_error=row_error(found, state.chart, state.theta),
+        coverage=state.coverage + covered_by(found, state.rig, state.view),
         unmatched_in_a_row=0,
         attempt=_FIRST,
     )
-    state = anchored(state, pair, look)
+    state = anchored(state, pair, found)
     told = state.reported in (Kind.DRIFTING, Kind.KNOCK)
     state, events = followed(state, measured)
     knocked = any(event.kind is Kind.KNOCK for event in events)
@@ -154,10 +154,10 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     if knocked or state.outlier is not None:
         state = state.replace(corners=None, outlier_motion=None)
     if knocked and too_far(state):
-        state, more = begun(state, state.repair_pairs)
+        state, more = begun(state)
         return state, [*events, *more]
     # One look is no proof; and without an image before it, nobody knows how far a late shutter could explain it.
-    state, more = decided(state, look) if told and before is not None else (state, [])
+    state, more = decided(state, found) if told and before is not None else (state, [])
     return state, [*events, *more]
 
 
@@ -175,7 +175,7 @@ def _unmatched_pair(state: State, pair: Pair) -> Outcome:
     state = state.with_repair_pair(pair).replace(unmatched_in_a_row=state.unmatched_in_a_row + 1)
     if state.unmatched_in_a_row < state.attempt:
         return state, []
-    return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row), state.repair_pairs)
+    return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row))
 
 
 def _too_little(state: State) -> Outcome:

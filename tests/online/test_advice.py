@@ -23,8 +23,7 @@ def bent(config: Config = Config()) -> State:  # noqa: B008  frozen
     bad one."""
     state = init(default_rig(), config)
     estimate, shown = state.estimate, 1.5 * np.eye(len(state.theta))[1]
-    _, around = _advice._around(state.initial, (0.0,) * 5, state.view, _advice._distances(state))
-    for one in _advice._looks(state, around):
+    for one in _advice._looks(state):
         a = 10.0 * one.measures.normal.a
         estimate = estimate.updated(Measurement(Normal(a, a @ shown, 0.0), np.zeros(3)))
     return state.replace(estimate=estimate, coverage=EVERYWHERE, seen=9)
@@ -48,11 +47,10 @@ def test_what_was_shown_is_known():
     state, shown = init(default_rig(), Config(prior="exact", motion=False)), []
     while (found := advice(state)).undetermined:
         assert found.show is not None
-        _, around = _advice._around(state.initial, (0.0,) * 5, state.view, _advice._distances(state))
         asked = (found.show.part, found.show.distance)
         shown.append(asked)
         assert len(shown) < 9
-        (seen,) = [one for one in _advice._looks(state, around) if (one.part, one.distance) == asked]
+        (seen,) = [one for one in _advice._looks(state) if (one.part, one.distance) == asked]
         state = state.replace(estimate=state.estimate.updated(seen.measures))
         after = {(one.error, one.distance): one.half_width for one in advice(state).undetermined}
         narrowed = found.show.narrows
