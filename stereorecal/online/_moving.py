@@ -143,7 +143,7 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
         return None
     zoom = camera.size[0] / before.shape[1]
     first, second = ((zoom * (points.reshape(-1, 2)[tracked] + 0.5) - 0.5).astype(float) for points in (starts, ends))
-    design, wanted = (_on_sphere if camera.lens.WIDE else _on_plane)(camera, first, second)
+    design, wanted = _by_turn(camera, first, second)
     if len(wanted) < _FEWEST_OF_TURN:
         return None
     weight, found, spread = np.ones_like(wanted), np.zeros(3), 0.0
@@ -155,25 +155,11 @@ def turn(camera: Camera, before: Small, after: Small) -> Float[np.ndarray, "3"] 
     return found if spread * float(camera.focal[0]) < _LOST * zoom else None
 
 
-def _on_plane(
+def _by_turn(
     camera: Camera, first: Float[np.ndarray, "k 2"], second: Float[np.ndarray, "k 2"]
 ) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
-    """How image points of pixels move with a small rotation, and how they moved."""
-    first, second = np.asarray(camera.rays(first)), np.asarray(camera.rays(second))
-    x, y = first[:, 0], first[:, 1]
-    flow = (second - first)[:, :2]
-    one, none = np.ones_like(x), np.zeros_like(x)
-    # d(x, y) of the ray (x, y, 1) under a small rotation w: (w x ray) projected.
-    across = np.stack([-x * y, one + x**2, -y], axis=-1)
-    down = np.stack([-(one + y**2), x * y, x + none], axis=-1)
-    return np.concatenate([across, down]), flow.T.reshape(-1)
-
-
-def _on_sphere(
-    camera: Camera, first: Float[np.ndarray, "k 2"], second: Float[np.ndarray, "k 2"]
-) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
-    """The same of directions: those far off the axis have no image point on a plane, or one that errs far. What lies at
-    the edge of the lens' own image does not move with the scene."""
+    """How the directions of pixels move with a small rotation, and how they moved: those far off the axis have no image
+    point on a plane. What lies at the edge of a lens' own image does not move with the scene."""
     rays, ends = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
     around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
     directions_around = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)

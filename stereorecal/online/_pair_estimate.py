@@ -22,6 +22,7 @@ BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
 
 
 def look(
+    rig: StereoRig,
     chart: RigChart,
     theta: Float[np.ndarray, "n"],
     known: FilterEstimate,
@@ -29,13 +30,13 @@ def look(
     view: View,
     matcher: AbstractMatcher,
 ) -> tuple[Normal, Correspondences] | None:
-    """The likelihood of θ, and the correspondences that it rests on, of a pair through the rig at θ, solved once: a rig
-    that is watched is not far off. None if too little matches, or what matches does so by chance.
+    """The likelihood of θ, and the correspondences that it rests on, of a pair through a rig, solved once: one that is
+    watched is not far off. None if too little matches, or what matches does so by chance.
 
     Args:
+        theta: of the rig.
         known: of the rig, before the pair.
     """
-    rig = chart.rig_at(theta)
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
     if found.found < ENOUGH.matches or found.covered < ENOUGH.covered or len(places_of(found)) < ENOUGH.places:

@@ -35,7 +35,7 @@ def around(
     """Changes of all parameters of the calibration in use, whose offset from the initial one is `using`; and what they
     do over the view at distances [baselines], and at a last set of points: one in the middle of each part of the view
     at each of DISTANCES, in the order of coverage."""
-    chart = rig_parameters(rig_with(initial, np.array(using)))
+    chart = rig_parameters(rig_with(initial, using))
     middles = np.zeros((*no_coverage().shape, 3))
     for index, distance in enumerate(DISTANCES):
         points = points_of_view(chart.rig, distance, view)

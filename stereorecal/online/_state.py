@@ -1,7 +1,7 @@
 """All that is known of a rig on the vehicle."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
@@ -62,7 +62,6 @@ class State:
         repair_pairs: the last pairs, one after the other, that hardly match, though they have light and texture, or do
             not fit; up to three: what a repair after a knock rests on.
         unmatched_in_a_row: how many pairs hardly matched, one after the other.
-        attempt: at how many of them the next repair is tried.
         job: the repair under way, of `repair_pairs`, cut into slices, so that no step takes long.
         ready: the pair from which on the calibration may be switched again.
         previous: offsets of calibrations that were in use before, the last one last.
@@ -92,7 +91,6 @@ class State:
     outliers_in_a_row: int = 0
     repair_pairs: tuple[Pair, ...] = ()
     unmatched_in_a_row: int = 0
-    attempt: int = 2
     job: Progress | None = None
     ready: int = 0
     previous: tuple[Offset, ...] = ()
@@ -134,14 +132,14 @@ class State:
         """The covariance of the offset."""
         return self.as_extrinsics @ self.posterior.covariance @ self.as_extrinsics.T
 
-    @cached_property
+    @property
     def rig(self) -> StereoRig:
         """The calibration in use."""
         return self.rig_at(self.using)
 
     def rig_at(self, offset: Offset) -> StereoRig:
         """The rig with an offset."""
-        return rig_with(self.initial, offset)
+        return rig_with(self.initial, tuple(offset.tolist()))
 
     def offset_of(self, rig: StereoRig) -> Offset:
         """The inverse."""
@@ -194,10 +192,11 @@ def theta_of(offset: Offset, chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.pad(offset, (0, chart.dim - len(offset)))
 
 
-def rig_with(initial: StereoRig, offset: Offset) -> StereoRig:
+@lru_cache(maxsize=4)
+def rig_with(initial: StereoRig, offset: tuple[float, ...]) -> StereoRig:
     """The rig with an offset from the one that was given first."""
     chart = _chart(initial)
-    return chart.rig_at(theta_of(offset, chart)) if np.any(offset) else initial
+    return chart.rig_at(theta_of(np.array(offset), chart)) if any(offset) else initial
 
 
 @lru_cache(maxsize=2)

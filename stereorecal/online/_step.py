@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
@@ -17,6 +16,7 @@ from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, look, row_error
+from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import (
     Outcome,
@@ -25,16 +25,15 @@ from stereorecal.online._switching import (
     decided,
     followed,
     switched,
-    too_far,
 )
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
 from stereorecal.scoring import image_quality, is_coarse, pyramid
 from stereorecal.scoring.host import with_measured_range
 
-_FIRST = 2  # pairs that hardly match, until a repair is tried
+_FIRST = 2  # pairs that hardly match, until a repair is tried; after twice as many again
+_BLIND = 1.5  # pixels of row error: beyond, windows show other things
 _LEARN = 100  # looks: those that tell of lenses
-_PATIENCE = 2  # times as long, after a repair that failed
 
 
 def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  frozen
@@ -52,7 +51,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     known = matcher if matcher.num_disparities is not None else None
     start, freed = (at_start(before_looks(rig, config.prior, any_yaw=any_yaw), config) for any_yaw in (False, True))
     view, using = as_view(config.view, rig), np.zeros(SIZE)
-    return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known, attempt=_FIRST)
+    return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known)
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:
@@ -132,10 +131,14 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
-    seen = look(state.chart, state.theta, state.estimate.widened(DRIFT), pair, state.view, matcher)
+    known = state.estimate.widened(DRIFT)
+    seen = look(state.rig, state.chart, state.theta, known, pair, state.view, matcher)
     if seen is None:
         return _unmatched_pair(state, pair)
-    (normal, found), turned = seen, _turn(state, before, current)
+    normal, found = seen
+    turned = np.zeros(3)  # by which a late shutter would have turned the right image, in a frame
+    if not config.synchronous:
+        turned = None if before is None else turn(state.initial.left, before, current)
     # Looks have a misfit in common that is in no lens: of more, it would seem to be.
     as_extrinsics = state.as_extrinsics if state.seen >= _LEARN else None
     measured = Measurement(normal, None if turned is None else np.degrees(turned), as_extrinsics)
@@ -144,7 +147,6 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         row_error=row_error(found, state.chart, state.theta),
         coverage=state.coverage + covered_by(found, state.rig, state.view),
         unmatched_in_a_row=0,
-        attempt=_FIRST,
     )
     state = anchored(state, pair, found)
     told = state.reported in (Kind.DRIFTING, Kind.KNOCK)
@@ -153,7 +155,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     state = state.with_repair_pair(pair) if knocked or state.outlier is not None else state.replace(repair_pairs=())
     if knocked or state.outlier is not None:
         state = state.replace(corners=None, outlier_motion=None)
-    if knocked and too_far(state):
+    if knocked and reading(state).rows_px.value > _BLIND:
         state, more = begun(state)
         return state, [*events, *more]
     # One look is no proof; and without an image before it, nobody knows how far a late shutter could explain it.
@@ -161,21 +163,14 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     return state, [*events, *more]
 
 
-def _turn(state: State, before: Small | None, current: Small) -> Float[np.ndarray, "3"] | None:
-    """By which a late shutter would have turned the right image, in a frame; None if it is not known."""
-    if state.config.synchronous:
-        return np.zeros(3)
-    return None if before is None else turn(state.initial.left, before, current)
-
-
 def _unmatched_pair(state: State, pair: Pair) -> Outcome:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
     state = state.with_repair_pair(pair).replace(unmatched_in_a_row=state.unmatched_in_a_row + 1)
-    if state.unmatched_in_a_row < state.attempt:
-        return state, []
-    return begun(state.replace(attempt=_PATIENCE * state.unmatched_in_a_row))
+    number = state.unmatched_in_a_row
+    again = number >= _FIRST and number & (number - 1) == 0  # a power of 2
+    return begun(state) if again else (state, [])
 
 
 def _too_little(state: State) -> Outcome:

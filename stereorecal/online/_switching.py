@@ -34,7 +34,6 @@ Outcome = tuple[State, list[Event]]
 _TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
 _AGREE = 1e-3  # chance, of two looks after a knock
 _DISAGREEING = 4  # looks that fit nothing, until it is said
-_BLIND = 1.5  # pixels of row error: beyond, windows show other things
 
 
 def switched(state: State, offset: Offset) -> State:
@@ -49,7 +48,6 @@ def switched(state: State, offset: Offset) -> State:
         job=None,
         repair_pairs=(),
         unmatched_in_a_row=0,
-        attempt=2,
     )
 
 
@@ -212,11 +210,6 @@ def _after_solution(state: State, solution: Solution) -> Outcome:
         return state, [*events, *more]
     state, more = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
     return state.replace(ready=0), [*events, *more]  # looks may correct it at once
-
-
-def too_far(state: State) -> bool:
-    """Whether a knock was so large that looks through the calibration in use measure it badly."""
-    return reading(state).rows_px.value > _BLIND
 
 
 def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
