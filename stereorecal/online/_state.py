@@ -1,7 +1,9 @@
 """All that is known of a rig on the vehicle."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
@@ -11,7 +13,7 @@ from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import RigChart
 from stereorecal.online._calibration_kinds import posterior
-from stereorecal.online._config import Config, Kind
+from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import (
     PACES,
     USUAL,
@@ -67,6 +69,7 @@ class State:
         previous: offsets of calibrations that were in use before, the last one last.
         reported: the last standing event, so that each is said once.
         coverage: looks so far that showed each part of the view (by rows) at each of the distances where depth is read.
+        events: of the step that is being done.
     """
 
     config: Config
@@ -96,6 +99,15 @@ class State:
     previous: tuple[Offset, ...] = ()
     reported: Kind | None = None
     coverage: Int[np.ndarray, "parts distances"] = field(default_factory=no_coverage)
+    events: tuple[Event, ...] = ()
+
+    def saying(self, kind: Kind, why: str = "", facts: Mapping[str, Any] | None = None) -> "State":
+        """With one more event."""
+        return replace(self, events=(*self.events, Event(self.frame, kind, why, facts or {})))
+
+    def told(self) -> tuple["State", tuple[Event, ...]]:
+        """The state without its events, and these."""
+        return replace(self, events=()), self.events
 
     def alone(self) -> "State":
         """Without what only a pair that comes at once could be compared with: the last image, the corners that are

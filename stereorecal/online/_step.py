@@ -19,7 +19,6 @@ from stereorecal.online._pair_estimate import covered_by, look, row_error
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State
 from stereorecal.online._switching import (
-    Outcome,
     begun,
     continued,
     decided,
@@ -69,20 +68,19 @@ def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tup
     until = None if seconds is None else time.monotonic() + seconds
     try:
         (pair,) = check_pairs(state.initial, [pair])
-        after, events = _after_pair(state, pair)
+        after = _after_pair(state, pair)
     except InputError as error:
         return without_pair(state, error)
     while until is not None and after.job is not None and time.monotonic() < until:
-        after, more = continued(after)
-        events += more
-    return after.replace(frame=state.frame + 1), tuple(events)
+        after = continued(after)
+    return after.replace(frame=state.frame + 1).told()
 
 
 def without_pair(state: State, error: InputError) -> tuple[State, tuple[Event, ...]]:
     """The state after a pair that cannot be used, and the event, once of several in a row."""
     again = state.last is None and state.reported is Kind.BAD_FRAME
-    events = () if again else (Event(state.frame, Kind.BAD_FRAME, str(error)),)
-    return state.later().replace(frame=state.frame + 1, last=None, corners=None, reported=Kind.BAD_FRAME), events
+    said = state if again else state.saying(Kind.BAD_FRAME, str(error))
+    return said.later().replace(frame=state.frame + 1, last=None, corners=None, reported=Kind.BAD_FRAME).told()
 
 
 def freeze(state: State, frozen: bool = True) -> State:
@@ -109,19 +107,19 @@ def rollback(state: State, to: Offset | None = None) -> State:
 
 
 @one_blas_thread()
-def _after_pair(state: State, pair: Pair) -> Outcome:
+def _after_pair(state: State, pair: Pair) -> State:
     config, before, current = state.config, state.last, small(pair.left)
     state = state.later().replace(last=current)
     if not state.estimate.is_finite:
-        return state, []
+        return state
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:
-        return state, []
+        return state
     return _after_look(moved(state, pair), pair, before, current)
 
 
-def _after_look(state: State, pair: Pair, before: Small | None, current: Small) -> Outcome:
+def _after_look(state: State, pair: Pair, before: Small | None, current: Small) -> State:
     config = state.config
     if is_coarse(pair):
         return _too_little(state)
@@ -150,32 +148,31 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
     )
     state = anchored(state, pair, found)
     told = state.reported in (Kind.DRIFTING, Kind.KNOCK)
-    state, events = followed(state, measured)
-    knocked = any(event.kind is Kind.KNOCK for event in events)
-    state = state.with_repair_pair(pair) if knocked or state.outlier is not None else state.replace(repair_pairs=())
+    state = followed(state, measured)
+    knocked = any(event.kind is Kind.KNOCK for event in state.events)
     if knocked or state.outlier is not None:
-        state = state.replace(corners=None, outlier_motion=None)
+        state = state.with_repair_pair(pair).replace(corners=None, outlier_motion=None)
+    else:
+        state = state.replace(repair_pairs=())
     if knocked and reading(state).rows_px.value > _BLIND:
-        state, more = begun(state)
-        return state, [*events, *more]
+        return begun(state)
     # One look is no proof; and without an image before it, nobody knows how far a late shutter could explain it.
-    state, more = decided(state, found) if told and before is not None else (state, [])
-    return state, [*events, *more]
+    return decided(state, found) if told and before is not None else state
 
 
-def _unmatched_pair(state: State, pair: Pair) -> Outcome:
+def _unmatched_pair(state: State, pair: Pair) -> State:
     """A pair of which hardly anything matches: too little to see, or a rig that is far off."""
     if not image_quality(pair).enough:
         return _too_little(state)
     state = state.with_repair_pair(pair).replace(unmatched_in_a_row=state.unmatched_in_a_row + 1)
     number = state.unmatched_in_a_row
     again = number >= _FIRST and number & (number - 1) == 0  # a power of 2
-    return begun(state) if again else (state, [])
+    return begun(state) if again else state
 
 
-def _too_little(state: State) -> Outcome:
+def _too_little(state: State) -> State:
     kind = Kind.TOO_LITTLE_TEXTURE
-    return state.replace(reported=kind), [] if state.reported is kind else [Event(state.frame, kind)]
+    return state if state.reported is kind else state.replace(reported=kind).saying(kind)
 
 
 @dataclass(frozen=True, eq=False)

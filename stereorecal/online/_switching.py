@@ -29,8 +29,6 @@ from stereorecal.recalibration import (
 from stereorecal.recordings import Pairs, check_pairs
 from stereorecal.scoring import Correspondences, pyramid
 
-Outcome = tuple[State, list[Event]]
-
 _TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
 _AGREE = 1e-3  # chance, of two looks after a knock
 _DISAGREEING = 4  # looks that fit nothing, until it is said
@@ -51,7 +49,7 @@ def switched(state: State, offset: Offset) -> State:
     )
 
 
-def decided(state: State, found: Correspondences) -> Outcome:
+def decided(state: State, found: Correspondences) -> State:
     """The state with the change in use that the decision asks for, and against which the look does not speak.
 
     y and z stay, unless a trigger opens both shutters: one that is late on a rig that travels straight on poses as a
@@ -59,18 +57,18 @@ def decided(state: State, found: Correspondences) -> Outcome:
     change them.
     """
     if not state.config.repair or state.outlier is not None or state.frame < state.ready:
-        return state, []
+        return state
     stands = reading(state)
     if stands.late or stands.shifted or stands.decision is None or stands.change is None:
-        return state, []
+        return state
     offset = state.using + stands.change
     if row_error(found, state.chart, theta_of(offset, state.chart)) > state.row_error:
-        return state, []
+        return state
     return _switched_by(state, offset, Kind.REPAIRED, stands.decision, "looks")
 
 
-def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, by: str) -> Outcome:
-    """Another calibration in use, and the event that says so; `by` says what the decision rests on."""
+def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, by: str) -> State:
+    """The state that says that another calibration is in use; `by` says what the decision rests on."""
     before, after = decision.rows_px[:, 0].tolist()
     facts = {
         "old": _calibration_data(state, state.using),
@@ -83,7 +81,7 @@ def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, b
             "probability_worse": decision.worse,
         },
     }
-    return switched(state, offset), [Event(state.frame, kind, "", facts)]
+    return switched(state, offset).saying(kind, facts=facts)
 
 
 def prior_now(state: State) -> Prior:
@@ -118,7 +116,7 @@ def _calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
     }
 
 
-def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
+def followed(state: State, measured: Measurement) -> State:
     """The state after an informative look."""
     config = state.config
     if state.estimate.chance_of(measured) >= config.knock:
@@ -126,26 +124,23 @@ def followed(state: State, measured: Measurement) -> tuple[State, list[Event]]:
         return standing(state)
     first = state.outlier
     if first is None:
-        return state.replace(outlier=measured), []
+        return state.replace(outlier=measured)
     # Where a turn is not known, nor is how far a late shutter could explain it: such a look speaks to its like alone.
     alike = (first.turn is None) == (measured.turn is None)
     changed = _after_two_outliers(state, first, measured) if alike else None
     if changed is None:
-        in_a_row = state.outliers_in_a_row + 1
-        state = state.replace(outlier=measured, outliers_in_a_row=in_a_row)
-        return state, [Event(state.frame, Kind.FRAMES_DISAGREE)] if in_a_row == _DISAGREEING else []
+        state = state.replace(outlier=measured, outliers_in_a_row=state.outliers_in_a_row + 1)
+        return state.saying(Kind.FRAMES_DISAGREE) if state.outliers_in_a_row == _DISAGREEING else state
     estimate, knocked = changed
     before, state = state.offset, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
-    moved = state.offset - before
-    if not knocked:
+    if knocked:
+        state = state.replace(ready=0)
+    if not (knocked and reading(state.using_now(before)).matters):
         return standing(state)
-    state = state.replace(ready=0)
-    if not reading(state.using_now(before)).matters:
-        return standing(state)
-    change = dict(zip(EXTRINSICS, moved.tolist(), strict=True))
+    change = dict(zip(EXTRINSICS, (state.offset - before).tolist(), strict=True))
     farthest = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))[:2]
     text = ", ".join(f"{name} {change[name]:+.2f} deg" for name in farthest)
-    return state.replace(reported=Kind.KNOCK), [Event(state.frame, Kind.KNOCK, text, {"change": change})]
+    return state.replace(reported=Kind.KNOCK).saying(Kind.KNOCK, text, {"change": change})
 
 
 def _after_two_outliers(state: State, first: Measurement, second: Measurement) -> tuple[FilterEstimate, bool] | None:
@@ -160,8 +155,8 @@ def _after_two_outliers(state: State, first: Measurement, second: Measurement) -
     return (knocked.updated(second, together), True) if knocked.chance_of(second) > _AGREE else None
 
 
-def standing(state: State) -> tuple[State, list[Event]]:
-    """How the rig stands: said when it changes."""
+def standing(state: State) -> State:
+    """The state that says how the rig stands, when that changes."""
     found, why = reading(state), ""
     kind = {Condition.HEALTHY: Kind.HEALTHY, Condition.REPAIR: Kind.DRIFTING}.get(found.condition)
     if found.late:
@@ -170,18 +165,18 @@ def standing(state: State) -> tuple[State, list[Event]]:
         kind, (y, z) = Kind.SHIFTED, (found.axes[name].value for name in "yz")
         why = f"y {y:+.1f}, z {z:+.1f} % of the baseline"
     if kind is None or kind is state.reported or (kind is Kind.DRIFTING and state.reported is Kind.KNOCK):
-        return state, []
-    return state.replace(reported=kind), [Event(state.frame, kind, why, found.as_dict())]
+        return state
+    return state.replace(reported=kind).saying(kind, why, found.as_dict())
 
 
-def begun(state: State) -> tuple[State, list[Event]]:
+def begun(state: State) -> State:
     """The state with a repair under way, on the pairs that hardly match; or, where nothing is switched, a search for
     how the rig stands, which is no repair."""
-    repairing = Event(state.frame, Kind.REPAIRING, f"from {len(state.repair_pairs)} pairs")
-    return state.replace(job=Progress(state.rig)), [repairing] if state.config.repair else []
+    state = state.replace(job=Progress(state.rig))
+    return state.saying(Kind.REPAIRING, f"from {len(state.repair_pairs)} pairs") if state.config.repair else state
 
 
-def continued(state: State) -> tuple[State, list[Event]]:
+def continued(state: State) -> State:
     """The state after one more slice of its repair; after the last one what it found in use, if it was accepted."""
     job, matcher = state.job, state.matcher
     assert job is not None
@@ -190,26 +185,25 @@ def continued(state: State) -> tuple[State, list[Event]]:
         settings, images = as_settings({"matcher": matcher}), pyramid(state.rig, state.repair_pairs, state.config.view)
         ended = next_slice(Case(images, settings, matcher, Parameters(), prior_now(state)), job)
     except InputError as error:  # such as: images that are exchanged
-        return state.replace(job=None), [Event(state.frame, Kind.REJECTED, str(error))]
+        return state.replace(job=None).saying(Kind.REJECTED, str(error))
     if isinstance(ended, Progress):
-        return state.replace(job=ended), []
+        return state.replace(job=ended)
     return _after_solution(state.replace(job=None), ended)
 
 
-def _after_solution(state: State, solution: Solution) -> Outcome:
+def _after_solution(state: State, solution: Solution) -> State:
     if not solution.accepted or solution.estimate is None or solution.decision is None:
         kind = Kind.FRAMES_DISAGREE if solution.reason is Reason.FRAMES_DISAGREE else Kind.REJECTED
-        return state, [Event(state.frame, kind, solution.reason.value)]
+        return state.saying(kind, solution.reason.value)
     offset = state.offset_of(solution.rig)
-    change = dict(zip(EXTRINSICS, (offset - state.using).tolist(), strict=True))
-    knock = Event(state.frame, Kind.KNOCK, "almost nothing matched", {"change": change})
-    events = [] if state.reported is Kind.KNOCK else [knock]
+    if state.reported is not Kind.KNOCK:
+        change = dict(zip(EXTRINSICS, (offset - state.using).tolist(), strict=True))
+        state = state.saying(Kind.KNOCK, "almost nothing matched", {"change": change})
     state = told_by(state, solution.estimate).replace(reported=Kind.KNOCK, ready=0, outlier=None)
     if not state.config.repair or reading(state).late:
-        state, more = standing(state)
-        return state, [*events, *more]
-    state, more = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
-    return state.replace(ready=0), [*events, *more]  # looks may correct it at once
+        return standing(state)
+    state = _switched_by(state, offset, Kind.REPAIRED, solution.decision, "repair")
+    return state.replace(ready=0)  # looks may correct it at once
 
 
 def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
@@ -234,10 +228,9 @@ def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
             prior=prior_now(state),
         )
     except InputError as error:
-        return state, (Event(state.frame, Kind.REJECTED, str(error)),)
+        return state, state.saying(Kind.REJECTED, str(error)).events
     if not solution.accepted or solution.estimate is None or solution.decision is None:
-        return state, (Event(state.frame, Kind.REJECTED, solution.reason.value),)
+        return state, state.saying(Kind.REJECTED, solution.reason.value).events
     offset = state.offset_of(solution.rig)
     state = told_by(state, solution.estimate).replace(outlier=None, outliers_in_a_row=0)
-    state, events = _switched_by(state, offset, Kind.RECALIBRATED, solution.decision, "recalibration")
-    return state, tuple(events)
+    return _switched_by(state, offset, Kind.RECALIBRATED, solution.decision, "recalibration").told()
