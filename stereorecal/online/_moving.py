@@ -15,7 +15,7 @@ from stereorecal.online._filter import Measurement
 from stereorecal.online._state import State
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences
-from stereorecal.scoring.host import Corners, Matches, corner_tracks, corners, match_radius
+from stereorecal.scoring.host import Matches, corner_tracks, corners, match_radius
 
 _MOST = 400  # corners
 _FEWEST = 30  # of them that are seen again
@@ -50,42 +50,29 @@ def anchored(state: State, pair: Pair, found: Correspondences) -> State:
 
 def moved(state: State, pair: Pair) -> State:
     """The state after a pair that may show corners again from elsewhere; how the rig stands is said after the look."""
-    if state.corners is None or state.frame - state.corners_frame < state.tracked_pairs:
+    before, pairs, gap = state.corners, state.frame - state.corners_frame, state.tracked_pairs
+    if before is None or pairs < gap:
         return state
-    return _after_tracking(state, state.corners, pair)
-
-
-def _after_tracking(state: State, before: Corners, pair: Pair) -> State:
-    pairs = state.frame - state.corners_frame
-    if not _within_tracking_time(state.corners_time, pair.time, pairs):
-        return state.replace(corners=None)
-    if pair.readout and (state.corners_time is None or pair.time is None):  # of how much of the motion, is not known
-        return state.replace(corners=None)
+    seconds = None if state.corners_time is None or pair.time is None else pair.time - state.corners_time
+    state = state.replace(corners=None)
+    # A repair in between may have taken many pairs; and of how much of the motion a readout is, times tell.
+    if not (pairs <= _LONGEST and not pair.readout if seconds is None else 0.0 < seconds <= _SECONDS):
+        return state
     tracks = corner_tracks(before, pair)
-    if pair.readout and state.corners_time is not None and pair.time is not None:
-        tracks = replace(tracks, readout=pair.readout / (pair.time - state.corners_time))
+    if pair.readout and seconds is not None:
+        tracks = replace(tracks, readout=pair.readout / seconds)
     # Near the estimate, lenses included: near the calibration in use, depth of a drive was off by 4 %.
     near = state.estimate.theta if state.chart.stands_at(state.estimate.theta) else state.theta
     tracked = window(tracks, state.chart, near)
-    lost = tracked.motion is None or len(tracks) < _LEFT * len(before.left)
-    gap = state.tracked_pairs
-    if lost:
+    if tracked.motion is None or len(tracks) < _LEFT * len(before.left):
         gap = max(gap // 2, 1)
     elif tracked.metres[0] < AHEAD * float(state.rig.baseline):
         gap = min(2 * gap, max(_LONGEST - _LONGEST % state.config.every, 1))  # pairs to a look that comes soon enough
-    state = state.replace(corners=None, tracked_pairs=gap)
+    state = state.replace(tracked_pairs=gap)
     if tracked.motion is None or not tracked.informative:
         return state
     turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
     return _after_window(state, motion_measurement(state, tracked.normal, turned))
-
-
-def _within_tracking_time(first: float | None, second: float | None, pairs: int) -> bool:
-    """Whether a pair comes soon after another one: by their times, or, where not both are known, by pairs; a repair in
-    between may have taken many."""
-    if first is None or second is None:
-        return pairs <= _LONGEST
-    return 0.0 < second - first <= _SECONDS
 
 
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
