@@ -131,10 +131,8 @@ def _loaded(path: str | Path) -> State:
 
 def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as JSON; arrays go into `arrays`, and leave their names."""
-    if value is None or isinstance(value, bool | int | str):
+    if value is None or isinstance(value, bool | int | float | str):
         return value
-    if isinstance(value, float):
-        return {"float": value.hex()}
     if isinstance(value, np.generic | np.ndarray) or hasattr(value, "__array__"):
         name = f"a{len(arrays)}"
         arrays[name] = np.asarray(value)
@@ -162,8 +160,6 @@ def _decoded(value: Any, arrays: Mapping[str, np.ndarray]) -> Any:
         return tuple(_decoded(item, arrays) for item in value)
     if not isinstance(value, dict):
         return value
-    if "float" in value:
-        return float.fromhex(value["float"])
     if "array" in value:
         return arrays[value["array"]]
     if "matcher" in value:
