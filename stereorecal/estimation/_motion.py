@@ -114,8 +114,9 @@ def window(
     number = len(readings)
     if number < _FEWEST:
         return Window(nothing, nothing, number, 0, None, (0.0, np.inf), 1.0)
-    motion, yaw = _roughly(readings, chart, theta)
-    found = _motion(readings, chart, theta, motion, yaw)
+    found = _roughly(readings, chart, theta)
+    if len(found.weight) < number:
+        found = _motion(readings, chart, theta, found.motion, found.yaw)
     move = found.motion.translation
     inliers, metres = int((found.weight > 0.25).sum()), float(np.linalg.norm(move))
     at = theta + found.yaw * _yaw_axis(chart)
@@ -144,7 +145,7 @@ def _yaw_axis(chart: RigChart) -> Float[np.ndarray, "n"]:
     return np.eye(chart.dim)[DRIFTING.index("yaw")]
 
 
-def _roughly(readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"]) -> tuple[Motion, float]:
+def _roughly(readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, "n"]) -> _Solved:
     """A motion and a yaw by some of the tracks, since most of the rounds are far from the end: from what most of them
     agree on, and, if that does not end where they are expected, from rest, too; whichever ends nearer to them."""
     some = readings.of(slice(None, None, max(1, len(readings) // _SOME)))
@@ -152,7 +153,7 @@ def _roughly(readings: TrackReadings, chart: RigChart, theta: Float[np.ndarray, 
     if not found.scale < _EXPECTED:
         at_rest = _motion(some, chart, theta, Motion(np.eye(3), np.zeros(3)), convex=_CONVEX)
         found = min(found, at_rest, key=lambda one: one.scale)
-    return found.motion, found.yaw
+    return found
 
 
 def _motion(
