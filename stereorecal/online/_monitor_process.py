@@ -18,13 +18,11 @@ from types import TracebackType
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import DEFAULT
 from stereorecal.geometry import StereoRig
-from stereorecal.matching import as_matcher
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._saving import StateFile, load
-from stereorecal.online._state import State, theta_of
-from stereorecal.online._step import freeze, init, step
+from stereorecal.online._state import State
+from stereorecal.online._step import init, step
 from stereorecal.recordings import Images, Pair, as_pairs
 
 Change = Callable[[State], tuple[State, tuple[Event, ...]]]
@@ -81,7 +79,8 @@ class MonitorProcess:
             raise InputError(f"a share of {share} of a core makes no sense; give one above 0, and at most 1.")
         state = rig if isinstance(rig, State) else init(rig, config)
         if keep is not None and Path(keep).exists():
-            state = _set(load(keep, None if isinstance(rig, State) else rig), state)
+            kept, config = load(keep, None if isinstance(rig, State) else rig), state.config
+            state = kept.configured(replace(config, repair=config.repair and kept.config.repair))
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
@@ -211,26 +210,6 @@ class MonitorProcess:
                 with self._there:
                     self._there.wait_for(lambda: self._closed, pause)
                     self._working = False
-
-
-def _set(state: State, fresh: State) -> State:
-    """A state with the settings of one that is made now; nothing that was frozen is thawed by them."""
-    before, config = state.config, fresh.config
-    config = replace(config, repair=config.repair and before.repair)
-    state = state.configured(config)
-    if before.repair and not config.repair:
-        state = freeze(state)
-    if as_matcher(before.matcher) != as_matcher(config.matcher):
-        matcher = as_matcher(config.matcher)
-        known = matcher if matcher.num_disparities is not None else None
-        state = state.replace(matcher=known, job=None, unmatched_in_a_row=0, outlier=None)
-    if (before.view, before.prior or DEFAULT) != (config.view, config.prior or DEFAULT):
-        first = init(state.initial, config)
-        known = first.estimate.of_theta.copy()
-        known[: len(state.using), : len(state.using)] += state.of_offset
-        wide = first.estimate.moved(theta_of(state.offset, state.chart), known)
-        state = state.standing_at(wide).replace(view=first.view, outlier=None)
-    return state
 
 
 def _images_alone(pair: Pair | Images | Timed) -> Taken:

@@ -8,17 +8,19 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from stereorecal.estimation import Posterior, extrinsics_like, rig_parameters
-from stereorecal.geometry import StereoRig, View
-from stereorecal.matching import AbstractMatcher
+from stereorecal.estimation import DEFAULT, Posterior, extrinsics_like, rig_parameters
+from stereorecal.geometry import StereoRig, View, as_view
+from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import RigChart
-from stereorecal.online._calibration_kinds import posterior
+from stereorecal.online._calibration_kinds import before_looks, posterior
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import (
     PACES,
+    SIZE,
     USUAL,
     FilterEstimate,
     Measurement,
+    at_start,
     filters_beside,
     learnt_logs,
     learnt_pace,
@@ -183,12 +185,23 @@ class State:
         return replace(self, estimate=estimate, beside=filters_beside(estimate, estimate))
 
     def configured(self, config: Config) -> "State":
-        """With other settings. What was known of a delay is forgotten, where they say otherwise of the shutters."""
-        state = replace(self, config=config)
-        if config.synchronous == self.config.synchronous:
-            return state
-        state = state.standing_at(self.estimate.of_shutters(config.synchronous))
-        return replace(state, outlier=None, reported=None)
+        """With other settings. A repair under way ends where they say whether there are any, and what was known of a
+        delay where they say otherwise of the shutters; with another matcher the range is measured anew, with another
+        view or prior the estimate is as wide as at the start."""
+        before, state = self.config, replace(self, config=config)
+        if config.repair != before.repair:
+            state = replace(state, job=None)
+        if config.synchronous != before.synchronous:
+            state = state.standing_at(self.estimate.of_shutters(config.synchronous))
+            state = replace(state, outlier=None, reported=None)
+        if as_matcher(config.matcher) != as_matcher(before.matcher):
+            state = replace(state, matcher=known_matcher(config), job=None, unmatched_in_a_row=0, outlier=None)
+        if (config.view, config.prior or DEFAULT) != (before.view, before.prior or DEFAULT):
+            start = at_start(before_looks(self.initial, config.prior), config)
+            start.covariance[:SIZE, :SIZE] += state.of_offset
+            wide = start.moved(theta_of(state.offset, self.chart), start.of_theta)
+            state = replace(state.standing_at(wide), view=as_view(config.view, self.initial), outlier=None)
+        return state
 
     def using_now(self, offset: Offset) -> "State":
         """The state with another calibration in use."""
@@ -197,6 +210,12 @@ class State:
     def replace(self, **changes) -> "State":
         """The same but for some of it."""
         return replace(self, **changes)
+
+
+def known_matcher(config: Config) -> AbstractMatcher | None:
+    """The matcher that is set, if its range is; else that is measured."""
+    matcher = as_matcher(config.matcher)
+    return None if matcher.num_disparities is None else matcher
 
 
 def theta_of(offset: Offset, chart: RigChart) -> Float[np.ndarray, "n"]:

@@ -10,14 +10,13 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.estimation import one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig
-from stereorecal.matching import as_matcher
 from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, look, row_error
 from stereorecal.online._reading import reading
-from stereorecal.online._state import Offset, State
+from stereorecal.online._state import Offset, State, known_matcher
 from stereorecal.online._switching import (
     begun,
     continued,
@@ -46,8 +45,7 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     """
     rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
-    matcher = as_matcher(config.matcher)
-    known = matcher if matcher.num_disparities is not None else None
+    known = known_matcher(config)
     start, freed = (at_start(before_looks(rig, config.prior, any_yaw=any_yaw), config) for any_yaw in (False, True))
     view, using = as_view(config.view, rig), np.zeros(SIZE)
     return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known)
@@ -85,7 +83,7 @@ def without_pair(state: State, error: InputError) -> tuple[State, tuple[Event, .
 
 def freeze(state: State, frozen: bool = True) -> State:
     """The same state, in which nothing is switched any more; or, not `frozen`, in which it is again."""
-    return state.replace(config=replace(state.config, repair=not frozen), job=None)
+    return state.configured(replace(state.config, repair=not frozen))
 
 
 def rollback(state: State, to: Offset | None = None) -> State:
