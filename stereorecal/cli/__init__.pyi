@@ -15,6 +15,11 @@ from ._option_values import (
     number_or_all as number_or_all,
 )
 from ._options import (
+    READS as READS,
+    RIG as RIG,
+    RUNNING as RUNNING,
+    SEARCH as SEARCH,
+    WRITES as WRITES,
     CommonOptions as CommonOptions,
     argument as argument,
     option as option,
@@ -23,7 +28,7 @@ from ._options import (
 )
 from ._output_files import (
     GrowingJson as GrowingJson,
-    check_page as check_page,
+    check_extra as check_extra,
     deliver as deliver,
     write_json as write_json,
 )
@@ -33,10 +38,6 @@ from ._places import (
     refuse_replacing_inputs as refuse_replacing_inputs,
 )
 from ._shared_options import (
-    READS as READS,
-    RIG as RIG,
-    SEARCH as SEARCH,
-    WRITES as WRITES,
     MatcherOptions as MatcherOptions,
     ReachOptions as ReachOptions,
     ReportOptions as ReportOptions,

@@ -29,7 +29,7 @@ class Output:
 
     Attributes:
         place: the file of the calibration, or those of the left and the right camera; None: nowhere.
-        replaced: whether it is the calibration that the repair started from.
+        replaced: whether it is the calibration that the repair started from, of which a copy is kept.
         prior_path: the file for what is known of it, where its format has no place for that.
         note: what to add of its unit once it is written.
     """
@@ -52,36 +52,29 @@ def output_of(
 
     Args:
         free: names of the parameters that may move.
-        read: the files that were read; none of them is replaced.
+        read: the files that were read; none of them is replaced, but for the calibration by itself.
 
     Raises:
         InputError: if an input would be replaced, the ending of a name contradicts the format, or the format cannot
             hold a rig that has moved.
     """
-    calibrations = {path.resolve() for scene in scenes for path in calibration_files(scene.rig)}
-    refuse_replacing_inputs(options.places, calibrations, "replace it with --in-place")
-    refuse_replacing_inputs(options.places, {*read, *options.image_inputs})
-    rig, more = scenes[0].rig, []
-    if rig is None:
+    rig, place = scenes[0].rig, value_of(options, "output")
+    files = [] if place is None else paths(place)
+    calibrations = [path.resolve() for path in calibration_files(rig)]
+    replaced = bool(files) and [path.resolve() for path in files] == calibrations
+    others = [one for one in options.places if not (replaced and one.path in files)]
+    refuse_replacing_inputs(others, {*read, *options.image_inputs, *calibrations})
+    if rig is None or place is None:
         return Output()
-    if options.in_place:
-        files = calibration_files(rig)
-        if not files:
-            raise InputError("--in-place: the calibration came from no file; give --output.")
-        check_savable(rig, files, format=rig.source.format)  # which may be read only
-        place: CalibrationPath = (files[0], files[1]) if len(files) == 2 else files[0]
-        more = [Place("--in-place", path) for path in files]
-        more += [Place("--in-place, which keeps a copy,", next_copy(path)) for path in files]
-    elif options.output:
-        place = value_of(options, "output")
-    else:
-        return Output()
+    if replaced:
+        check_savable(rig, place, format=rig.source.format)  # which may be read only
     check_savable(_probe_rig(rig, free), place)
-    if (prior_path := prior_beside(rig, place)) is not None:
-        more.append(Place("--in-place" if options.in_place else "--output", prior_path))
-    check_places([*more, *options.places], force=options.force or options.in_place)
+    prior_path = prior_beside(rig, place)
+    more = [Place("--output, which keeps a copy,", next_copy(path)) for path in files if replaced]
+    more += [] if prior_path is None else [Place("--output", prior_path)]
+    check_places([*more, *options.places], force=options.force)
     unit = unsaid_unit(rig, place)
-    return Output(place, options.in_place, prior_path, f" (translation in {unit})" if unit else "")
+    return Output(place, replaced, prior_path, f" (translation in {unit})" if unit else "")
 
 
 def what_it_holds(output: Output, rig: StereoRig | None, settings: Settings) -> Parameters:
@@ -113,7 +106,7 @@ def save(solution: Solution, output: Output, scene: Scene, options: RecalibrateO
     if output.replaced and output.prior_path is not None and output.prior_path.exists():
         back_up(output.prior_path)
     rig = replace(solution.rig, source=None if scene.rig is None else scene.rig.source)
-    save_rig(rig, output.place, scene.info, output.replaced or options.force, prior=solution.prior)
+    save_rig(rig, output.place, scene.info, options.force, prior=solution.prior)
     return backups
 
 

@@ -11,7 +11,7 @@ from stereorecal.cli._calibration_commands import ConvertOptions, DiffOptions
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import deliver, write_json, written_or_printed
 from stereorecal.cli._places import Place, calibration_path, check_places, paths, refuse_replacing_inputs
-from stereorecal.cli._shared_options import CalibrationOptions
+from stereorecal.cli._shared_options import CalibrationSizeOptions
 from stereorecal.geometry import StereoRig
 from stereorecal.io import (
     calibration_json,
@@ -31,7 +31,7 @@ from stereorecal.recalibration import Difference, difference
 SCHEMA = "stereorecal.difference/1"
 
 
-def says_no_unit(words: str, options: CalibrationOptions) -> bool:
+def says_no_unit(words: str, options: CalibrationSizeOptions) -> bool:
     """Whether the format of a calibration has no unit; False for one that cannot be read, which its reader says."""
     try:
         return not has_own_unit(paths(calibration_path(words, words)), options.format)
@@ -39,7 +39,7 @@ def says_no_unit(words: str, options: CalibrationOptions) -> bool:
         return False
 
 
-def rig_at(words: str, options: CalibrationOptions, *, other_says_none: bool = False) -> StereoRig:
+def rig_at(words: str, options: CalibrationSizeOptions, *, other_says_none: bool = False) -> StereoRig:
     """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
     its own.
 

@@ -7,7 +7,7 @@ from stereorecal.cli._executors import executor
 from stereorecal.cli._experiment_commands import CompareOptions
 from stereorecal.cli._option_values import strategy_names
 from stereorecal.cli._options import value_of
-from stereorecal.cli._output_files import GrowingJson, check_page, deliver, write_json
+from stereorecal.cli._output_files import GrowingJson, check_extra, deliver, write_json
 from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._signals import FAILURE, INTERRUPTED
 from stereorecal.cli._streams import say
@@ -33,7 +33,7 @@ def run(options: CompareOptions) -> int:
     drift = Drift(*value_of(options, "decalibrate"))
     reach = None if options.reach is None else Reach(*value_of(options, "reach"))
     budget, free = as_budget(options.budget), as_parameters(value_of(options, "free"))
-    check_page(options.html, "stereorecal.report.comparison_page")
+    check_extra(options, "html", "figures", "stereorecal.report.comparison_page")
     journal = GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:

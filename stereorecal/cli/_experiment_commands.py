@@ -6,103 +6,55 @@ from typing import Literal, get_args
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import MATCHER_NAMES
 from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
-from stereorecal.cli._options import CommonOptions, argument, option, option_group
-from stereorecal.cli._places import check_places, one_file
-from stereorecal.cli._shared_options import (
-    FREE,
-    READS,
-    SEARCH,
-    WRITES,
-    MatcherOptions,
-    ReportOptions,
-    WorkerOptions,
-)
+from stereorecal.cli._options import READS, RIG, RUNNING, SEARCH, WRITES, CommonOptions, argument, option, option_group
+from stereorecal.cli._places import one_file
+from stereorecal.cli._shared_options import FREE, MatcherOptions, ReportOptions, WorkerOptions
 
 _Kind = Literal["harbour", "coast", "open-sea", "street"]
 
 
 @option_group
-class _ComparisonOutputOptions:
-    """What a comparison writes."""
-
-    title = WRITES
-    json: str | None = option("the results, as JSON, after each trial", metavar="FILE|-", writes=one_file)
-    html: str | None = option("one page with tables and figures", metavar="FILE", writes=one_file)
-
-
-@option_group
-class _ComparedSceneOptions:
-    """The scenes of a comparison."""
-
-    title = READS
-    scene: tuple[str, ...] = option("scene folder (repeatable)", (), metavar="PATH")
-    synthetic: _Kind | None = option(f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
-    frames: str | None = option("pairs of each scene, used jointly (default: 1)", metavar="N|all", reads=number_or_all)
-
-
-@option_group
-class _DriftOptions:
-    """The drifts of a comparison."""
-
-    title = "the drifts, and what may move"
-    decalibrate: str = option(
-        "largest drift of each axis", "0.5,0.01", metavar="DEG,FRACTION", reads=degrees_and_fraction
-    )
-    draws: int | None = option("drifts of each scene (default: 2)", metavar="N")
-    reach: str | None = option(
-        "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
-        metavar="DEG,FRACTION",
-        reads=degrees_and_fraction,
-    )
-    free: str = option(FREE, "extrinsics", metavar="NAME,…", reads=parameter_names)
-
-
-@option_group
-class _ComparedStrategyOptions:
-    """What is compared."""
-
-    title = SEARCH
-    strategies: str | None = option("installed strategies (default: those of the schedule)", metavar="A,B|all")
-    schedule: Literal["default", "count"] | None = option(
-        "count (the paper's way: the count alone, at one scale) or default (coarse to fine); default: both, or count "
-        "with --strategies",
-        metavar="NAME",
-    )
-
-
-@option_group
-class _SearchOptions:
-    """How a search is done."""
-
-    title = SEARCH
-    scale: float | None = option("image scale of --schedule count (default: 1)", metavar="SCALE")
-    budget: float | None = option(
-        "of each trial, in matcher runs on full-size frames (default: no limit)", metavar="UNITS"
-    )
-
-
-@option_group
-class CompareOptions(
-    _ComparisonOutputOptions,
-    ReportOptions,
-    _ComparedSceneOptions,
-    _DriftOptions,
-    _ComparedStrategyOptions,
-    MatcherOptions,
-    _SearchOptions,
-    WorkerOptions,
-    CommonOptions,
-):
+class CompareOptions(ReportOptions, MatcherOptions, WorkerOptions):
     """Decalibrate the rig of each scene several times, let every strategy repair each of them, and compare. Without a
     scene, one is rendered."""
 
     summary = "decalibrate rigs, and compare how strategies repair them"
     module = "stereorecal.cli._compare"
 
+    json: str | None = option(WRITES, "the results, as JSON, after each trial", metavar="FILE|-", writes=one_file)
+    html: str | None = option(WRITES, "one page with tables and figures", metavar="FILE", writes=one_file)
+    scene: tuple[str, ...] = option(READS, "scene folder (repeatable)", (), metavar="PATH")
+    synthetic: _Kind | None = option(READS, f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
+    frames: str | None = option(
+        READS, "pairs of each scene, used jointly (default: 1)", metavar="N|all", reads=number_or_all
+    )
+    decalibrate: str = option(
+        RIG, "largest drift of each axis", "0.5,0.01", metavar="DEG,FRACTION", reads=degrees_and_fraction
+    )
+    draws: int | None = option(RIG, "drifts of each scene (default: 2)", metavar="N")
+    reach: str | None = option(
+        RIG,
+        "half width of the search box (default: 3,0.03, or 1.2 x the drift if that is more)",
+        metavar="DEG,FRACTION",
+        reads=degrees_and_fraction,
+    )
+    free: str = option(RIG, FREE, "extrinsics", metavar="NAME,…", reads=parameter_names)
+    strategies: str | None = option(SEARCH, "installed strategies (default: those of the schedule)", metavar="A,B|all")
+    schedule: Literal["default", "count"] | None = option(
+        SEARCH,
+        "count (the paper's way: the count alone, at one scale) or default (coarse to fine); default: both, or count "
+        "with --strategies",
+        metavar="NAME",
+    )
+    scale: float | None = option(SEARCH, "image scale of --schedule count (default: 1)", metavar="SCALE")
+    budget: float | None = option(
+        SEARCH, "of each trial, in matcher runs on full-size frames (default: no limit)", metavar="UNITS"
+    )
+
     def check(self) -> None:
         for scene in self.scene:
             existing_folder(scene)
-        check_places(self.places, force=self.force)
+        super().check()
         if self.strategies is not None:
             strategy_names(self.strategies)
 
@@ -114,8 +66,10 @@ class PluginOptions(CommonOptions):
     summary = "list those that are installed, or check one"
     module = "stereorecal.cli._installed_plugins"
     forms = ("[list]", "check NAME")
-    action: Literal["list", "check"] = argument("list what is installed, or run the conformance kit on one", "list")
-    name: str | None = argument("the one to be checked", None, metavar="NAME")
+    action: Literal["list", "check"] = argument(
+        RUNNING, "list what is installed, or run the conformance kit on one", "list"
+    )
+    name: str | None = argument(RUNNING, "the one to be checked", None, metavar="NAME")
 
     def __post_init__(self) -> None:
         if self.action == "check" and self.name is None:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from importlib import import_module
 
 import numpy as np
 from rich.console import Group
@@ -14,7 +15,8 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal._errors import as_input_error, extra
+from stereorecal._errors import as_input_error
+from stereorecal.cli._output_files import check_extra
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.io import write_bytes
 from stereorecal.online import BAND_EDGES, FAR, PARTS, Advice, Reading, Showing, State, Stepped, Undetermined, reading
@@ -184,18 +186,28 @@ def _bars(values: list[Interval]) -> str:
     return "".join(_BARS[min(int(share * len(_BARS)), len(_BARS) - 1)] for share in shares)
 
 
+def check_rerun(options: MonitorOptions) -> None:
+    """Refuse, before the work is done, a recording that could not be made or shown."""
+    for name in ("rrd", "show"):
+        check_extra(options, name, "rerun", "stereorecal.report.watch_recording")
+    if options.show:
+        streams = import_module("stereorecal.report.rerun_streams")
+        with as_input_error(streams.NoViewer):
+            streams.check_screen()
+
+
 def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped], None], Callable[[], None]]:
     """Two functions: one to call with each step, and one that writes the recording, whole or not at all. Both do
     nothing unless the options ask for a recording or the viewer.
 
     Raises:
-        InputError: if Rerun is not installed, or its viewer does not start.
+        InputError: if Rerun's viewer does not start.
     """
     if options.rrd is None and not options.show:
         return lambda stepped: None, lambda: None
-    with extra("rerun", "a Rerun recording"):
-        from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
-        from stereorecal.report.watch_recording import log_curve_styles, log_reading, watch_layout
+    from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
+    from stereorecal.report.watch_recording import log_curve_styles, log_reading, watch_layout
+
     layout = watch_layout(_CURVES)
     memory, streams = None, []
     if options.rrd is not None:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import IO, Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli._live_view import Lines, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._live_view import Lines, check_rerun, live, next_step, rerun_watch, undetermined
 from stereorecal.cli._options import value_of
-from stereorecal.cli._output_files import check_rerun, deliver, written_or_printed
+from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._places import check_places, named_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
@@ -44,7 +44,7 @@ def run(options: MonitorOptions) -> int:
     appended = options.goes_on and _is_log(options.json)
     if not appended:
         check_places([place for place in options.places if place.option == "--json"], force=options.force)
-    check_rerun(options, "stereorecal.report.watch_recording")
+    check_rerun(options)
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs, *named_inputs(options.camera)})

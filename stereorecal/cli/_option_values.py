@@ -1,4 +1,7 @@
-"""What the words of options come to, with sentences that say what is wrong; nothing here imports JAX."""
+"""What the words of options come to, with sentences that say what is wrong; nothing here imports JAX.
+
+Each refuses what makes no sense with an `InputError` that names the option's flag.
+"""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -14,11 +17,7 @@ NONE_INSTALLED = (
 
 
 def degrees_and_fraction(text: str, flag: str) -> tuple[float, float]:
-    """Those of "DEG,FRACTION".
-
-    Raises:
-        InputError: if it is not two numbers.
-    """
+    """Those of "DEG,FRACTION"."""
     try:
         degrees, fraction = (float(part) for part in text.split(","))
     except ValueError:
@@ -29,11 +28,7 @@ def degrees_and_fraction(text: str, flag: str) -> tuple[float, float]:
 
 
 def seed(number: int, flag: str) -> int:
-    """A seed that every generator takes.
-
-    Raises:
-        InputError: if it is negative or too large.
-    """
+    """A seed that every generator takes."""
     if not 0 <= number < 2**32:
         raise InputError(f"{flag} is {number}; give a whole number within 0 and 2^32 - 1.")
     return number
@@ -49,11 +44,7 @@ def number_or_all(text: str, flag: str) -> int | None:
 
 
 def slice_of_pairs(text: str, flag: str) -> slice:
-    """Of "A:B:N" as Python has it, without negative numbers; a number alone is one pair.
-
-    Raises:
-        InputError: if it makes no sense, or selects nothing.
-    """
+    """A:B:N as Python has it, without negative numbers; a number alone is one pair."""
     such = "give numbers of pairs, from 0 on, such as 10:50 or ::5."
     parts = text.split(":")
     if len(parts) > 3 or not all(not part or (part.isdecimal() and len(part) < 10) for part in parts):
@@ -67,16 +58,12 @@ def slice_of_pairs(text: str, flag: str) -> slice:
 
 
 def yes_or_no(text: str, flag: str) -> bool | None:
-    """That of on and off; None for auto, which leaves it to the library."""
+    """on and off; None for auto, which leaves it to the library."""
     return {"auto": None, "on": True, "off": False}[text]
 
 
 def parameter_names(text: str, flag: str) -> list[str]:
-    """Names and groups, comma separated.
-
-    Raises:
-        InputError: if one is empty.
-    """
+    """Names and groups, comma separated."""
     names = [name.strip() for name in text.split(",")]
     if not all(names):
         raise InputError(f"{flag} is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
@@ -84,11 +71,7 @@ def parameter_names(text: str, flag: str) -> list[str]:
 
 
 def tolerances(text: str, flag: str) -> dict[str, object]:
-    """Numbers by name, "distances" several; the library knows which there are.
-
-    Raises:
-        InputError: if one is no number.
-    """
+    """Numbers by name, "distances" several; the library knows which there are."""
     found: dict[str, object] = {}
     for name, value, part in _assigned(text, flag):
         refusal = f"{flag} has {part}; give NAME=NUMBER, such as harm=0.01, or distances=5:10:30 in baselines."
@@ -98,11 +81,7 @@ def tolerances(text: str, flag: str) -> dict[str, object]:
 
 
 def view_arguments(text: str, flag: str) -> dict[str, Any]:
-    """Arguments of `sr.view` by name.
-
-    Raises:
-        InputError: if a name is unknown, or the field is no number.
-    """
+    """Arguments of `sr.view` by name."""
     found: dict[str, Any] = {}
     for name, value, part in _assigned(text, flag):
         checked_choice(name, ("projection", "field"), f"argument of {flag}")
@@ -112,11 +91,7 @@ def view_arguments(text: str, flag: str) -> dict[str, Any]:
 
 
 def camera_pair(text: str, flag: str) -> tuple[str, str]:
-    """The left and the right camera.
-
-    Raises:
-        InputError: if it is not two names.
-    """
+    """The left and the right camera."""
     names = [name.strip() for name in text.split(",")]
     if len(names) != 2 or not all(names):
         raise InputError(
@@ -127,11 +102,7 @@ def camera_pair(text: str, flag: str) -> tuple[str, str]:
 
 
 def camera_names(words: Sequence[str], flag: str) -> list[str]:
-    """One name, or two: two words, or one with a comma in it, which a pipeline may have as well.
-
-    Raises:
-        InputError: if there are more.
-    """
+    """One name, or two: two words, or one with a comma in it, which a pipeline may have as well."""
     names = words[0].split(",") if len(words) == 1 and "!" not in words[0] else list(words)
     if len(names) > 2 or not all(names):
         raise InputError(f"{flag} is {' '.join(words)!r}; give one name, or two, such as 0,1.")
@@ -139,23 +110,41 @@ def camera_names(words: Sequence[str], flag: str) -> list[str]:
 
 
 def image_size(text: str, flag: str) -> tuple[int, int]:
-    """Width and height of "WxH".
-
-    Raises:
-        InputError: if it is something else.
-    """
+    """Width and height of "WxH"."""
     found = re.fullmatch(r"([1-9]\d{0,6})x([1-9]\d{0,6})", text)
     if found is None:
         raise InputError(f"{flag} is {text!r}; give width and height in pixels, such as 640x480.")
     return int(found[1]), int(found[2])
 
 
-def positive(text: str, refusal: str) -> int:
-    """A positive whole number below a thousand million.
+def schedule_name(text: str, flag: str) -> str:
+    """The name of a schedule, or NAME:STRATEGY."""
+    name, colon, strategy = text.partition(":")
+    checked_choice(name, ("default", "count"), flag)
+    if colon:
+        import_module("stereorecal.strategies").check_installed(strategy)
+    return text
 
-    Raises:
-        InputError: the refusal.
-    """
+
+def matcher_name(text: str, flag: str) -> str:
+    """The name of an installed matcher."""
+    MATCHER_NAMES.check(text)
+    return text
+
+
+def strategy_names(text: str) -> list[str]:
+    """The names of installed strategies in "a,b" or "all"."""
+    strategies = import_module("stereorecal.strategies")
+    names = list(strategies.strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
+    if not names:
+        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
+    for name in names:
+        strategies.check_installed(name)
+    return list(dict.fromkeys(names))
+
+
+def positive(text: str, refusal: str) -> int:
+    """A positive whole number below a thousand million."""
     if not text.isdecimal() or len(text) > 9 or int(text) < 1:
         raise InputError(refusal)
     return int(text)
@@ -166,50 +155,8 @@ def shortened(text: str) -> str:
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
-def schedule_name(text: str, flag: str) -> str:
-    """The name of a schedule, or NAME:STRATEGY.
-
-    Raises:
-        InputError: if there is none of that name, or the strategy is not installed.
-    """
-    name, colon, strategy = text.partition(":")
-    checked_choice(name, ("default", "count"), flag)
-    if colon:
-        import_module("stereorecal.strategies").check_installed(strategy)
-    return text
-
-
-def matcher_name(text: str, flag: str) -> str:
-    """The name of a matcher.
-
-    Raises:
-        InputError: if it is not installed.
-    """
-    MATCHER_NAMES.check(text)
-    return text
-
-
-def strategy_names(text: str) -> list[str]:
-    """ "a,b" or "all".
-
-    Raises:
-        InputError: if there is none, or one is not installed.
-    """
-    strategies = import_module("stereorecal.strategies")
-    names = list(strategies.strategies()) if text == "all" else [n for n in (n.strip() for n in text.split(",")) if n]
-    if not names:
-        raise InputError(NONE_INSTALLED if text == "all" else "--strategies names none; give names or all.")
-    for name in names:
-        strategies.check_installed(name)
-    return list(dict.fromkeys(names))
-
-
 def _assigned(text: str, flag: str) -> Iterator[tuple[str, str, str]]:
-    """Of "NAME=VALUE,…": each name, its value, and both as they were given.
-
-    Raises:
-        InputError: if a name is given twice.
-    """
+    """Each name of "NAME=VALUE,…", its value, and both as they were given."""
     names: set[str] = set()
     for part in text.split(","):
         name, _, value = (piece.strip() for piece in part.partition("="))

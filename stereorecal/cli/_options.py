@@ -1,8 +1,7 @@
 """Options stand once, as fields of frozen dataclasses: type, default and help; the parser is made from them.
 
-The options of a command are a dataclass that inherits groups of them, some of which it shares with other commands. In
-the help, groups stand under their titles, in the order in which the command names them; options without title come
-last. Its docstring describes the command, and what follows the first paragraph stands at the end.
+The options of a command are a dataclass that inherits groups of them, which it shares with other commands. Its
+docstring describes the command, and what follows the first paragraph stands at the end of the help.
 """
 
 import argparse
@@ -34,7 +33,20 @@ _ELSEWHERE = {
 }
 
 
+# Headings in the help, in their order; other headings follow them, and RUNNING is the last.
+WRITES = "what to write"
+READS = "what to read"
+PAIRS = "which pairs"
+RIG = "the rig, and what may move"
+DEPTH = "depth, from motion and ranges"
+DECISION = "the decision"
+SEARCH = "matching and search"
+RUNNING = "running"
+_HEADINGS = (WRITES, READS, PAIRS, RIG, DEPTH, DECISION, SEARCH)
+
+
 def option(
+    heading: str,
     help: str,
     default: Any = None,
     *,
@@ -48,6 +60,7 @@ def option(
     several times if it is `()` by default.
 
     Args:
+        heading: under which it stands in the help, such as `READS`.
         help: what `--help` says of it; the default is added where there is one, unless the text names it.
         flag: if it is no "--name-of-the-field".
         reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
@@ -56,21 +69,18 @@ def option(
         writes: makes of the words, and the flag, the files that the command writes; `CommonOptions.places` has them.
             Only where the metavar says so, "-" is stdout.
     """
-    told = {"help": help, "metavar": metavar, "flag": flag, "reads": reads, "loads": loads, "writes": writes}
-    return field(default=default, metadata=told)
+    told = {"heading": heading, "help": help, "metavar": metavar, "flag": flag}
+    return field(default=default, metadata={**told, "reads": reads, "loads": loads, "writes": writes})
 
 
-def argument(help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
+def argument(heading: str, help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
     """A field whose value is given by its place; without a default it has to be."""
-    return field(default=default, metadata={"help": help, "metavar": metavar, "flag": None})
+    return field(default=default, metadata={"heading": heading, "help": help, "metavar": metavar, "flag": None})
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def option_group(kind: type[_Group]) -> type[_Group]:
-    """Make a frozen dataclass of options, without what takes time at every start and nobody uses.
-
-    Its attribute `title` is the heading, in the help, of its options and those that it inherits; groups may share one.
-    """
+    """Make a frozen dataclass of options, without what takes time at every start and nobody uses."""
     return dataclass(frozen=True, kw_only=True, eq=False, repr=False)(kind)
 
 
@@ -91,7 +101,7 @@ class CommonOptions:
     forms: ClassVar[tuple[str, ...]] = ("",)
     verb: str = ""
     words: tuple[str, ...] = ()
-    traceback: bool = option("show where an error comes from", False)
+    traceback: bool = option(RUNNING, "show where an error comes from", False)
 
     @property
     def places(self) -> list[Place]:
@@ -104,11 +114,7 @@ class CommonOptions:
         return found
 
     def check_words(self) -> None:
-        """Refuse words that make no sense.
-
-        Raises:
-            InputError: of the first such option.
-        """
+        """Refuse words that make no sense."""
         for name, one in self.__dataclass_fields__.items():
             told = one.metadata
             if told.get("writes") and getattr(self, name) == "-" and not told["metavar"].endswith("-"):
@@ -175,29 +181,26 @@ class Parser(argparse.ArgumentParser):
         forms = [f"{self.prog} [options] {form}".rstrip() for form in options.forms]
         self.usage = "\n       ".join(forms)
         self.description, _, self.epilog = (options.__doc__ or "").partition("\n\n")
-        self._positionals.title, self._optionals.title = "arguments", "running"
+        self._positionals.title, self._optionals.title = "arguments", RUNNING
         self.add_options(options)
 
     def add_options(self, options: type[CommonOptions]) -> None:
-        """Add options, under the titles of their groups."""
-        groups: dict[str | None, Any] = {None: self}
-        # What other distributions add comes last.
+        """Add options under their headings, those of the command first, those that other distributions add last."""
+        groups: dict[str, Any] = {RUNNING: self}
         kinds = sorted(options.__mro__, key=lambda kind: not kind.__module__.startswith("stereorecal."))
-        for name in dict.fromkeys(name for kind in kinds for name in get_annotations(kind)):
-            found: Field[Any] | None = options.__dataclass_fields__.get(name)
-            if found is None or not found.metadata:
-                continue
-            holders = (kind for kind in options.__mro__[:-1] if name in vars(kind)["__dataclass_fields__"])
-            title = next((vars(kind)["title"] for kind in holders if "title" in vars(kind)), None)
-            if title not in groups:
-                groups[title] = self.add_argument_group(title)
-            by_place = found.metadata["flag"] is None
-            place, names = (name, {}) if by_place else (_flag(found), {"dest": name})
-            groups[title].add_argument(place, **names, **_value(found))
+        declared = dict.fromkeys(name for kind in kinds for name in get_annotations(kind))
+        fields = [one for one in map(options.__dataclass_fields__.get, declared) if one is not None and one.metadata]
+        for one in sorted(fields, key=lambda one: _by_flag(one)):  # the others first
+            heading = one.metadata["heading"]
+            if heading not in groups:
+                groups[heading] = self.add_argument_group(heading)
+            named = {"dest": one.name} if _by_flag(one) else {}
+            groups[heading].add_argument(_flag(one), **named, **_value(one))
 
     def format_help(self) -> str:
-        """The help, with what has no title at the end."""
-        self._action_groups.sort(key=lambda group: group is self._optionals)
+        """The help, with its headings in order."""
+        order = {heading: place for place, heading in enumerate(_HEADINGS)}
+        self._action_groups.sort(key=lambda one: (one is self._optionals, order.get(one.title or "", len(order))))
         return super().format_help()
 
     def parse_known_args(self, args=None, namespace=None):  # pyright: ignore[reportIncompatibleMethodOverride]
@@ -239,14 +242,18 @@ class Parser(argparse.ArgumentParser):
         raise argparse.ArgumentError(None, f"unknown {what} {value!r} ({hint})")
 
 
+def _by_flag(found: Field[Any]) -> bool:
+    return found.metadata["flag"] is not None
+
+
 def _flag(found: Field[Any]) -> str:
     """What an option is called on a command line."""
-    return found.metadata["flag"] or f"--{found.name.replace('_', '-')}"
+    return found.metadata["flag"] or (f"--{found.name.replace('_', '-')}" if _by_flag(found) else found.name)
 
 
 def _value(found: Field[Any]) -> dict[str, Any]:
     """How argparse is told of one option."""
-    text, default, by_place = found.metadata["help"], found.default, found.metadata["flag"] is None
+    text, default = found.metadata["help"], found.default
     kinds = get_args(found.type) if get_origin(found.type) in (Union, UnionType) else (found.type,)
     (kind,) = (kind for kind in kinds if kind is not NoneType)
     parts, several = get_args(kind), get_origin(kind) is tuple
@@ -256,7 +263,7 @@ def _value(found: Field[Any]) -> dict[str, Any]:
     if kind is bool:
         return {**told, "action": "store_true"}
     told["metavar"] = found.metadata["metavar"]
-    if by_place and default is not MISSING:
+    if not _by_flag(found) and default is not MISSING:
         told |= {"nargs": "*" if several else "?", "default": default}
     elif several and default == ():
         told["action"] = "append"

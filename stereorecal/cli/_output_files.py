@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
-from stereorecal._errors import InputError, as_input_error, extra
-from stereorecal.cli._shared_options import RerunOptions
+from stereorecal._errors import InputError, extra
 from stereorecal.cli._signals import held
 from stereorecal.cli._streams import say
 from stereorecal.io import json_text, write_text
 
+_Done = TypeVar("_Done")
 _SHARE = 0.05  # of the time, at most, goes into saving
 
 
@@ -37,52 +37,31 @@ def deliver(*steps: Callable[[], object]) -> None:
         raise errors[0]
 
 
-def check_page(html: str | None, module: str) -> None:
-    """Refuse, before the work is done, a page that could not be made.
+def check_extra(options: Any, name: str, needs: str, *modules: str) -> None:
+    """Refuse, before the work is done, an output that could not be made.
 
     Args:
-        html: the value of --html.
-        module: that makes the page.
+        name: of the option, such as "html".
+        needs: the extra that it takes.
+        modules: that make it.
 
     Raises:
-        InputError: says what to do.
+        InputError: says what to install.
     """
-    if html is None:
-        return
-    with extra("figures", "--html"):
-        importlib.import_module(module)
+    if getattr(options, name):
+        with extra(needs, f"--{name}"):
+            for module in modules:
+                importlib.import_module(module)
 
 
-def check_rerun(options: RerunOptions, module: str) -> None:
-    """Refuse, before the work is done, a recording that could not be made or shown.
-
-    Args:
-        module: that makes the recording.
-
-    Raises:
-        InputError: says what to do.
-    """
-    if options.rrd is None and not options.show:
-        return
-    with extra("rerun", "--rrd" if options.rrd is not None else "--show"):
-        importlib.import_module(module)
-        streams = importlib.import_module("stereorecal.report.rerun_streams")
-    if options.show:
-        with as_input_error(streams.NoViewer):
-            streams.check_screen()
-
-
-def written_or_printed(write: Callable[[], None], text: Callable[[], str], *, to_stdout: bool = True) -> None:
-    """Write, or print what cannot be written: nothing that is finished is lost.
+def written_or_printed(write: Callable[[], _Done], text: Callable[[], str], *, to_stdout: bool = True) -> _Done:
+    """What `write` returns; what cannot be written is printed: nothing that is finished is lost.
 
     Args:
         to_stdout: whether it is printed there; else, where stdout is JSON, to stderr.
-
-    Raises:
-        InputError: of `write`.
     """
     try:
-        write()
+        return write()
     except (InputError, OSError):
         print(text(), file=sys.stdout if to_stdout else sys.stderr)
         raise

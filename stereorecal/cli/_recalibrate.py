@@ -2,19 +2,18 @@
 
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
+from functools import partial
+from itertools import zip_longest
 from typing import Any
 
-from stereorecal._errors import InputError
 from stereorecal._run_all import Progress
 from stereorecal._version import versions
-from stereorecal.cli import _calibration_output
-from stereorecal.cli._executors import executor
+from stereorecal.cli._calibration_output import Output, output_of, save, what_it_holds
 from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._options import value_of
-from stereorecal.cli._output_files import check_page, check_rerun, deliver, write_json, written_or_printed
+from stereorecal.cli._output_files import check_extra, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
 from stereorecal.cli._recordings import left_out_pairs, recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
@@ -23,7 +22,6 @@ from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.estimation import DEFAULT, SAVED
 from stereorecal.io import calibration_json, files_read, save_maps
-from stereorecal.objectives import Parameters
 from stereorecal.recalibration import (
     Fault,
     Repair,
@@ -46,50 +44,47 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
     settings = as_settings(library_options(options, RepairOptions.__optional_keys__))
-    check_page(options.html, "stereorecal.report.repair_page")
-    check_rerun(options, "stereorecal.report.repair_recording")
-    shown = [f"--{name}" for name in ("html", "rrd", "show") if getattr(options, name)]
-    if shown and len(options.scenes) > 1:
-        raise InputError(f"{shown[0]} shows one recording; give one, or leave {shown[0]} out.")
-    with executor(options.executor) as pool:
-        with files_read() as read:
-            # Ranges name pairs of the whole recording: it is cut down once they are found.
-            few = settings.free.everything or bool(settings.free.shared)
-            found = recordings(options, few=few and not settings.ranges)
-            settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
-        read |= set(named_inputs(options.ranges, options.odometer))
-        priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
-        output = _calibration_output.output_of(options, found.scenes, settings.free.names, read)
-        held = _calibration_output.what_it_holds(output, found.scenes[0].rig, settings)
-        settings = replace(settings, free=held)
-        shared = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
-        scenes, ranges = shared
-        absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
-        pairing = {"pairing": found.pairing} if found.pairing else {}
-        del found
-        common = {"ranges": ranges, "executor": pool}
-        with progress_bar(options.quiet) as progress:
-            repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, **common})
-        # Before the workers are waited for: a second Ctrl-C must find everything saved.
-        if any(repair.solution for repair in repairs):
-            prior = options.prior or (SAVED if any(priors) else DEFAULT)
-            prior = prior if settings.prior is options.prior else "given"
-            content = _content(
-                scenes, repairs, {**_settings_as_json(options, settings), "prior": prior}, interrupted=interrupted
-            )
-            deliver(
-                lambda: _show(repairs, options),
-                *_saving(scenes, repairs, options, output),
-                lambda: write_json(content, options.json, force=options.force),
-                lambda: _write_page(
-                    options,
-                    scenes,
-                    repairs,
-                    {**_page_settings(options, settings.free), "prior": prior, **pairing},
-                    absent,
-                ),
-                lambda: _write_recording(options, scenes, repairs),
-            )
+    check_extra(options, "html", "figures", "stereorecal.report.repair_page")
+    check_extra(options, "rrd", "rerun", "stereorecal.report.repair_recording")
+    with files_read() as read:
+        # Ranges name pairs of the whole recording: it is cut down once they are found.
+        few = settings.free.everything or bool(settings.free.shared)
+        found = recordings(options, few=few and not settings.ranges)
+        settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
+    read |= set(named_inputs(options.ranges, options.odometer))
+    priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
+    output = output_of(options, found.scenes, settings.free.names, read)
+    settings = replace(settings, free=what_it_holds(output, found.scenes[0].rig, settings))
+    scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
+    absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+    pairing = {"pairing": found.pairing} if found.pairing else {}
+    del found
+    with progress_bar(options.quiet) as progress:
+        repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, "ranges": ranges})
+    if any(repair.solution for repair in repairs):
+        prior = options.prior or (SAVED if any(priors) else DEFAULT)
+        prior = {"prior": prior if settings.prior is options.prior else "given"}
+        content = _content(scenes, repairs, {**_settings_as_json(options, settings), **prior}, interrupted=interrupted)
+        about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": absent}
+        first = repairs[0].solution
+        files = (
+            []
+            if first is None
+            else [
+                partial(_save_calibration, options, first, scenes[0], output),
+                partial(_save_maps, options, first),
+            ]
+        )
+        views = (
+            []
+            if first is None
+            else [
+                partial(_save_page, options, first, scenes[0], about),
+                partial(_save_recording, options, first, scenes[0]),
+            ]
+        )
+        write = partial(write_json, content, options.json, force=options.force)
+        deliver(partial(_show, repairs, options), *files, write, *views)
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
@@ -137,82 +132,56 @@ def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[s
     }
 
 
-def _page_settings(options: RecalibrateOptions, free: Parameters) -> dict[str, Any]:
+def _page_settings(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
-    names = "everything" if free.everything else ", ".join(free.names)
+    names = "everything" if settings.free.everything else ", ".join(settings.free.names)
     return {"free": names, "ranges": options.ranges or "none"}
 
 
-def _saving(
-    scenes: Sequence[Scene], repairs: Sequence[Repair], options: RecalibrateOptions, output: _calibration_output.Output
-) -> list[Callable[[], None]]:
-    """Steps that write the calibration and the maps, and say so."""
-    first, maps = repairs[0].solution, options.maps
-    accepted, good = first is not None and first.accepted, first is not None and first.reason.healthy
-
-    def step(names: Sequence[Path], wanted: bool, save: Callable[[Solution], list[Path] | None], note: str) -> None:
-        """`save` returns the copies of what it replaced, if there are any."""
-        copies: list[Path] = []
-        if first is not None and wanted:
-            found = first
-            written_or_printed(
-                lambda: copies.extend(save(found) or ()),
-                lambda: calibration_json(found.rig, found.prior),
-                to_stdout=options.json != "-",
-            )
-        notes = [f"written{note}; the old one is {copy}" for copy in copies] or [f"written{note}"] * len(names)
-        for name, done in zip(names, notes, strict=True) if options.prints else ():
-            print(f"{name}: {done if wanted else 'not written, since the initial calibration stays'}")
-
-    def save_calibration() -> None:
-        wanted = accepted or (good and options.fix == "scaled")
-        how = (output, scenes[0], options)
-        step(output.files, wanted, lambda found: _calibration_output.save(found, *how), output.note)
-        if options.prints and wanted and output.prior_path is not None:
-            print(f"{output.prior_path}: written; keep it with the calibration, for the next repair")
-
-    def save_seen(maps: str) -> None:
-        how = (maps, options.force, value_of(options, "view"))
-        initial = "" if accepted else " for the initial calibration"
-        step([Path(maps)], good, lambda found: save_maps(found.rig, *how), initial)
-
-    return [save_calibration] * bool(output.files) + ([lambda: save_seen(maps)] if maps else [])
+def _save_calibration(options: RecalibrateOptions, found: Solution, scene: Scene, output: Output) -> None:
+    """Write the calibration to use, if it is another than before, and what is known of it."""
+    if not (found.accepted or (found.reason.healthy and options.fix == "scaled")):
+        for path in output.files:
+            options.tell(f"{path}: not written, since the initial calibration stays")
+    elif output.files:
+        copies = written_or_printed(
+            lambda: save(found, output, scene, options),
+            lambda: calibration_json(found.rig, found.prior),
+            to_stdout=options.json != "-",
+        )
+        for path, copy in zip_longest(output.files, copies):
+            options.tell(f"{path}: written{output.note}" + (f"; the old one is {copy}" if copy else ""))
+        if output.prior_path is not None:
+            options.tell(f"{output.prior_path}: written; keep it with the calibration, for the next repair")
 
 
-def _write_page(
-    options: RecalibrateOptions,
-    scenes: Sequence[Scene],
-    repairs: Sequence[Repair],
-    settings: Mapping[str, Any],
-    absent: Sequence[tuple[str, str]],
-) -> None:
-    """The page of the only recording, if one is wanted and there is an answer.
-
-    Args:
-        settings: what is needed to run it again beside what a solution knows.
-        absent: frames that did not come to the repair, and why.
-    """
-    solution = repairs[0].solution
-    if options.html is None or solution is None:
-        return
-    command = shlex.join(["python", "-m", "stereorecal", *options.words])
-    pairs, name = scenes[0].pairs, scenes[0].name
-    about = {"name": name, "command": command, "settings": settings, "absent": absent}
-    solution.to_html(options.html, pairs, **about, overwrite=options.force)
-    if options.prints:
-        print(f"{options.html}: written")
+def _save_maps(options: RecalibrateOptions, found: Solution) -> None:
+    """Write the maps of the calibration to use, if that is good."""
+    maps = options.maps
+    if maps is not None and found.reason.healthy:
+        written_or_printed(
+            lambda: save_maps(found.rig, maps, options.force, value_of(options, "view")),
+            lambda: calibration_json(found.rig, found.prior),
+            to_stdout=options.json != "-",
+        )
+        options.tell(f"{maps}: written" + ("" if found.accepted else " for the initial calibration"))
+    elif maps is not None:
+        options.tell(f"{maps}: not written, since the initial calibration stays")
 
 
-def _write_recording(options: RecalibrateOptions, scenes: Sequence[Scene], repairs: Sequence[Repair]) -> None:
-    """The recording of the only repair, into a file and on the screen, if one is wanted and there is an answer."""
-    solution = repairs[0].solution
-    if solution is None:
-        return
-    for place in [options.rrd] * (options.rrd is not None) + [None] * options.show:
-        solution.to_rerun(place, scenes[0].pairs, name=scenes[0].name, overwrite=options.force)
-        if place is not None and options.prints:
-            print(f"{place}: written")
+def _save_page(options: RecalibrateOptions, found: Solution, scene: Scene, about: Mapping[str, Any]) -> None:
+    if options.html is not None:
+        command = shlex.join(["python", "-m", "stereorecal", *options.words])
+        how = {"name": scene.name, "command": command, "overwrite": options.force}
+        found.to_html(options.html, scene.pairs, **how, **about)
+        options.tell(f"{options.html}: written")
+
+
+def _save_recording(options: RecalibrateOptions, found: Solution, scene: Scene) -> None:
+    if options.rrd is not None:
+        found.to_rerun(options.rrd, scene.pairs, name=scene.name, overwrite=options.force)
+        options.tell(f"{options.rrd}: written")
 
 
 def _content(
@@ -233,14 +202,14 @@ def _content(
 def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
     if not options.prints:
         return
-    if len(repairs) > 1:
-        console = table_console()
-        console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
-        shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
-        for line in dict.fromkeys(map(str, shared)):  # each once
-            print_lines(line)
+    if len(repairs) == 1:
+        print_lines(repairs[0].solution)
         return
-    print_lines(repairs[0].solution)
+    console = table_console()
+    console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
+    shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
+    for line in dict.fromkeys(map(str, shared)):  # each once
+        print_lines(line)
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

@@ -2,134 +2,27 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli._option_values import camera_names, parameter_names, schedule_name
-from stereorecal.cli._options import TWO_FILES, CommonOptions, option, option_group
+from stereorecal.cli._options import DEPTH, READS, RIG, RUNNING, SEARCH, TWO_FILES, WRITES, option, option_group
 from stereorecal.cli._places import calibration_path, calibration_paths, check_places, one_file
 from stereorecal.cli._shared_options import (
-    DEPTH,
     FREE,
-    READS,
-    RIG,
-    SEARCH,
-    WRITES,
-    DecisionOptions,
-    ExecutorOptions,
+    HealthOptions,
+    JudgingOptions,
     ReachOptions,
     RecordingOptions,
     ReportOptions,
-    RerunOptions,
-    ToleranceOptions,
-    ViewOptions,
     folders_of,
 )
 
-
-@option_group
-class _CalibrationOutputOptions:
-    """Where a repaired calibration goes."""
-
-    title = WRITES
-    output: str | None = option(
-        "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
-        "each camera has a file)",
-        metavar="FILE",
-        reads=calibration_path,
-        writes=calibration_paths,
-    )
-    in_place: bool = option("replace the calibration that was read; keep the old one as NAME.bak", False)
-    maps: str | None = option(
-        "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
-        metavar="FILE.npz",
-        writes=one_file,
-    )
-    html: str | None = option("one page with pictures", metavar="FILE", writes=one_file)
+RRD = "a recording with pictures, for Rerun's viewer (rerun FILE)"
 
 
 @option_group
-class _FreeOptions:
-    """What may move."""
-
-    title = RIG
-    free: str | None = option(
-        f"{FREE} (default: all that the calibration file can hold)",
-        metavar="NAME,…",
-        reads=parameter_names,
-    )
-
-
-@option_group
-class _RangeOptions:
-    """Depth that was measured."""
-
-    title = DEPTH
-    odometer: str | None = option(
-        "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
-        "gaps above 1.1 s are not used",
-        metavar="FILE",
-        loads="stereorecal.io:load_odometer",
-    )
-    ranges: str | None = option(
-        "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
-        metavar="FILE",
-        loads="stereorecal.io:load_ranges",
-    )
-
-
-@option_group
-class _ScheduleOptions:
-    """How a repair searches."""
-
-    title = SEARCH
-    schedule: str = option(
-        "default (coarse to fine) or count (the paper's way); with a strategy for the stages of its kind: "
-        "count:nlopt-bobyqa",
-        "default",
-        metavar="NAME[:STRATEGY]",
-        reads=schedule_name,
-    )
-
-
-@option_group
-class _FixOptions:
-    """Mistakes in recordings."""
-
-    title = READS
-    fix: Literal["exchanged", "turned", "scaled", "late", "early"] | None = option(
-        "correct the mistake that a report names: exchanged, turned, scaled, late or early", metavar="CAUSE"
-    )
-
-    def check_fix(self, recordings: RecordingOptions) -> None:
-        """Refuse what cannot be corrected in what is given.
-
-        Raises:
-            InputError: says what to do.
-        """
-        if self.fix is not None and len(recordings.scenes) > 1:
-            raise InputError("--fix corrects one recording; give one.")
-        if self.fix in ("late", "early") and (recordings.stretch().step > 1 or recordings.limit not in (None, "all")):
-            raise InputError(
-                f"--fix {self.fix} needs pairs that follow each other; leave steps of --pairs and --limit out."
-            )
-
-
-@option_group
-class RecalibrateOptions(
-    _CalibrationOutputOptions,
-    RerunOptions,
-    ReportOptions,
-    RecordingOptions,
-    _FixOptions,
-    _FreeOptions,
-    ReachOptions,
-    DecisionOptions,
-    _RangeOptions,
-    _ScheduleOptions,
-    ExecutorOptions,
-    CommonOptions,
-):
+class RecalibrateOptions(HealthOptions, ReachOptions):
     """Repair the calibration of each recording's rig from its images. A candidate is accepted only if it gains, if it
     makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
 
@@ -141,41 +34,73 @@ class RecalibrateOptions(
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
 
+    output: str | None = option(
+        WRITES,
+        "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
+        "each camera has a file); if it is that file, --force is needed, and the old one is kept as NAME.bak",
+        metavar="FILE",
+        reads=calibration_path,
+        writes=calibration_paths,
+    )
+    force: bool = option(
+        WRITES, "replace existing files; of those that are read only the calibration, by --output", False
+    )
+    maps: str | None = option(
+        WRITES,
+        "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
+        metavar="FILE.npz",
+        writes=one_file,
+    )
+    html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=one_file)
+    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=one_file)
+    free: str | None = option(
+        RIG, f"{FREE} (default: all that the calibration file can hold)", metavar="NAME,…", reads=parameter_names
+    )
+    ranges: str | None = option(
+        DEPTH,
+        "CSV of distances: pair,column,row,metres,sigma (along the ray), or with depth for metres (along the axis)",
+        metavar="FILE",
+        loads="stereorecal.io:load_ranges",
+    )
+    odometer: str | None = option(
+        DEPTH,
+        "CSV of the distance travelled, in the time of the pairs: time_s,metres or time_s,speed_mps or time_s,x,y,z; "
+        "gaps above 1.1 s are not used",
+        metavar="FILE",
+        loads="stereorecal.io:load_odometer",
+    )
+    schedule: str = option(
+        SEARCH,
+        "default (coarse to fine) or count (the paper's way); with a strategy for the stages of its kind: "
+        "count:nlopt-bobyqa",
+        "default",
+        metavar="NAME[:STRATEGY]",
+        reads=schedule_name,
+    )
+
     def known_of(self, rigs: Sequence[Any]) -> Any:
         """The prior of the recordings with these rigs; another distribution may know more of them."""
         return self.prior
 
     def check(self) -> None:
-        self.check_recordings()
-        self.check_fix(self)
+        super().check()
         if any(len(folders_of(scene)) > 1 for scene in self.scenes):
-            alone = {"--in-place": self.in_place, "--motion on": self.motion == "on", "--odometer": self.odometer}
+            alone = {"--motion on": self.motion == "on", "--odometer": self.odometer}
             alone["--fix"] = self.fix in ("late", "early")
             if found := [name for name, given in alone.items() if given]:
                 raise InputError(f"{found[0]} takes the pairs of one folder; leave it out, or give no A+B.")
         if self.fix in ("exchanged", "turned") and self.ranges:
             raise InputError(f"--fix {self.fix} changes images alone; with --ranges, change the files.")
-        self._check_output()
-
-    def _check_output(self) -> None:
-        if self.in_place and self.output is not None:
-            raise InputError("--in-place writes the file that the calibration came from; leave --output out.")
-        wanted = [name for name in ("output", "maps") if getattr(self, name) is not None]
-        wanted = [f"--{name}" for name in wanted] + ["--in-place"] * self.in_place
-        if wanted and len(self.scenes) > 1:
-            hint = "" if wanted[0] == "--in-place" else f" ({TWO_FILES})"
-            raise InputError(
-                f"{wanted[0]} takes the calibration of one recording; give one, or leave {wanted[0]} out{hint}."
-            )
-        if self.in_place and len(self.scenes) > 1:
-            raise InputError("--in-place takes one recording; give one, or --output.")
-        check_places(self.places, force=self.force)
+        named = [f"--{name}" for name in ("output", "maps", "html", "rrd") if getattr(self, name) is not None]
+        if named and len(self.scenes) > 1:
+            hint = f" ({TWO_FILES})" if self.output is not None else ""
+            raise InputError(f"{named[0]} is of one recording; give one, or leave {named[0]} out{hint}.")
         if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
             raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
 
 
 @option_group
-class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions, CommonOptions):
+class ScoreOptions(HealthOptions):
     """Check the calibration of each recording against its images, and change nothing. The report says what a repair by
     one look at them would: the share of matched pixels, and, where they tell, the epipolar error and the error of depth
     with 95 % intervals.
@@ -189,57 +114,9 @@ class ScoreOptions(ReportOptions, RecordingOptions, _FixOptions, DecisionOptions
     summary = "check a calibration against images"
     module = "stereorecal.cli._score"
 
-    def check(self) -> None:
-        self.check_recordings()
-        self.check_fix(self)
-        check_places(self.places, force=self.force)
-
 
 @option_group
-class _WatchOutputOptions:
-    """What a watch writes."""
-
-    title = WRITES
-    output: str | None = option(
-        "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
-        metavar="FILE",
-        writes=one_file,
-    )
-    json: str | None = option(
-        "events and readings, as JSON lines; appended if --state continues a watch", metavar="FILE|-", writes=one_file
-    )
-    state: str | None = option(
-        "the state of the watch; a file that exists is continued", metavar="FILE", writes=one_file
-    )
-    force: bool = option("replace existing files of --output, --rrd and --json (not a log that is continued)", False)
-    quiet: bool = option("show nothing; only the exit code", False)
-
-
-@option_group
-class _CameraOptions:
-    """Cameras that run."""
-
-    title = READS
-    camera: tuple[str, ...] | None = option(
-        "instead: running cameras. Numbers (0,1), devices, addresses or GStreamer pipelines (two words); or one that "
-        "shows both images side by side",
-        metavar="NAME",
-        reads=camera_names,
-    )
-    synchronous: bool = option("a trigger opens both shutters at once: no delay is estimated", False)
-
-
-@option_group
-class MonitorOptions(
-    _WatchOutputOptions,
-    RerunOptions,
-    ReportOptions,
-    RecordingOptions,
-    _CameraOptions,
-    ToleranceOptions,
-    ViewOptions,
-    CommonOptions,
-):
+class MonitorOptions(ReportOptions, RecordingOptions, JudgingOptions):
     """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
     shutters. Repair it. Say what to show it next. A terminal shows a live view, other outputs get lines. The
     calibration file stays as it is.
@@ -251,8 +128,38 @@ class MonitorOptions(
     module = "stereorecal.cli._monitor"
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
-    once: bool = option("only watch, and switch nothing: a check of the calibration, for cron", False)
+    output: str | None = option(
+        WRITES,
+        "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
+        metavar="FILE",
+        writes=one_file,
+    )
+    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=one_file)
+    show: bool = option(WRITES, "open the pictures in Rerun's viewer", False)
+    json: str | None = option(
+        WRITES,
+        "events and readings, as JSON lines; appended if --state continues a watch",
+        metavar="FILE|-",
+        writes=one_file,
+    )
+    state: str | None = option(
+        WRITES, "the state of the watch; a file that exists is continued", metavar="FILE", writes=one_file
+    )
+    force: bool = option(
+        WRITES, "replace existing files of --output, --rrd and --json (not a log that is continued)", False
+    )
+    quiet: bool = option(WRITES, "show nothing; only the exit code", False)
+    camera: tuple[str, ...] | None = option(
+        READS,
+        "running cameras, instead of a recording: numbers (0,1), devices, addresses or GStreamer pipelines (two "
+        "words); or one that shows both images side by side",
+        metavar="NAME",
+        reads=camera_names,
+    )
+    synchronous: bool = option(READS, "a trigger opens both shutters at once: no delay is estimated", False)
+    once: bool = option(RUNNING, "only watch, and switch nothing: a check of the calibration, for cron", False)
     until_sure: bool = option(
+        RUNNING,
         "end once the verdict stands, and epipolar errors and depth are known as well as matters (a service goes on)",
         False,
     )

@@ -17,14 +17,24 @@ from stereorecal.cli._option_values import (
     view_arguments,
     yes_or_no,
 )
-from stereorecal.cli._options import QUOTED, TWO_FILES, argument, option, option_group, value_of
-from stereorecal.cli._places import calibration_path, check_calibration, named_inputs, one_file
-
-WRITES = "what to write"
-READS = "what to read"
-RIG = "the rig, and what may move"
-DEPTH = "depth, from motion and ranges"
-SEARCH = "matching and search"
+from stereorecal.cli._options import (
+    DECISION,
+    DEPTH,
+    PAIRS,
+    QUOTED,
+    READS,
+    RIG,
+    RUNNING,
+    SEARCH,
+    TWO_FILES,
+    WRITES,
+    CommonOptions,
+    argument,
+    option,
+    option_group,
+    value_of,
+)
+from stereorecal.cli._places import calibration_path, check_calibration, check_places, named_inputs, one_file
 
 FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
 FORMATS = (
@@ -35,41 +45,40 @@ _LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, Eu
 
 
 @option_group
-class ReportOptions:
+class ReportOptions(CommonOptions):
     """What a command reports, and where."""
 
-    title = WRITES
-    json: str | None = option("everything, as JSON", metavar="FILE|-", writes=one_file)
-    force: bool = option("replace existing files, but none that is read", False)
-    quiet: bool = option("no progress and no report", False)
+    json: str | None = option(WRITES, "everything, as JSON", metavar="FILE|-", writes=one_file)
+    force: bool = option(WRITES, "replace existing files, but none that is read", False)
+    quiet: bool = option(WRITES, "no progress and no report", False)
 
     @property
     def prints(self) -> bool:
         """Whether a report goes to stdout."""
         return not self.quiet and self.json != "-"
 
+    def tell(self, line: object) -> None:
+        """Print a line of the report."""
+        if self.prints:
+            print(line)
 
-@option_group
-class RerunOptions:
-    """Pictures for Rerun's viewer."""
-
-    title = WRITES
-    rrd: str | None = option(
-        "a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=one_file
-    )
-    show: bool = option("open the pictures in Rerun's viewer", False)
+    def check(self) -> None:
+        super().check()
+        check_places(self.places, force=self.force)
 
 
 @option_group
-class CalibrationFormatOptions:
+class CalibrationOptions(CommonOptions):
     """How a calibration file is read."""
 
-    format: str | None = option(f"of the calibration file (default: recognised): {FORMATS}", metavar="FORMAT")
+    format: str | None = option(READS, f"of the calibration file (default: recognised): {FORMATS}", metavar="FORMAT")
     unit: str | None = option(
+        READS,
         "of its lengths: m, cm, mm, in (default: that of the format, or, if it has none, inferred from the baseline)",
         metavar="UNIT",
     )
     cameras: str | None = option(
+        READS,
         "the left and the right one of a file that has more, or the right one first: cam2,cam3, cam1,cam0, or in any "
         "format right,left",
         metavar="L,R",
@@ -78,35 +87,60 @@ class CalibrationFormatOptions:
 
 
 @option_group
-class CalibrationOptions(CalibrationFormatOptions):
+class CalibrationSizeOptions(CalibrationOptions):
     """How a calibration file without images is read."""
 
-    title = READS
-    size: str | None = option("of the images, if the calibration states none", metavar="WxH", reads=image_size)
+    size: str | None = option(READS, "of the images, if the calibration states none", metavar="WxH", reads=image_size)
 
 
 @option_group
-class ImageOptions(CalibrationFormatOptions):
-    """Images, videos and bags that lie anywhere."""
+class RecordingOptions(CalibrationOptions):
+    """The recordings that a command is about, and which of their pairs."""
 
-    title = READS
+    forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
+
+    scenes: tuple[str, ...] = argument(
+        READS,
+        f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data); A+B: two folders, or more, "
+        "of one rig that did not drift in between, as one recording (--pairs and --limit are of each folder)",
+        (),
+        metavar="SCENE",
+    )
     left: str | None = option(
+        READS,
         "left images, if they are in no scene folder: a file, a folder, 'left/*.png', a video, or a topic of --bag",
         metavar="FILES",
     )
-    right: str | None = option("right images", metavar="FILES")
-    side_by_side: str | None = option("instead: images or a video with both side by side", metavar="FILES")
-    bag: str | None = option("of ROS 1 (file) or ROS 2 (folder), whose topics --left and --right are", metavar="BAG")
+    right: str | None = option(READS, "right images", metavar="FILES")
+    side_by_side: str | None = option(READS, "instead: images or a video with both side by side", metavar="FILES")
+    bag: str | None = option(
+        READS, "of ROS 1 (file) or ROS 2 (folder), whose topics --left and --right are", metavar="BAG"
+    )
     calibration: tuple[str, ...] | None = option(
+        READS,
         "calibration of these images, or of scene folders instead of theirs: one file, or one for each camera (default "
         "for a bag: its camera_info)",
         metavar="FILE",
         reads=calibration_path,
     )
     tolerance: float | None = option(
+        READS,
         "between the two frames of a pair (default: a quarter of the time between frames; image files are paired by "
         "name unless this is given)",
         metavar="SECONDS",
+    )
+    pairs: str | None = option(
+        PAIRS,
+        "a pair, or a slice of them: 7, 10:50, 100: or ::5, every fifth (default: all)",
+        metavar="A:B:N",
+        reads=slice_of_pairs,
+    )
+    limit: str | None = option(
+        PAIRS,
+        "of those the N with the most texture, one from each Nth part (default: 24 of a video, a bag or more than 100 "
+        "pairs, else all; of monitor all)",
+        metavar="N|all",
+        reads=number_or_all,
     )
 
     @property
@@ -114,66 +148,12 @@ class ImageOptions(CalibrationFormatOptions):
         """The images, videos and bags that are named by themselves, and may be read only later."""
         return named_inputs(self.left, self.right, self.side_by_side, self.bag)
 
-
-@option_group
-class PairOptions:
-    """Which pairs of a recording are used."""
-
-    title = "which pairs"
-    pairs: str | None = option(
-        "a pair, or a slice of them: 7, 10:50, 100: or ::5, every fifth (default: all)",
-        metavar="A:B:N",
-        reads=slice_of_pairs,
-    )
-    limit: str | None = option(
-        "of those the N with the most texture, one from each Nth part (default: 24 of a video, a bag or more than 100 "
-        "pairs, else all; of monitor all)",
-        metavar="N|all",
-        reads=number_or_all,
-    )
-
     def stretch(self) -> slice:
         """The pairs that --pairs selects."""
         return value_of(self, "pairs", slice(0, None, 1))
 
-
-@option_group
-class _SceneOptions:
-    """Scene folders."""
-
-    title = READS
-    scenes: tuple[str, ...] = argument(
-        f"folder with images and their calibration: {_LAYOUTS} (layouts: page Your data); A+B: two folders, or more, "
-        "of one rig that did not drift in between, as one recording (--pairs and --limit are of each folder)",
-        (),
-        metavar="SCENE",
-    )
-
-
-def folders_of(scene: str) -> list[str]:
-    """The folders that one recording consists of.
-
-    Raises:
-        InputError: if one of several has no name, or is named twice.
-    """
-    folders = [scene] if Path(scene).exists() else scene.split("+")
-    if len({Path(folder).resolve() for folder in folders}) < len(folders) or (len(folders) > 1 and "" in folders):
-        raise InputError(f"{scene}: A+B joins different folders; name each once.")
-    return folders
-
-
-@option_group
-class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
-    """The recordings that a command is about."""
-
-    forms = ("SCENE [SCENE …]", "--left L --right R --calibration FILE")
-
     def check_recordings(self) -> None:
-        """Refuse recordings that are named incompletely, or are not there.
-
-        Raises:
-            InputError: says what to do.
-        """
+        """Refuse recordings that are named incompletely, or are not there."""
         ways = (("bag", "left", "right"),) if self.bag else (("left", "right"), ("side_by_side",))
         begun = [way for way in ways if any(getattr(self, name) is not None for name in way)]
         given, missing = [], []
@@ -205,22 +185,36 @@ class RecordingOptions(_SceneOptions, ImageOptions, PairOptions):
             check_calibration(self.calibration, "--calibration")
 
 
+def folders_of(scene: str) -> list[str]:
+    """The folders that one recording consists of; refuses one of several that has no name, or is named twice."""
+    folders = [scene] if Path(scene).exists() else scene.split("+")
+    if len({Path(folder).resolve() for folder in folders}) < len(folders) or (len(folders) > 1 and "" in folders):
+        raise InputError(f"{scene}: A+B joins different folders; name each once.")
+    return folders
+
+
 @option_group
-class MatcherOptions:
+class MatcherOptions(CommonOptions):
     """The stereo matcher."""
 
-    title = SEARCH
     matcher: str = option(
-        "installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME", reads=matcher_name
+        SEARCH, "installed stereo matcher: sad, bm, sgbm, or a plug-in's", "sad", metavar="NAME", reads=matcher_name
     )
 
 
 @option_group
-class ViewOptions(MatcherOptions):
-    """The matcher, and the view through which it sees the images."""
+class JudgingOptions(MatcherOptions):
+    """How a calibration is seen, and what counts as better, as worse and as good."""
 
-    title = SEARCH
+    tolerances: str | None = option(
+        DECISION,
+        "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, gains, leaves, better, harm, predicts, "
+        "good_rows_px, good_surely; distances=5:10:30 in baselines",
+        metavar="NAME=N,…",
+        reads=tolerances,
+    )
     view: str | None = option(
+        SEARCH,
         "the rectified images, as of sr.view: projection=pinhole or equirectangular, field=DEGREES (default: pinhole; "
         "equirectangular for lenses that are too wide for it)",
         metavar="NAME=VALUE,…",
@@ -229,79 +223,57 @@ class ViewOptions(MatcherOptions):
 
 
 @option_group
-class ToleranceOptions:
-    """What counts as better, as worse and as good."""
+class HealthOptions(ReportOptions, RecordingOptions, JudgingOptions):
+    """What `sr.health` takes, and `sr.recalibrate` as well; and mistakes that are corrected before."""
 
-    title = "the decision"
-    tolerances: str | None = option(
-        "limits, such as harm=0.01,rows_px=0.1: rows_px, depth_points, gains, leaves, better, harm, predicts, "
-        "good_rows_px, good_surely; distances=5:10:30 in baselines",
-        metavar="NAME=N,…",
-        reads=tolerances,
+    fix: Literal["exchanged", "turned", "scaled", "late", "early"] | None = option(
+        READS, "correct the mistake that a report names: exchanged, turned, scaled, late or early", metavar="CAUSE"
     )
-
-
-@option_group
-class PriorOptions:
-    """What is known of the rig."""
-
-    title = RIG
     prior: str | None = option(
+        RIG,
         "how well the initial calibration is known: saved (by an earlier repair), default (as after a chessboard "
         "calibration), exact (every epipolar error is a drift); default: saved, if it was",
         metavar="NAME",
     )
-
-
-@option_group
-class MotionOptions:
-    """Depth from the motion of the rig."""
-
-    title = DEPTH
     motion: Literal["auto", "on", "off"] = option(
+        DEPTH,
         "use the motion of the rig between pairs: auto (if times are known and at most 0.5 s apart), on (pairs are "
         "consecutive), off (default: auto)",
         "auto",
         reads=yes_or_no,
     )
-
-
-@option_group
-class DistanceOptions:
-    """Where errors of depth are reported."""
-
-    title = WRITES
     distances: str | None = option(
+        WRITES,
         "at which errors of depth are reported, such as 2m,50cm, or baselines, such as 30 (default: near, middle and "
         "far of what the images show)",
         metavar="LENGTH,…",
     )
 
+    def check(self) -> None:
+        self.check_recordings()
+        if self.fix is not None and len(self.scenes) > 1:
+            raise InputError("--fix corrects one recording; give one.")
+        if self.fix in ("late", "early") and (self.stretch().step > 1 or self.limit not in (None, "all")):
+            raise InputError(
+                f"--fix {self.fix} needs pairs that follow each other; leave steps of --pairs and --limit out."
+            )
+        super().check()
+
 
 @option_group
-class DecisionOptions(DistanceOptions, PriorOptions, MotionOptions, ToleranceOptions, ViewOptions):
-    """What `sr.health` takes, and `sr.recalibrate` as well."""
-
-
-@option_group
-class ReachOptions:
+class ReachOptions(CommonOptions):
     """How far a search goes."""
 
-    title = RIG
     reach: str = option(
-        "how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION", reads=degrees_and_fraction
+        RIG, "how far the rig may have drifted", "3,0.03", metavar="DEG,FRACTION", reads=degrees_and_fraction
     )
 
 
 @option_group
-class ExecutorOptions:
-    """Who does the work."""
-
-    executor: str = option("serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC")
-
-
-@option_group
-class WorkerOptions(ExecutorOptions):
+class WorkerOptions(CommonOptions):
     """Who does the work, and with which random numbers."""
 
-    seed: int = option("same seed, same result", 0, metavar="N", reads=seed)
+    executor: str = option(
+        RUNNING, "serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC"
+    )
+    seed: int = option(RUNNING, "same seed, same result", 0, metavar="N", reads=seed)

@@ -1,6 +1,6 @@
 """Faults injected while files are written: is a user's file ever lost or half, is a finished result ever unsaid?
 
-`recalibrate --in-place`, `compare --json --html` and `reproduce` run as processes of their own, forked from one that
+`recalibrate` over its own calibration, `compare --json --html` and `reproduce` run as processes, forked from one that
 has imported the libraries (what signals do before that, tests/cli/test_signals.py tells). In each run one thing goes
 wrong: the n-th call that writes fails as on a full disk, or the process is sent kill -9, Ctrl-C, SIGTERM or SIGHUP at
 one of many moments. Then every file that was there must be as it was or complete, every JSON must be readable, no
@@ -129,8 +129,8 @@ def words_of(verb: str, scene: Path, folder: Path) -> list[str]:
     out, page = str(folder / "out.json"), str(folder / "out.html")
     match verb:
         case "in-place":
-            more = ["--in-place", "--json", out, "--maps", str(folder / "out.npz")]
-            return ["recalibrate", str(scene), *count, "--scale", "0.5", "--budget", "40", *more]
+            own = ["--output", str(scene / "calib.json"), "--force"]
+            return ["recalibrate", str(scene), *count, *own, "--json", out, "--maps", str(folder / "out.npz")]
         case "compare":
             few = ["--scale", "0.25", "--draws", "3", "--budget", "4"]
             return ["compare", "--scene", str(scene), *count, *few, "--json", out, "--html", page]

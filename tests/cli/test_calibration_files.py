@@ -81,7 +81,7 @@ def test_a_file_that_is_only_read_is_not_replaced(command, rig: sr.StereoRig, si
     camera = "Camera.fx: 50.0\nCamera.fy: 50.0\nCamera.cx: 79.5\nCamera.cy: 59.5\nCamera.bf: 5.0\n"
     settings.write_text("%YAML:1.0\n---\n" + camera)
     words = ("recalibrate", *sides, "--calibration", settings, *unworked)
-    command(*words, "--in-place").refuses("is read, not written; write the rig as opencv")
+    command(*words, "--output", settings, "--force").refuses("is read, not written; write the rig as opencv")
 
 
 def test_the_right_camera_first(command, rig: sr.StereoRig, tmp_path: Path):
@@ -209,7 +209,7 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         np.testing.assert_allclose(stored["right_y"], made.maps[1][1], atol=1e-3)
     old = [path.read_bytes() for path in files]
     files[0].chmod(0o600)
-    answer = command("recalibrate", *words, "--in-place")
+    answer = command("recalibrate", *words, "--output", ",".join(map(str, files)), "--force")
     assert answer.code == 0
     copies = [path.with_name(f"{path.name}.bak") for path in files]
     assert [path.read_bytes() for path in copies] == old
@@ -226,9 +226,8 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
     ("words", "said"),
     [
         (("--output", "{tmp}"), "cannot be written there"),
-        (("--output", "{tmp}/a.yaml", "--force"), "replace it with --in-place"),
+        (("--json", "{tmp}/a.yaml", "--force"), "will not be overwritten; choose another place"),
         (("--output", "{tmp}/l.yaml", "{tmp}/r.yaml"), "r.yaml is taken for a scene folder (the two files"),
-        (("--output", "{tmp}/new.yaml", "--in-place"), "leave --output out"),
         (("--maps", "{tmp}/maps.txt"), "maps are written as .npz"),
         (("--maps", "{tmp}/old.npz"), "the file exists already"),
         (("--output", "{tmp}/new.yaml", "--json", "{tmp}/new.yaml"), "name the same file"),
@@ -243,7 +242,7 @@ def test_places_that_make_no_sense(command, rig: sr.StereoRig, sides, tmp_path: 
     repair = ("recalibrate", *sides, "--calibration", tmp_path / "a.yaml", *unworked)
     command(*repair, *options).refuses(said)
     with write_protected("a.yaml"):
-        command(*repair, "--in-place").refuses("allow writing")
+        command(*repair, "--output", tmp_path / "a.yaml", "--force").refuses("allow writing")
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 

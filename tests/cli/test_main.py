@@ -116,9 +116,9 @@ def test_help_begins_with_what_is_typed(command, monkeypatch: pytest.MonkeyPatch
         ("what to read", "SCENE"),
         ("which pairs", "--pairs"),
         ("the rig, and what may move", "--free"),
-        ("depth, from motion and ranges", "--motion"),
+        ("depth, from motion and ranges", "--ranges"),
         ("the decision", "--tolerances"),
-        ("matching and search", "--view"),
+        ("matching and search", "--schedule"),
         ("running", "-h,"),
     ]
     assert sections[-1].startswith("Exit code: 0 ")

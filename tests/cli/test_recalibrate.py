@@ -132,19 +132,17 @@ def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
 
 def test_the_calibration_of_one_recording_is_written(command, drifted_scene: Path, tmp_path: Path):
     answer = command("recalibrate", drifted_scene, drifted_scene, "--output", tmp_path / "a.json", *COUNT)
-    answer.refuses("--output takes the calibration of one recording")
+    answer.refuses("--output is of one recording")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene: Path, tmp_path: Path):
+def test_the_calibration_in_use_is_replaced_with_force_only(command, drifted_scene: Path, tmp_path: Path):
     folder = Path(shutil.copytree(drifted_scene, tmp_path / "scene"))
     old, before = (folder / "calib.json").read_bytes(), load_scene(folder)
-    for words in (("--output", folder / "calib.json"), ("--output", folder / "calib.json", "--force")):
-        answer = command("recalibrate", folder, *COUNT, *words)
-        answer.refuses("calib.json: ")
-        assert (folder / "calib.json").read_bytes() == old
-    assert "this is an input file of the run and will not be overwritten; replace it with --in-place" in answer.err
-    assert command("recalibrate", folder, *COUNT, "--in-place").code == 0
+    words = ("recalibrate", folder, *COUNT, "--output", folder / "calib.json")
+    command(*words).refuses("calib.json: the file exists already; choose another or add --force")
+    assert (folder / "calib.json").read_bytes() == old
+    assert command(*words, "--force").code == 0
     assert (folder / "calib.json.bak").read_bytes() == old
     after = load_scene(folder)
     assert after.info == before.info
@@ -156,7 +154,6 @@ def test_the_calibration_in_use_is_replaced_in_place_only(command, drifted_scene
     [
         ("{0}+{0}", (), "name each once"),
         ("{0}+", (), "name each once"),
-        ("{0}+{1}", ("--in-place",), "--in-place takes the pairs of one folder"),
         ("{0}+{1}", ("--motion", "on"), "--motion on takes the pairs of one folder"),
         ("{0}+{1}", ("--fix", "late"), "--fix takes the pairs of one folder"),
         ("{0}+{1}", (), "has another calibration"),

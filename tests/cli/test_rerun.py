@@ -19,8 +19,9 @@ def rerun():
     return pytest.importorskip("rerun", reason="rerun-sdk is not installed")
 
 
-@pytest.mark.parametrize("verb", COMMANDS)
-@pytest.mark.parametrize("words", [("--rrd", "{}/out.rrd"), ("--show",)], ids=" ".join)
+@pytest.mark.parametrize(
+    ("verb", "words"), [*((verb, ("--rrd", "{}/out.rrd")) for verb in COMMANDS), ("monitor", ("--show",))]
+)
 def test_without_the_extra(command, clean_scene: Path, tmp_path: Path, monkeypatch, verb: str, words: tuple[str, ...]):
     monkeypatch.setitem(sys.modules, "rerun", None)
     for name in [name for name in sys.modules if name.startswith("stereorecal.report.")]:
@@ -38,10 +39,12 @@ def test_an_existing_file_stays(command, clean_scene: Path, tmp_path: Path, verb
 
 
 @pytest.mark.usefixtures("rerun")
-@pytest.mark.parametrize("verb", COMMANDS)
 @pytest.mark.parametrize(
-    ("words", "said"),
-    [(["--rrd", "-"], "--rrd - has no meaning"), (["--show"], "no screen for Rerun's viewer (DISPLAY is not set)")],
+    ("verb", "words", "said"),
+    [
+        *((verb, ["--rrd", "-"], "--rrd - has no meaning") for verb in COMMANDS),
+        ("monitor", ["--show"], "no screen for Rerun's viewer (DISPLAY is not set)"),
+    ],
 )
 def test_what_is_refused(command, clean_scene: Path, monkeypatch, verb: str, words: list[str], said: str):
     monkeypatch.setattr(sys, "platform", "linux")
@@ -53,7 +56,7 @@ def test_what_is_refused(command, clean_scene: Path, monkeypatch, verb: str, wor
 @pytest.mark.usefixtures("rerun")
 def test_a_recording_shows_one_repair(command, clean_scene: Path, unworked, tmp_path: Path):
     words = (clean_scene, clean_scene, *unworked, "--rrd", tmp_path / "out.rrd")
-    command("recalibrate", *words).refuses("--rrd shows one recording")
+    command("recalibrate", *words).refuses("--rrd is of one recording")
 
 
 @pytest.mark.usefixtures("rerun")
@@ -88,23 +91,18 @@ def test_the_viewer_is_opened(rerun, command, clean_scene: Path, monkeypatch):
     opened = []
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(rerun, "spawn", lambda **options: opened.append(options))
-    answer = command("recalibrate", clean_scene, "--schedule", "count", "--show")
+    answer = command("monitor", clean_scene, "--once", "--show")
     assert (answer.code, answer.err, len(opened)) == (0, "", 1)
     assert Path(opened[0]["executable_path"]).is_file()
 
 
 def test_a_viewer_that_does_not_start(rerun, command, clean_scene: Path, monkeypatch):
-    """The report is printed all the same."""
-
     def broken(**options):
         raise RuntimeError("no executable\nlong advice")
 
     monkeypatch.setenv("DISPLAY", ":0")
     monkeypatch.setattr(rerun, "spawn", broken)
-    answer = command("recalibrate", clean_scene, "--schedule", "count", "--show")
-    assert "matched" in answer.out
-    assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "does not start (no executable)" in answer.err
+    command("monitor", clean_scene, "--once", "--show").refuses("does not start (no executable)")
 
 
 @pytest.mark.usefixtures("rerun")

@@ -67,19 +67,19 @@ def test_a_damaged_file(command, sides, repaired: Path, damage: str):
     beside = repaired.with_name("calib.yaml.prior.json")
     beside.write_text(damage)
     before = {path: path.read_bytes() for path in repaired.parent.iterdir()}
-    answer, _ = again(command, sides, repaired, *COUNT, "--in-place")
+    answer, _ = again(command, sides, repaired, *COUNT, "--output", repaired, "--force")
     answer.refuses(f"{beside}: ")
     assert {path: path.read_bytes() for path in repaired.parent.iterdir()} == before
     answer, _ = again(command, sides, repaired, *COUNT, "--prior", "default")
     assert answer.code in (0, 1)
 
 
-def test_in_place_keeps_both_old_ones(command, sides, drifted_scene: Path, repaired: Path):
+def test_both_old_ones_are_kept(command, sides, drifted_scene: Path, repaired: Path):
     beside = repaired.with_name("calib.yaml.prior.json")
     command("convert", drifted_scene / "calib.json", repaired, "--force")  # the old beside it is now of another
     old = beside.read_bytes() + b"\n"
     beside.write_bytes(old)
-    answer, _ = again(command, sides, repaired, *COUNT, "--in-place")
+    answer, _ = again(command, sides, repaired, *COUNT, "--output", repaired, "--force")
     assert answer.code == 0
     assert beside.with_name(f"{beside.name}.bak").read_bytes() == old
     assert beside.read_bytes() != old

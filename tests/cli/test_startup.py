@@ -127,13 +127,13 @@ def test_help_says_what_there_is(command):
 
 
 def test_options_have_the_types_and_defaults_of_their_fields():
-    words = "recalibrate here there --motion off --calibration a b --in-place --pairs 4: --tolerance 2.5"
+    words = "recalibrate here there --motion off --calibration a b --force --pairs 4: --tolerance 2.5"
     found = options_of(words.split())
     assert (found.scenes, found.motion) == (("here", "there"), "off")
-    assert (found.calibration, found.in_place, found.tolerance) == (("a", "b"), True, 2.5)
+    assert (found.calibration, found.force, found.tolerance) == (("a", "b"), True, 2.5)
     assert options_of(["compare", "--scene", "x", "--scene", "y"]).scene == ("x", "y")
     found = options_of(["recalibrate", "here"])
-    assert (found.pairs, found.matcher, found.motion, found.in_place) == (None, "sad", "auto", False)
+    assert (found.pairs, found.matcher, found.motion, found.force) == (None, "sad", "auto", False)
     assert (found.calibration, options_of(["compare"]).scene) == (None, ())
 
 

@@ -10,21 +10,16 @@ from stereorecal.cli import RIG, CommonOptions, option, option_group
 
 
 @option_group
-class _Boards:
-    """The chessboards of the initial calibration."""
+class BoardOptions(CommonOptions):
+    """A repair whose calibration is known by its boards."""
 
-    title = RIG
     boards: tuple[str, str] | None = option(
+        RIG,
         "chessboard images of the initial calibration: a file, a folder or 'left/*.png' each; needs --square",
         metavar=("LEFT", "RIGHT"),
     )
-    board_corners: str | None = option("inner corners of the chessboard (default: 9x6)", metavar="NxM")
-    square: float | None = option("side of its squares, as in the calibration", metavar="METRES")
-
-
-@option_group
-class BoardOptions(_Boards, CommonOptions):
-    """A repair whose calibration is known by its boards."""
+    board_corners: str | None = option(RIG, "inner corners of the chessboard (default: 9x6)", metavar="NxM")
+    square: float | None = option(RIG, "side of its squares, as in the calibration", metavar="METRES")
 
     def check(self) -> None:
         super().check()

@@ -13,7 +13,7 @@ from stereorecal.cli import (
     FAILURE,
     INTERRUPTED,
     GrowingJson,
-    check_page,
+    check_extra,
     check_places,
     deliver,
     executor,
@@ -52,7 +52,7 @@ def run(options: JudgeOptions) -> int:
     reach = None if options.reach is None else Reach(*value_of(options, "reach"))
     matcher = as_matcher(options.matcher)
     methods = methods_of(None if options.strategies in (None, "all") else options.strategies.split(","))
-    check_page(options.html, "stereorecal_field.table._field_page")
+    check_extra(options, "html", "figures", "stereorecal_field.table._field_page")
     with files_read() as read:
         recipes = [recipe for judge in judges for recipe in recipes_of(judge, draws)]
     empty, tasks = planned(judges, recipes, methods, matcher=matcher, draws=draws, reach=reach)

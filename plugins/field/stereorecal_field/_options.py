@@ -6,13 +6,15 @@ from typing import Literal
 from stereorecal import InputError
 from stereorecal.cli import CompareOptions, option, option_group
 
+_JUDGES = "judges: methods compared by data that none of them sees"
+
 
 @option_group
-class _JudgeOptions:
-    """Judges by truth."""
+class JudgeOptions(CompareOptions):
+    """The options of `compare`, and those of judges."""
 
-    title = "judges: methods compared by data that none of them sees"
     judge: tuple[str, ...] = option(
+        _JUDGES,
         "lidar=FOLDER, boards=FOLDER (see --board-corners, --square), product=FOLDER, motion[=FOLDER], "
         "rendered[=KIND], simulated[=KIND] or walk (repeatable); --strategies then names methods: count, rows, motion, "
         "and strategies, --draws means rides, too, and --frames pairs of rendered and simulated scenes. Only rows of "
@@ -21,18 +23,15 @@ class _JudgeOptions:
         metavar="NAME[=PLACE]",
     )
     preset: Literal["field"] | None = option(
-        "field: all rendered judges, and those of --judge, with 10 draws and 4 drives, in an hour", metavar="NAME"
+        _JUDGES,
+        "field: all rendered judges, and those of --judge, with 10 draws and 4 drives, in an hour",
+        metavar="NAME",
     )
-    full: bool = option("of --preset field: in a night", False)
+    full: bool = option(_JUDGES, "of --preset field: in a night", False)
     board_corners: str | None = option(
-        "inner corners of the chessboards of boards=FOLDER (default: 9x6)", metavar="NxM"
+        _JUDGES, "inner corners of the chessboards of boards=FOLDER (default: 9x6)", metavar="NxM"
     )
-    square: float | None = option("side of their squares", metavar="METRES")
-
-
-@option_group
-class JudgeOptions(CompareOptions, _JudgeOptions):
-    """The options of `compare`, and those of judges."""
+    square: float | None = option(_JUDGES, "side of their squares", metavar="METRES")
 
     @property
     def judged(self) -> bool:
