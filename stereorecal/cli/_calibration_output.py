@@ -53,10 +53,6 @@ def output_of(
     Args:
         free: names of the parameters that may move.
         read: the files that were read; none of them is replaced, but for the calibration by itself.
-
-    Raises:
-        InputError: if an input would be replaced, the ending of a name contradicts the format, or the format cannot
-            hold a rig that has moved.
     """
     rig, place = scenes[0].rig, value_of(options, "output")
     files = [] if place is None else paths(place)

@@ -45,9 +45,6 @@ def rig_at(words: str, options: CalibrationSizeOptions, *, other_says_none: bool
 
     Args:
         other_says_none: whether the format of the command's other file has no unit: --unit may be of that one.
-
-    Raises:
-        InputError: if there is none.
     """
     where = calibration_path(words, words)
     if isinstance(where, Path) and where.is_dir() and is_data_set(where):

@@ -23,11 +23,7 @@ def cluster(address: str) -> Iterator[Executor]:
     """The executor of the Dask cluster whose scheduler is at `address` ("tcp://host:8786" or "host:8786").
 
     Dask runs a task again if its worker dies, and gives it up when it has taken several workers with it. It would wait
-    for ever for a cluster without workers; here, what waits is cancelled after a minute.
-
-    Raises:
-        InputError: if Dask is not installed, no scheduler answers, or it has no workers.
-    """
+    for ever for a cluster without workers; here, what waits is cancelled after a minute."""
     with extra("dask", "--executor dask"):
         from dask import config
         from distributed import Client

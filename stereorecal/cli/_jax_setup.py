@@ -50,11 +50,7 @@ def use_compile_cache() -> str | None:
 
 
 def check_platform() -> None:
-    """Refuse a platform that `JAX_PLATFORMS` names and this machine, or this installation of JAX, does not have.
-
-    Raises:
-        InputError: says what to install.
-    """
+    """Refuse a platform that `JAX_PLATFORMS` names and this machine, or this installation of JAX, does not have."""
     if not (platforms := os.environ.get("JAX_PLATFORMS")):
         return
     try:

@@ -16,9 +16,6 @@ def library_options(options: CommonOptions, names: Collection[str]) -> dict[str,
 
     Args:
         names: of the library's options.
-
-    Raises:
-        InputError: if a value makes no sense, or a file cannot be read.
     """
     given = (name for name in options.__dataclass_fields__ if name in names and getattr(options, name) is not None)
     return {name: value_of(options, name) for name in given}

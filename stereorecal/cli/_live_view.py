@@ -198,11 +198,7 @@ def check_rerun(options: MonitorOptions) -> None:
 
 def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped], None], Callable[[], None]]:
     """Two functions: one to call with each step, and one that writes the recording, whole or not at all. Both do
-    nothing unless the options ask for a recording or the viewer.
-
-    Raises:
-        InputError: if Rerun's viewer does not start.
-    """
+    nothing unless the options ask for a recording or the viewer."""
     if options.rrd is None and not options.show:
         return lambda stepped: None, lambda: None
     from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream

@@ -13,11 +13,7 @@ CalibrationPath = Path | tuple[Path, Path]
 
 
 def calibration_path(words: str | Sequence[str], option: str) -> CalibrationPath:
-    """The path, or the paths of the left and the right camera's file: two words, or one with a comma.
-
-    Raises:
-        InputError: if there are more.
-    """
+    """The path, or the paths of the left and the right camera's file: two words, or one with a comma."""
     words = [words] if isinstance(words, str) else list(words)
     if len(words) == 1 and "," in words[0] and not Path(words[0]).exists():
         words = words[0].split(",")
@@ -39,20 +35,12 @@ def one_file(words: str, option: str) -> list[Path]:
 
 
 def calibration_paths(words: str | Sequence[str], option: str) -> list[Path]:
-    """The files of the calibration that an option names.
-
-    Raises:
-        InputError: as of `calibration_path`.
-    """
+    """The files of the calibration that an option names."""
     return paths(calibration_path(words, option))
 
 
 def check_calibration(words: str | Sequence[str], option: str) -> None:
-    """Refuse files that are not there.
-
-    Raises:
-        InputError: names the first.
-    """
+    """Refuse files that are not there."""
     for path in calibration_paths(words, option):
         check_exists(path, "file")
 
@@ -90,11 +78,7 @@ def check_places(places: Sequence[Place], *, force: bool) -> None:
 
 
 def check_writable(place: Place) -> None:
-    """Refuse a place that cannot be written to.
-
-    Raises:
-        InputError: says why.
-    """
+    """Refuse a place that cannot be written to."""
     path, usable = place.path, True
     try:
         found = os.stat(path)

@@ -47,9 +47,6 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
 
     Args:
         few: keep only those of many frames that have the most texture.
-
-    Raises:
-        InputError: if one cannot be used.
     """
     found = _recordings(options, partial(_selected, few=few))
     if options.fix is not None:
@@ -72,11 +69,7 @@ def _fixed(scene: Scene, cause: str) -> Scene:
 
 
 def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
-    """The one scene of the command line, with its first pair only; and all its pairs, which are read one by one.
-
-    Raises:
-        InputError: as `recordings`, or if there are several.
-    """
+    """The one scene of the command line, with its first pair only; and all its pairs, which are read one by one."""
     every: list[PairSequence] = []
 
     def first(pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str):
@@ -147,11 +140,7 @@ def _how_read(options: RecordingOptions) -> dict[str, Any]:
 
 
 def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
-    """One scene of all folders of a recording.
-
-    Raises:
-        InputError: if their calibrations differ.
-    """
+    """One scene of all folders of a recording."""
     first = parts[0]
     if len(parts) == 1:
         return first
@@ -225,11 +214,7 @@ def _unpaired_frames(unpaired: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:
-    """A scene of the calibration and the first pair of the cameras; and all their pairs, as they come.
-
-    Raises:
-        InputError: if a recording is named, too, there is no calibration, or a camera cannot be used.
-    """
+    """A scene of the calibration and the first pair of the cameras; and all their pairs, as they come."""
     if options.scenes or any(getattr(options, name) is not None for name in _OTHERS):
         raise InputError("--camera takes the place of a recording, and of --limit; leave the others out.")
     if options.calibration is None:

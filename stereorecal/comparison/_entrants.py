@@ -34,11 +34,7 @@ class Entrant:
 
 
 def entrants_of(strategies: Any, schedule: Any, scale: float) -> tuple[Entrant, ...]:
-    """The entrants that the arguments of `compare` name, those of the default schedule first.
-
-    Raises:
-        InputError: if a name is unknown, or is no text.
-    """
+    """The entrants that the arguments of `compare` name, those of the default schedule first."""
     named = _by_name(strategies)
     return tuple(
         _entrant(name, plugin, kind, scale, own_strategies=strategies is None)

@@ -12,7 +12,7 @@ from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._motion_windows import motion_text, odometer_text
 from stereorecal.recalibration._result import AbstractResult, DepthOutcome, depth_outcome
-from stereorecal.recalibration._row_residuals import WORTH_SAYING, Cause, Misfit
+from stereorecal.recalibration._row_residuals import WORTH_SAYING, Cause
 from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
 
@@ -54,23 +54,28 @@ class Fact:
     """One thing to say of a solution.
 
     Attributes:
-        heading: of its line of text; "": none.
-        text: of its line; "": it has none.
-        sentence: for a page, where no table or figure says the same; "": none.
+        heading: of its line; "": none.
+        text: what is said.
+        remark: whether a page says it in words, since no table or figure shows it.
     """
 
     heading: str
     text: str
-    sentence: str = ""
+    remark: bool = False
 
     def __str__(self) -> str:
         return f"{self.heading:<8} {self.text}" if self.heading else self.text
 
+    @property
+    def sentence(self) -> str:
+        """As a page has it."""
+        text = f"{self.heading}: {self.text}" if self.heading else self.text
+        return f"{text[:1].upper()}{text[1:]}."
+
 
 def repair_text(solution: AbstractResult) -> str:
     """All that is printed of it; of a candidate that was not taken, only why."""
-    lines = [solution.verdict, solution.advice, *(str(fact) for fact in facts_of(solution) if fact.text)]
-    return "\n".join(lines)
+    return "\n".join([solution.verdict, solution.advice, *map(str, facts_of(solution))])
 
 
 def facts_of(solution: AbstractResult) -> Iterator[Fact]:
@@ -88,42 +93,32 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     for doubt in solution.doubts:
         yield Fact("check", doubt)
     if use is not None and str(use) not in (DEFAULT, EXACT):
-        yield Fact("prior", str(use), f"Prior: {use}.")
-    if solution.misfit is not None and telling:
-        yield _misfit(solution, solution.misfit)
+        yield Fact("prior", str(use), remark=True)
+    if telling:
+        yield from _misfit(solution)
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
         if solution.intrinsics.changed and solution.searched:  # a look has neither the option nor new values to use
             text = f"{text}; use all new values together, or keep the intrinsics with --free extrinsics"
-        yield Fact("", text, _sentence(text))
+        yield Fact("", text, remark=True)
     if solution.ranges is not None:
-        yield Fact("ranges", str(solution.ranges), f"Of the ranges {solution.ranges}.")
+        yield Fact("ranges", str(solution.ranges), remark=True)
     if estimate is not None and estimate.windows:
-        text = motion_text(estimate)
-        yield Fact("motion", text, f"Motion: {text}.")
+        yield Fact("motion", motion_text(estimate), remark=True)
     if estimate is not None and solution.settings.odometer is not None:
-        text = odometer_text(estimate)
-        yield Fact("odometer", text, f"Odometer: {text}.")
+        yield Fact("odometer", odometer_text(estimate), remark=True)
     if solution.left_out:
-        out, names = len(solution.left_out), ", ".join(solution.left_out)
-        sentence = f"{out} {'frame was' if out == 1 else 'frames were'} left out: see Frames below."
-        yield Fact("", f"left out, since they disagree with the others: {names}", sentence)
+        yield Fact("", f"left out, since they disagree with the others: {', '.join(solution.left_out)}", remark=True)
     if solution.disagreeing:
         yield Fact("", f"these disagree with others: {', '.join(solution.disagreeing)}")
     if known is not None and known.undetermined and telling:
         names = short_list(known.undetermined, "; ")
-        text = f"not determined by these images, and assumed to have changed little: {names}"
-        yield Fact("", text, _sentence(text))
-    if solution.expected is not None:
-        yield from _corners(solution)
+        yield Fact("", f"not determined by these images, and assumed to have changed little: {names}", remark=True)
+    yield from _corners(solution)
     if solution.leaves_epipolar_error:
-        yield Fact("check", _EPIPOLAR_ERROR_LEFT, _sentence(_EPIPOLAR_ERROR_LEFT))
+        yield Fact("check", _EPIPOLAR_ERROR_LEFT, remark=True)
     if solution.searched:
         yield Fact("search", f"{solution.message} ({solution.evaluations} evaluations, {solution.seconds:.1f} s)")
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."
 
 
 def _matched(solution: AbstractResult) -> str:
@@ -156,26 +151,26 @@ def _axis(axis: Change, changed: str) -> Fact:
     return Fact(axis.name, text if axis.half_width is None else f"{text} ± {axis.half_width:.3f}")
 
 
-def _misfit(solution: AbstractResult, misfit: Misfit) -> Fact:
+def _misfit(solution: AbstractResult) -> Iterator[Fact]:
     """What is worth saying of the misfit."""
-    whose = "Misfit" if solution.accepted else "Misfit of the candidate, which was not taken"
-    text = sentence = ""
-    if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
-        text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
-        sentence = f"{whose}: {text}."
+    misfit = solution.misfit
+    if misfit is None:
+        return
     if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
         text = f"the lens model does not fit; {misfit.alike:.2f} px of the epipolar error are systematic"
-    return Fact("misfit", text, sentence)
+        yield Fact("misfit", text, remark=True)
+    elif misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
+        text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
+        yield Fact("misfit", text, remark=True)
 
 
 def _corners(solution: AbstractResult) -> Iterator[Fact]:
     """What is extrapolated to where nothing matched, if it matters."""
-    if solution.decision is None:
+    if solution.expected is None or solution.decision is None:
         return
     shown, view = (px[int(solution.accepted), 0] for px in (solution.decision.rows_px, solution.decision.view_px))
     if view > max(2.0 * shown, solution.settings.tolerances.good_rows_px):
-        text = f"epipolar error {view:.2f} px over the whole view, most of it where nothing matched"
-        yield Fact("corners", text)
+        yield Fact("corners", f"epipolar error {view:.2f} px over the whole view, most of it where nothing matched")
 
 
 def _depth(solution: AbstractResult) -> Iterator[Fact]:

@@ -1,5 +1,5 @@
-"""Where depth can be trusted, and where not, in words: the headline of a repair, and the regions of the view whose
-epipolar error is systematic, too large, or larger than expected.
+"""Where depth can be trusted, and where not, in words: the regions of the view whose epipolar error is systematic, too
+large, or larger than expected.
 """
 
 from collections import Counter
@@ -16,7 +16,6 @@ PLACES = GRID[0] * GRID[1]
 LIMIT = 0.2  # pixels of epipolar error, beyond two standard errors: above it, stereo matching degrades
 _SPARSE = 0.25  # of a part of the view: with fewer matched regions, the part is not covered
 _NEARLY_ALL = 0.7  # of the matched regions: then the parts are not listed
-_FEW = 4  # parts that fit into a headline
 _PARTS = (
     ("upper left", "upper middle", "upper right"),
     ("left", "centre", "right"),
@@ -44,17 +43,6 @@ def misaligned(misfit: Mapping[str, Any], when: str) -> list[int]:
     """Places whose epipolar error degrades stereo matching; the worst first."""
     found = significant_errors(misfit, when)
     return sorted((place for place, error in found.items() if error > LIMIT), key=lambda place: -found[place])
-
-
-def short_place(misfit: Mapping[str, Any], when: str) -> str | None:
-    """Where rows are misaligned, in a few words; None if nowhere."""
-    places = misaligned(misfit, when)
-    if not places:
-        return None
-    parts = _parts(places)
-    if _nearly_everywhere(places, misfit):
-        return "nearly everywhere"
-    return f"at the {_listed(parts)}" if len(parts) <= _FEW else f"in {len(parts)} parts of the image"
 
 
 def misfit_sentence(
@@ -104,22 +92,6 @@ def _nearly_everywhere(places: list[int], misfit: Mapping[str, Any]) -> bool:
 
 def _listed(parts: list[str]) -> str:
     return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
-
-
-def headline(report: RepairReport) -> str:
-    """What to do, in one sentence."""
-    if report.conclusion is Conclusion.UNKNOWN:
-        return "Cannot tell whether the calibration is right; it stays as it is"
-    if report.conclusion is Conclusion.REFUSED:
-        found = "Not repaired: the calibration stays as it is" if report.searched else "The calibration may be wrong"
-        return f"{found}, and its depth cannot be trusted"
-    repaired = report.conclusion is Conclusion.REPAIRED
-    new = "Use the new calibration" if report.searched else "Repair the calibration"
-    best = new if repaired else "Keep the calibration that you have"
-    place = None if report.misfit is None else short_place(report.misfit, report.when)
-    if place is None:
-        return best if repaired else f"{best}: it is good"
-    return f"{best}, but do not trust depth {place}"
 
 
 def where(report: RepairReport) -> list[str]:

@@ -9,7 +9,7 @@ import json
 from pathlib import Path
 
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture, rows_picture
-from stereorecal.report._regions import headline, larger_than_expected, misaligned, unmeasured, where
+from stereorecal.report._regions import larger_than_expected, misaligned, unmeasured, where
 from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.repair_report import RepairReport
@@ -29,7 +29,6 @@ def repair_page(report: RepairReport) -> str:
         "repair.html.jinja",
         report=report,
         conclusion=report.conclusion.name.lower(),
-        headline=headline(report),
         where=where(report),
         names=names,
         pairs=[data_uri(rows_picture(sight.left, sight.right, _WIDE)) for sight in sights.values()],

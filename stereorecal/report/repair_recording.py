@@ -3,8 +3,6 @@
 Needs rerun-sdk and matplotlib: pip install 'stereorecal[rerun]'.
 """
 
-from collections.abc import Iterator, Sequence
-
 import cv2
 import matplotlib
 import numpy as np
@@ -13,7 +11,7 @@ import rerun.blueprint as rrb  # pyright: ignore[reportMissingImports]: an extra
 from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
-from stereorecal.report._regions import headline, where
+from stereorecal.report._regions import where
 from stereorecal.report._repair_figures import OVER, ROW_COLOURS, largest_row, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent
@@ -79,13 +77,8 @@ def row_pictures(report: RepairReport) -> list[UInt8[np.ndarray, "h w 3"]]:
 
 
 def verdict_text(report: RepairReport) -> str:
-    """The verdict, the numbers before and after, and how to read the pictures, as Markdown."""
-    names = report.names
-    expected = f"**Expect:** {report.expected_said}" if report.expected_said else ""
-    parts = [f"# {headline(report)}", f"**Why:** {report.reason}", *where(report), expected, *report.remarks]
-    facts = [(name, *values) for name, values in report.facts.items()]
-    axes = [(f"{axis.name} [{axis.unit}]", f"{axis.before:.3f}", f"{axis.after:.3f}") for axis in report.axes]
-    parts.append("\n".join(_table(("", *names), [*facts, *axes])))
+    """All that is printed of the repair, where depth cannot be trusted, and how to read the pictures, as Markdown."""
+    parts = [f"# {report.verdict}", *where(report), f"```text\n{report.text}\n```"]
     parts.append(
         f"**Pair** {report.frame}: follow a line from the left image into the right one; both should show the same "
         "things on it. **Disparity**: one scale for both; near is bright, grey did not match."
@@ -95,12 +88,7 @@ def verdict_text(report: RepairReport) -> str:
             f"**Row error**: white is aligned, full colour {largest_row(report.rows):.2g} px, on a scale that is "
             "logarithmic beyond 0.2 px; no colour: too few matches there."
         )
-    return "\n\n".join(filter(None, parts))
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    for row in (head, ["---"] * len(head), *rows):
-        yield f"| {' | '.join(row)} |"
+    return "\n\n".join(parts)
 
 
 def _log_pair(stream: rr.RecordingStream, state: str, sight: Sight) -> None:

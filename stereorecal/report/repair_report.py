@@ -113,7 +113,8 @@ class RepairReport:
     Attributes:
         name: of the recording.
         conclusion: what to do with the calibration.
-        reason: why, in words.
+        verdict, advice: what was found, and what to do, in words.
+        text: all that is printed of it.
         search: how the search ended, in words.
         baseline: distance between the cameras, in metres.
         facts: of the whole, name and value of both calibrations, such as matched pixels.
@@ -139,7 +140,9 @@ class RepairReport:
 
     name: str
     conclusion: Conclusion
-    reason: str
+    verdict: str
+    advice: str
+    text: str
     search: str
     baseline: float
     facts: Mapping[str, tuple[str, str]]

@@ -33,11 +33,7 @@ def memory_stream(layout: Blueprint, name: str) -> tuple[RecordingStream, Memory
 
 
 def viewer_stream(layout: Blueprint, name: str) -> RecordingStream:
-    """A recording that Rerun's viewer shows as it grows; the viewer is started, and stays when the program ends.
-
-    Raises:
-        NoViewer: if there is no screen, or the viewer does not start.
-    """
+    """A recording that Rerun's viewer shows as it grows; the viewer is started, and stays when the program ends."""
     check_screen()
     stream = RecordingStream(_APPLICATION)
     try:
@@ -51,11 +47,7 @@ def viewer_stream(layout: Blueprint, name: str) -> RecordingStream:
 
 
 def check_screen() -> None:
-    """Refuse a session that has no screen.
-
-    Raises:
-        NoViewer: says what to do instead.
-    """
+    """Refuse a session that has no screen."""
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise NoViewer(
             "there is no screen for Rerun's viewer (DISPLAY is not set); write an .rrd file, and open it where there "

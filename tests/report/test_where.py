@@ -9,28 +9,6 @@ from stereorecal.report.repair_page import repair_page
 from stereorecal.report.repair_report import Conclusion
 
 CENTRE, LOWER_RIGHT = 27, 47
-HEADLINES = {
-    "Use the new calibration": (Conclusion.REPAIRED, misfit(before={0: 9.0})),
-    "Use the new calibration, but do not trust depth at the upper left": (Conclusion.REPAIRED, misfit(after={0: 0.9})),
-    "Use the new calibration, but do not trust depth in 5 parts of the image": (
-        Conclusion.REPAIRED,
-        misfit(after=dict.fromkeys((0, 7, CENTRE, 40, LOWER_RIGHT), 0.9)),
-    ),
-    "Use the new calibration, but do not trust depth nearly everywhere": (
-        Conclusion.REPAIRED,
-        misfit(after=dict.fromkeys(range(40), 0.9)),
-    ),
-    "Keep the calibration that you have: it is good": (Conclusion.GOOD, misfit(after={0: 0.9})),
-    "Keep the calibration that you have, but do not trust depth at the centre and lower right": (
-        Conclusion.GOOD,
-        misfit(before={CENTRE: 0.9, LOWER_RIGHT: -0.5}),
-    ),
-    "Not repaired: the calibration stays as it is, and its depth cannot be trusted": (
-        Conclusion.REFUSED,
-        misfit(before={0: 9.0}, after={CENTRE: 0.9}),
-    ),
-    "Cannot tell whether the calibration is right; it stays as it is": (Conclusion.UNKNOWN, None),
-}
 
 
 def page(**changes) -> str:
@@ -44,16 +22,12 @@ def where(**changes) -> list[str]:
     return html.unescape(told).split("</p>\n<p>") if told else []
 
 
-@pytest.mark.parametrize(("said", "case"), HEADLINES.items(), ids=list(HEADLINES))
-def test_headlines(said: str, case):
-    conclusion, left = case
-    assert f"<h1>{said}</h1>" in page(conclusion=conclusion, misfit=left)
-
-
-def test_a_look_says_what_would_be_done():
-    said = page(searched=False)
-    assert "<h1>Repair the calibration</h1>" in said
-    assert "This is a look at the images, which changes nothing" in said
+def test_the_verdict_is_that_of_the_text():
+    """And a look says what it is."""
+    for conclusion in Conclusion:
+        report = made_up(conclusion=conclusion)
+        assert f"<h1>{html.escape(report.verdict)}</h1>\n<p>{report.advice}</p>" in page(conclusion=conclusion)
+    assert "This is a look at the images, which changes nothing" in page(searched=False)
 
 
 def test_every_part_is_named():
