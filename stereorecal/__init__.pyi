@@ -25,6 +25,7 @@ from ._errors import (
 from ._version import __version__ as __version__
 from .comparison import (
     Comparison as Comparison,
+    ComparisonOptions as ComparisonOptions,
     Drift as Drift,
     compare as compare,
     compare_scenes as compare_scenes,

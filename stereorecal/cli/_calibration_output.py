@@ -48,12 +48,8 @@ class Output:
 def output_of(
     options: RecalibrateOptions, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
 ) -> Output:
-    """Where the calibration of these recordings goes; all that can be said before the work is said here.
-
-    Args:
-        free: names of the parameters that may move.
-        read: the files that were read; none of them is replaced, but for the calibration by itself.
-    """
+    """Where the calibration of these recordings goes; all that can be said before the work is said here. Of the files
+    that were read none is replaced, but for the calibration by itself."""
     rig, place = scenes[0].rig, value_of(options, "output")
     files = [] if place is None else paths(place)
     calibrations = [path.resolve() for path in calibration_files(rig)]
@@ -74,11 +70,7 @@ def output_of(
 
 
 def what_it_holds(output: Output, rig: StereoRig | None, settings: Settings) -> Parameters:
-    """What may change, of what is free: where that is everything, by name as far as the output format can hold it.
-
-    Args:
-        rig: None: there is no calibration, which others say.
-    """
+    """What may change, of what is free: where that is everything, by name as far as the output format can hold it."""
     free = settings.free
     if rig is None or output.place is None or not free.everything:
         return free

@@ -41,11 +41,7 @@ def says_no_unit(words: str, options: CalibrationSizeOptions) -> bool:
 
 def rig_at(words: str, options: CalibrationSizeOptions, *, other_says_none: bool = False) -> StereoRig:
     """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
-    its own.
-
-    Args:
-        other_says_none: whether the format of the command's other file has no unit: --unit may be of that one.
-    """
+    its own. If the format of the other file says no unit, --unit may be of that one."""
     where = calibration_path(words, words)
     if isinstance(where, Path) and where.is_dir() and is_data_set(where):
         rig = load_scene(where, limit=1).rig

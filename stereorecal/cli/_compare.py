@@ -5,6 +5,7 @@ from pathlib import Path
 from stereorecal._errors import InputError
 from stereorecal.cli._executors import executor
 from stereorecal.cli._experiment_commands import CompareOptions
+from stereorecal.cli._library_arguments import library_options
 from stereorecal.cli._option_values import strategy_names
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import GrowingJson, check_extra, deliver, write_json
@@ -12,10 +13,10 @@ from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._signals import FAILURE, INTERRUPTED
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
-from stereorecal.comparison import FAILED, Comparison, Drift, compare_scenes, load_strategies
+from stereorecal.comparison import FAILED, Comparison, ComparisonOptions, Drift, compare_scenes, load_strategies
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
-from stereorecal.objectives import Reach, as_parameters
+from stereorecal.objectives import as_parameters, as_reach
 from stereorecal.recordings import Scene
 from stereorecal.report.comparison_tables import comparison_tables
 from stereorecal.strategies import as_budget
@@ -28,39 +29,26 @@ def run(options: CompareOptions) -> int:
     """Compare, print, save; returns the exit code."""
     if options.schedule == "default" and options.scale is not None:
         raise InputError("--scale belongs to --schedule count; leave it out.")
-    matcher = as_matcher(options.matcher)
-    chosen = None if options.strategies is None else load_strategies(strategy_names(options.strategies))
-    drift = Drift(*value_of(options, "decalibrate"))
-    reach = None if options.reach is None else Reach(*value_of(options, "reach"))
-    budget, free = as_budget(options.budget), as_parameters(value_of(options, "free"))
+    how = {"draws": _DRAWS, **library_options(options, ComparisonOptions.__optional_keys__ - {"strategies"})}
+    if options.strategies is not None:
+        how["strategies"] = load_strategies(strategy_names(options.strategies))
+    how["drift"] = Drift(*value_of(options, "decalibrate"))
+    for name, read in (("matcher", as_matcher), ("reach", as_reach), ("budget", as_budget), ("free", as_parameters)):
+        if name in how:  # what makes no sense is refused before a scene is read
+            how[name] = read(how[name])
     check_extra(options, "html", "figures", "stereorecal.report.comparison_page")
-    journal = GrowingJson(options.json, force=options.force)
+    html, journal = options.html, GrowingJson(options.json, force=options.force)
     with executor(options.executor) as pool:
         with files_read() as read:
             scenes = _scenes(options)
         refuse_replacing_inputs(options.places, read)
         with progress_bar(options.quiet) as progress:
-            comparison = compare_scenes(
-                scenes,
-                strategies=chosen,
-                matcher=matcher,
-                drift=drift,
-                reach=reach,
-                schedule=options.schedule,
-                scale=1.0 if options.scale is None else options.scale,
-                draws=_DRAWS if options.draws is None else options.draws,
-                budget=budget,
-                seed=options.seed,
-                free=free,
-                executor=pool,
-                progress=progress,
-                on_trial=journal,
-            )
+            comparison = compare_scenes(scenes, executor=pool, progress=progress, on_trial=journal, **how)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
         deliver(
             lambda: _show(comparison, options),
             lambda: write_json(comparison.as_dict(), options.json, force=journal.force),
-            lambda: _save_html(comparison, options),
+            lambda: comparison.to_html(html, overwrite=options.force) if html is not None else None,
         )
     if comparison.interrupted:
         say(f"interrupted; trials finished: {len(comparison.trials)}.")
@@ -76,11 +64,6 @@ def _scenes(options: CompareOptions) -> list[Scene]:
             raise InputError("--frames all has no meaning for a rendered scene; give a number.")
         scenes.append(render(options.synthetic or "harbour", options.seed, frames=limit))
     return scenes
-
-
-def _save_html(comparison: Comparison, options: CompareOptions) -> None:
-    if options.html is not None:
-        comparison.to_html(options.html, overwrite=options.force)
 
 
 def _show(comparison: Comparison, options: CompareOptions) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 from stereorecal._errors import checked_choice
 from stereorecal.cli._cluster import cluster
 from stereorecal.cli._jax_setup import use_compile_cache
-from stereorecal.cli._option_values import positive, shortened
+from stereorecal.cli._option_values import of_form
 
 
 def executor(text: str) -> AbstractContextManager[Executor | None]:
@@ -28,8 +28,7 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
         return nullcontext()
     if kind == "dask":
         return cluster(rest)
-    refusal = f"--executor is {shortened(text)}; give the number of workers, such as {kind}:2."
-    workers = positive(rest, refusal)
+    workers = of_form(r"\w+:0*([1-9]\d{0,8})", f"the number of workers, such as {kind}:2", int)(text, "--executor")
     if kind == "threads":
         return _pool(ThreadPoolExecutor(workers))
     # Who is interrupted leaves semaphores to Python's tracker of such things, which removes them and need not complain.

@@ -42,11 +42,7 @@ _CURVES = {
 
 
 def next_step(found: Advice, baseline: float) -> str:
-    """What to do next.
-
-    Args:
-        baseline: metres.
-    """
+    """What to do next; `baseline` in metres."""
     if found.blind:
         return "turn the rig towards something with texture, in good light"
     if found.show is not None:

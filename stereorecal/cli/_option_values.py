@@ -4,7 +4,7 @@ Each refuses what makes no sense with an `InputError` that names the option's fl
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
 from typing import Any
 
@@ -14,17 +14,62 @@ from stereorecal._plugins import MATCHER_NAMES
 NONE_INSTALLED = (
     "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
 )
+_NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
+_NAME = r"([^,]*[^,\s][^,]*)"
 
 
-def degrees_and_fraction(text: str, flag: str) -> tuple[float, float]:
-    """Those of "DEG,FRACTION"."""
-    try:
-        degrees, fraction = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(
-            f"{flag} is {text!r}; give degrees and a fraction of the baseline, such as 0.5,0.01."
-        ) from None
-    return degrees, fraction
+def shortened(text: str) -> str:
+    """In quotes, for a message."""
+    return repr(text if len(text) <= 40 else f"{text[:40]}…")
+
+
+def of_form(form: str, give: str, made: Callable[..., Any]) -> Callable[[str, str], Any]:
+    """What reads words of a form, a regular expression: what is made of its groups; `give` says what else to give."""
+
+    def read(text: str, flag: str) -> Any:
+        if (found := re.fullmatch(form, text, re.ASCII)) is None:
+            raise InputError(f"{flag} is {shortened(text)}; give {give}.")
+        return made(*found.groups())
+
+    return read
+
+
+degrees_and_fraction = of_form(
+    f"{_NUMBER},{_NUMBER}",
+    "degrees and a fraction of the baseline, such as 0.5,0.01",
+    lambda *two: tuple(map(float, two)),
+)
+number_or_all = of_form(
+    r"all|0*([1-9]\d{0,8})", "a positive number or all", lambda number: None if number is None else int(number)
+)
+image_size = of_form(
+    r"([1-9]\d{0,6})x([1-9]\d{0,6})", "width and height in pixels, such as 640x480", lambda *two: tuple(map(int, two))
+)
+parameter_names = of_form(
+    f"({_NAME}(?:,{_NAME})*)",
+    "names of parameters or groups, such as extrinsics,intrinsics",
+    lambda names, *_: [name.strip() for name in names.split(",")],
+)
+camera_pair = of_form(
+    f"{_NAME},{_NAME}",
+    "the left and the right camera of the file, such as cam1,cam0, or right,left to exchange them",
+    lambda left, right: (left.strip(), right.strip()),
+)
+_slice_parts = of_form(
+    r"(\d{0,9})(?::(\d{0,9}))?(?::(\d{0,9}))?",
+    "numbers of pairs, from 0 on, such as 10:50 or ::5",
+    lambda *parts: parts,
+)
+
+
+def slice_of_pairs(text: str, flag: str) -> slice:
+    """A:B:N as Python has it, without negative numbers; a number alone is one pair."""
+    first, stop, step = (int(part) if part else None for part in _slice_parts(text, flag))
+    if ":" not in text and first is not None:
+        stop = first + 1
+    if step == 0 or (stop is not None and stop <= (first or 0)):
+        raise InputError(f"{flag} {text} selects nothing; give numbers of pairs, from 0 on, such as 10:50 or ::5.")
+    return slice(first or 0, stop, step or 1)
 
 
 def seed(number: int, flag: str) -> int:
@@ -34,40 +79,9 @@ def seed(number: int, flag: str) -> int:
     return number
 
 
-def number_or_all(text: str, flag: str) -> int | None:
-    """A positive number, or None for "all".
-
-    Raises:
-        InputError: if it is neither.
-    """
-    return None if text == "all" else positive(text, f"{flag} is {shortened(text)}; give a positive number or all.")
-
-
-def slice_of_pairs(text: str, flag: str) -> slice:
-    """A:B:N as Python has it, without negative numbers; a number alone is one pair."""
-    such = "give numbers of pairs, from 0 on, such as 10:50 or ::5."
-    parts = text.split(":")
-    if len(parts) > 3 or not all(not part or (part.isdecimal() and len(part) < 10) for part in parts):
-        raise InputError(f"{flag} is {shortened(text)}; {such}")
-    first, stop, step = (int(part) if part else None for part in (*parts, "", "")[:3])
-    if len(parts) == 1 and first is not None:
-        stop = first + 1
-    if step == 0 or (stop is not None and stop <= (first or 0)):
-        raise InputError(f"{flag} {text} selects nothing; {such}")
-    return slice(first or 0, stop, step or 1)
-
-
 def yes_or_no(text: str, flag: str) -> bool | None:
     """on and off; None for auto, which leaves it to the library."""
     return {"auto": None, "on": True, "off": False}[text]
-
-
-def parameter_names(text: str, flag: str) -> list[str]:
-    """Names and groups, comma separated."""
-    names = [name.strip() for name in text.split(",")]
-    if not all(names):
-        raise InputError(f"{flag} is {text!r}; name parameters or groups, such as extrinsics,intrinsics.")
-    return names
 
 
 def tolerances(text: str, flag: str) -> dict[str, object]:
@@ -90,31 +104,12 @@ def view_arguments(text: str, flag: str) -> dict[str, Any]:
     return found
 
 
-def camera_pair(text: str, flag: str) -> tuple[str, str]:
-    """The left and the right camera."""
-    names = [name.strip() for name in text.split(",")]
-    if len(names) != 2 or not all(names):
-        raise InputError(
-            f"{flag} is {shortened(text)}; give the left and the right camera of the file, such as cam1,cam0, or "
-            "right,left to exchange them."
-        )
-    return names[0], names[1]
-
-
 def camera_names(words: Sequence[str], flag: str) -> list[str]:
     """One name, or two: two words, or one with a comma in it, which a pipeline may have as well."""
     names = words[0].split(",") if len(words) == 1 and "!" not in words[0] else list(words)
     if len(names) > 2 or not all(names):
         raise InputError(f"{flag} is {' '.join(words)!r}; give one name, or two, such as 0,1.")
     return names
-
-
-def image_size(text: str, flag: str) -> tuple[int, int]:
-    """Width and height of "WxH"."""
-    found = re.fullmatch(r"([1-9]\d{0,6})x([1-9]\d{0,6})", text)
-    if found is None:
-        raise InputError(f"{flag} is {text!r}; give width and height in pixels, such as 640x480.")
-    return int(found[1]), int(found[2])
 
 
 def schedule_name(text: str, flag: str) -> str:
@@ -141,18 +136,6 @@ def strategy_names(text: str) -> list[str]:
     for name in names:
         strategies.check_installed(name)
     return list(dict.fromkeys(names))
-
-
-def positive(text: str, refusal: str) -> int:
-    """A positive whole number below a thousand million."""
-    if not text.isdecimal() or len(text) > 9 or int(text) < 1:
-        raise InputError(refusal)
-    return int(text)
-
-
-def shortened(text: str) -> str:
-    """In quotes, for a message."""
-    return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 
 def _assigned(text: str, flag: str) -> Iterator[tuple[str, str, str]]:

@@ -55,11 +55,8 @@ def check_extra(options: Any, name: str, needs: str, *modules: str) -> None:
 
 
 def written_or_printed(write: Callable[[], _Done], text: Callable[[], str], *, to_stdout: bool = True) -> _Done:
-    """What `write` returns; what cannot be written is printed: nothing that is finished is lost.
-
-    Args:
-        to_stdout: whether it is printed there; else, where stdout is JSON, to stderr.
-    """
+    """What `write` returns; what cannot be written is printed, to stderr where stdout is JSON: nothing that is finished
+    is lost."""
     try:
         return write()
     except (InputError, OSError):

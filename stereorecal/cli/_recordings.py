@@ -43,11 +43,8 @@ class Recordings:
 
 
 def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False) -> Recordings:
-    """The scenes of the command line; frames without partner are named on stderr.
-
-    Args:
-        few: keep only those of many frames that have the most texture.
-    """
+    """The scenes of the command line; frames without partner are named on stderr. `few`: of many frames keep only those
+    with the most texture."""
     found = _recordings(options, partial(_selected, few=few))
     if options.fix is not None:
         (scene,) = found.scenes

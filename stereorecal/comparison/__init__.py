@@ -1,6 +1,7 @@
 """Comparisons: strategies x draws x scenes."""
 
 from stereorecal.comparison._compare import (
+    ComparisonOptions as ComparisonOptions,
     Drift as Drift,
     compare as compare,
     compare_scenes as compare_scenes,

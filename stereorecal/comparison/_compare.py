@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 import jax
 import numpy as np
@@ -17,7 +17,7 @@ from stereorecal.comparison._trial import JudgedScene, Task, Trial, failed, run_
 from stereorecal.estimation import EXACT
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of, origin_of as origin_of_matcher
-from stereorecal.objectives import Parameters, Reach, as_parameters
+from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration import recalibrate
 from stereorecal.recordings import Pairs, Scene, check_pairs
 from stereorecal.scoring import pyramid
@@ -47,57 +47,61 @@ class Drift:
             )
 
 
+class ComparisonOptions(TypedDict, total=False):
+    """Options of `compare` and `compare_scenes`; each is given by name.
+
+    Attributes:
+        strategies: names from the registry, or a mapping from names to strategies with options of their own; default
+            those of the schedule.
+        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` each scene's
+            range is measured once.
+        drift: default 0.5 degrees and 1 % of the baseline.
+        reach: a `Reach` or (degrees, fraction of the baseline); default the larger of 3 degrees, 3 % and 1.2 x the
+            drift.
+        schedule: "count": the strategy maximises the count at one scale; "default": coarse to fine, with the strategy
+            in the stages of its kind. Default "count" where strategies are given, else both side by side.
+        scale: image scale of the count schedule; default 1.
+        draws: drifts of each scene; default 20.
+        budget: of each trial, in units or a `Budget`; default none.
+        seed: of the drifts, and of strategies; default 0.
+        free: what the strategies search, `Parameters` or names and groups, such as ("extrinsics", "intrinsics");
+            default the extrinsics. With more than those the box has more coordinates, and the count is scored on the
+            host: strategies that need more of it are skipped. Drifts and errors are those of the extrinsics all the
+            same.
+    """
+
+    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None
+    matcher: AbstractMatcher | str | None
+    drift: Drift | None
+    reach: Reach | tuple[float, float] | None
+    schedule: str | None
+    scale: float
+    draws: int
+    budget: Budget | float | None
+    seed: int
+    free: Parameters | str | Sequence[str] | None
+
+
 def compare(
     rig: StereoRig,
     pairs: Pairs,
     *,
-    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None = None,
-    matcher: AbstractMatcher | str | None = None,
-    drift: Drift | None = None,
-    reach: Reach | None = None,
-    schedule: str | None = None,
-    scale: float = 1.0,
-    draws: int = 20,
-    budget: Budget | float | None = None,
-    seed: int = 0,
-    free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    **options: Unpack[ComparisonOptions],
 ) -> Comparison:
     """Compare strategies on one scene, from whose `rig` the drift is drawn. Arguments and errors: `compare_scenes`."""
-    return compare_scenes(
-        [Scene("scene", checked_rig(rig), check_pairs(checked_rig(rig), pairs))],
-        strategies=strategies,
-        matcher=matcher,
-        drift=drift,
-        reach=reach,
-        schedule=schedule,
-        scale=scale,
-        draws=draws,
-        budget=budget,
-        seed=seed,
-        free=free,
-        executor=executor,
-        progress=progress,
-    )
+    scene = Scene("scene", checked_rig(rig), check_pairs(checked_rig(rig), pairs))
+    return compare_scenes([scene], executor=executor, progress=progress, **options)
 
 
 def compare_scenes(
     scenes: Sequence[Scene],
     *,
-    strategies: Sequence[str] | Mapping[str, AbstractStrategy] | None = None,
-    matcher: AbstractMatcher | str | None = None,
-    drift: Drift | None = None,
-    reach: Reach | None = None,
-    schedule: str | None = None,
-    scale: float = 1.0,
-    draws: int = 20,
-    budget: Budget | float | None = None,
-    seed: int = 0,
-    free: Parameters | str | Sequence[str] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     on_trial: Callable[[Comparison], None] | None = None,
+    **options: Unpack[ComparisonOptions],
 ) -> Comparison:
     """Decalibrate each scene's rig `draws` times and let every strategy repair each of them.
 
@@ -108,27 +112,48 @@ def compare_scenes(
 
     Args:
         scenes: each with a rig, from which the drift is drawn.
-        strategies: names from the registry, or a mapping from names to strategies with options of their own; default
-            those of the schedule.
-        matcher: a matcher, or the name of an installed one (default "sad"); without `num_disparities` each scene's
-            range is measured once.
-        drift: default 0.5 degrees and 1 % of the baseline.
-        reach: default the larger of 3 degrees, 3 % and 1.2 x the drift.
-        schedule: "count": the strategy maximises the count at one scale; "default": coarse to fine, with the strategy
-            in the stages of its kind. Default "count" where strategies are given, else both side by side.
-        scale: image scale of the count schedule.
-        budget: of each trial, in units or a `Budget`; default none.
-        free: what the strategies search, `Parameters` or names and groups, such as ("extrinsics", "intrinsics");
-            default the extrinsics. With more than those the box has more coordinates, and the count is scored on the
-            host: strategies that need more of it are skipped. Drifts and errors are those of the extrinsics all the
-            same.
         executor: any `concurrent.futures.Executor`; default one trial after the other in this process.
         progress: called with (finished, total) after each trial.
         on_trial: called with what is finished after each trial, such as to save it; `interrupted` is set in it.
+        options: those of `ComparisonOptions`, by name.
 
     Raises:
         InputError: if a scene has no rig, images do not fit, a name is unknown, or there is nothing to do.
+        TypeError: if there is no option of a name.
     """
+    tasks, nothing = _planned(scenes, **options)
+    trials: dict[int, Trial] = {}
+
+    def so_far() -> Comparison:
+        return replace(nothing, trials=tuple(trials[index] for index in sorted(trials)))
+
+    try:
+        for index, trial in run_all(run_trial, tasks, executor):
+            trials[index] = trial if isinstance(trial, Trial) else failed(tasks[index], trial)
+            if progress is not None:
+                progress(len(trials), len(tasks))
+            if on_trial is not None:
+                on_trial(so_far())
+    except KeyboardInterrupt:
+        return so_far()
+    return replace(so_far(), interrupted=False)
+
+
+def _planned(
+    scenes: Sequence[Scene],
+    *,
+    strategies: Any = None,
+    matcher: Any = None,
+    drift: Drift | None = None,
+    reach: Any = None,
+    schedule: Any = None,
+    scale: float = 1.0,
+    draws: int = 20,
+    budget: Any = None,
+    seed: int = 0,
+    free: Any = None,
+) -> tuple[list[Task], Comparison]:
+    """All trials that there will be, and the comparison before the first of them."""
     if draws < 1 or not scenes or (strategies is not None and not strategies):
         raise InputError("there is nothing to compare; give at least one scene, one strategy and one draw.")
     if not 0.0 < scale <= 1.0:
@@ -138,8 +163,7 @@ def compare_scenes(
     matcher, drift, budget, free = as_matcher(matcher), drift or Drift(), as_budget(budget), as_parameters(free)
     if not free.axes:
         raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
-    if reach is None:
-        reach = Reach(max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction))
+    reach = as_reach(reach or (max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction)))
     entrants = entrants_of(strategies, schedule, scale)
     made_with = versions() | {
         f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()
@@ -166,24 +190,9 @@ def compare_scenes(
         "budget": asdict(budget),
         "free": list(free.names),
     }
-    described = tuple(_described(one) for one in judged)
     shown = {one.scene.name: Shown(one.rig, one.scene.pairs[0], one.matcher) for one in judged}
-    nothing = Comparison(settings, made_with, described, (), interrupted=True, shown=shown)
-    trials: dict[int, Trial] = {}
-
-    def so_far() -> Comparison:
-        return replace(nothing, trials=tuple(trials[index] for index in sorted(trials)))
-
-    try:
-        for index, trial in run_all(run_trial, tasks, executor):
-            trials[index] = trial if isinstance(trial, Trial) else failed(tasks[index], trial)
-            if progress is not None:
-                progress(len(trials), len(tasks))
-            if on_trial is not None:
-                on_trial(so_far())
-    except KeyboardInterrupt:
-        return so_far()
-    return replace(so_far(), interrupted=False)
+    described = tuple(_described(one) for one in judged)
+    return tasks, Comparison(settings, made_with, described, (), interrupted=True, shown=shown)
 
 
 def _judged_scene(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> JudgedScene:

@@ -248,11 +248,7 @@ def _key(task: Task) -> dict:
 
 
 def course_of(reference: StereoRig, solution: Solution, *, one_score: bool) -> dict[str, list]:
-    """See `Trial.course`.
-
-    Args:
-        one_score: whether all of the schedule has the same score.
-    """
+    """See `Trial.course`; `one_score`: all of the schedule has the same score."""
     steps = solution.path
     last = len(steps) - 1
     rigs = [solution.initial.with_extrinsics(step.extrinsics) for step in steps]

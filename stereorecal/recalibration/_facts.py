@@ -34,12 +34,8 @@ _CALLED = {"f": "focal length, f", "cx": "centre, cx", "cy": "centre, cy", "aspe
 
 def matcher_loss(rows: Float[np.ndarray, "p"], weights: Float[np.ndarray, "p"]) -> str:
     """What epipolar errors cost block matching, semi-global matching and networks, as measured on Middlebury's
-    motorcycle with shifted rows (tests/benchmarks/matcher_loss.py).
-
-    Args:
-        rows: of points that stand for what the images show, pixels at full size.
-        weights: of the points; they sum to 1.
-    """
+    motorcycle with shifted rows (tests/benchmarks/matcher_loss.py): rows in pixels at full size, with weights that sum
+    to 1."""
     lost, wrong = (float(weights @ np.interp(np.abs(rows), _AT, values)) for values in (_LOST, _WRONG))
     if lost < 1.0:
         return "hardly a pixel lost"

@@ -23,13 +23,7 @@ _LETTERS = 20  # of a line of a name on the axis; longer names go on below
 
 @dataclass(frozen=True)
 class Line:
-    """The look of a curve.
-
-    Attributes:
-        name: of the strategy or schedule.
-        colour: a CSS colour.
-        dashes: lengths of strokes and gaps in widths of the line; empty for a whole line.
-    """
+    """The look of a curve: its name, its colour in CSS, and lengths of strokes and gaps in widths of the line."""
 
     name: str
     colour: str
@@ -44,13 +38,8 @@ def lines_of(names: Sequence[str]) -> list[Line]:
 
 
 def curve_figures(rows: Sequence[Row], lines: Sequence[Line]) -> list[str]:
-    """The best score, the rotation error (medians and quartiles) and the share of solved trials over cost, one
-    figure each, without legend.
-
-    Args:
-        rows: the curves of a scene.
-        lines: their lines.
-    """
+    """The best score, the rotation error (medians and quartiles) and the share of solved trials over cost, one figure
+    each, without legend; a row for each line."""
     panels = [("rotation error [°]", "rotation_error_deg"), ("share of trials solved", "share")]
     if all(row["score"] is not None for row in rows):
         panels.insert(0, ("best score", "score"))
@@ -82,12 +71,7 @@ def _figure(rows: Sequence[Row], lines: Sequence[Line], label: str, name: str) -
 
 @dataclass(frozen=True)
 class Series:
-    """Values of one quantity.
-
-    Attributes:
-        label: name of the quantity in the legend.
-        values: those of each strip.
-    """
+    """The values of one quantity in each strip, and its name in the legend."""
 
     label: str
     values: Sequence[Sequence[float]]
@@ -96,16 +80,8 @@ class Series:
 def strips(
     names: Sequence[str], series: Sequence[Series], axis: str, limits: Sequence[float], *, log: bool, tall: int = 1
 ) -> str:
-    """A strip plot as an `<svg>` element: one strip for each name, with up to three series on it and their medians.
-
-    Args:
-        names: of the strips, from the top; any text, never read as a formula.
-        series: what is plotted, each with as many lists of values as there are names.
-        axis: label of the axis of values.
-        limits: values marked by dotted lines.
-        log: logarithmic axis; all values must then be positive.
-        tall: series for which there is room, as in the panels beside it.
-    """
+    """A strip plot as an `<svg>` element: one strip for each name, from the top, with up to three series on it and
+    their medians. Limits are dotted lines; `tall`: series for which there is room, as in the panels beside it."""
     step = 0.8 / len(series)
     height = 1.01 + len(names) * (0.18 + 0.16 * max(tall, len(series)))
     with style((names, series, axis)):

@@ -28,11 +28,8 @@ _NOT_MEASURED = (
 
 
 def significant_errors(misfit: Mapping[str, Any], when: str) -> dict[int, float]:
-    """By place, the epipolar error beyond two standard errors, in pixels, in the frame where it is largest.
-
-    Args:
-        when: "before" or "after": under which calibration.
-    """
+    """By place, the epipolar error beyond two standard errors, in pixels, in the frame where it is largest, "before" or
+    "after"."""
     found: dict[int, float] = {}
     for place, offset, error in zip(misfit["place"], misfit[when], misfit["error"], strict=True):
         found[place] = max(found.get(place, 0.0), abs(offset) - 2 * error)
@@ -48,13 +45,8 @@ def misaligned(misfit: Mapping[str, Any], when: str) -> list[int]:
 def misfit_sentence(
     misfit: Mapping[str, Any], when: str, whose: str = "", hence: str = "do not trust depth there"
 ) -> str:
-    """One sentence on where the epipolar error is too large.
-
-    Args:
-        when: "before" or "after": under which calibration.
-        whose: what it is called, such as "With the candidate"; default nothing.
-        hence: what follows from it.
-    """
+    """One sentence on where the epipolar error is too large, "before" or "after", under `whose` calibration, and what
+    follows from it."""
     places, regions = misaligned(misfit, when), len(set(misfit["place"]))
     begin = f"{whose}, in" if whose else "In"
     if not places:

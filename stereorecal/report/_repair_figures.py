@@ -38,11 +38,7 @@ Grey = Float[np.ndarray, "height width"]
 def field_figures(
     rows: Rows, image: Grey, names: tuple[str, str], misaligned: tuple[Sequence[int], Sequence[int]]
 ) -> list[str]:
-    """Maps of epipolar errors over the image, before and after, on one scale.
-
-    Args:
-        misaligned: places with misaligned rows, to be outlined.
-    """
+    """Maps of epipolar errors over the image, before and after, on one scale, with misaligned places outlined."""
     norm, largest = row_scale(rows), largest_row(rows)
     found = []
     for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
@@ -103,11 +99,8 @@ def _bins(largest: float) -> Float[np.ndarray, "b1"]:
 
 
 def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasured: Sequence[int]) -> str:
-    """Map of the epipolar errors to expect over the view.
-
-    Args:
-        larger, unmeasured: places where the measured epipolar error is larger, and where none was measured.
-    """
+    """Map of the epipolar errors to expect over the view, with places where the measured one is larger, or none was
+    measured."""
     largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
     marks = {
         "measured epipolar error is larger there": (_LARGER, larger),

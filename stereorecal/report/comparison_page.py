@@ -19,13 +19,8 @@ Row = Mapping[str, Any]
 
 
 def comparison_page(data: Mapping[str, Any], profile: Sequence[Row] = (), pictures: Sequence[TrialPicture] = ()) -> str:
-    """The page as HTML text; names and messages are escaped.
-
-    Args:
-        data: of a comparison's JSON.
-        profile: the curves of `Comparison.data_profile`, as plain data.
-        pictures: of some trials.
-    """
+    """The page as HTML text, of a comparison's JSON, the curves of its data profile as plain data, and pictures of some
+    trials; names and messages are escaped."""
     data = {**data, "summary": sorted(data["summary"], key=lambda row: _rank(row, data))}
     return rendered(
         "comparison.html.jinja",

@@ -20,12 +20,8 @@ class NoViewer(RuntimeError):
 
 
 def memory_stream(layout: Blueprint, name: str) -> tuple[RecordingStream, MemoryRecording]:
-    """A recording in memory, and what gives its bytes, those of an .rrd file: `drain_as_bytes()`.
-
-    Args:
-        layout: what the viewer shows at first.
-        name: of what is recorded.
-    """
+    """A recording in memory, and what gives its bytes, those of an .rrd file: `drain_as_bytes()`. The layout is what
+    the viewer shows at first."""
     stream = RecordingStream(_APPLICATION)
     memory = stream.memory_recording()
     _describe(stream, layout, name)

@@ -15,11 +15,7 @@ _ACROSS = 3  # columns of curves
 
 
 def watch_layout(curves: Mapping[str, str]) -> rrb.Blueprint:
-    """What the viewer shows at first: a view for each curve, and the events below.
-
-    Args:
-        curves: titles by entity.
-    """
+    """What the viewer shows at first: a view for each curve, with its title by entity, and the events below."""
     hidden = rrb.PlotLegend(visible=False)
     views = [
         rrb.TimeSeriesView(origin=f"/{entity}", name=f"{title}, with its 95 % interval", plot_legend=hidden)
@@ -46,12 +42,8 @@ def log_reading(
     curves: Mapping[str, tuple[float, float, float]],
     events: Sequence[str],
 ) -> None:
-    """Log what is known after a pair.
-
-    Args:
-        curves: value and both ends of its interval, by entity; what is not finite is left out.
-        events: what happened, in words.
-    """
+    """Log what is known after a pair: by entity, value and both ends of its interval, if they are finite; and what
+    happened, in words."""
     stream.set_time(_TIMELINE, sequence=pair)
     for entity, values in curves.items():
         if np.isfinite(values).all():
