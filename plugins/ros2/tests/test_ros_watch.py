@@ -11,8 +11,8 @@ from stereorecal_ros import LEFT, RIGHT, Level, corrected
 from stereorecal.online import Event, Kind
 
 
-def test_a_calibration_waits_until_it_is_applied_and_can_be_taken_back(robot):
-    one = robot()
+def test_a_calibration_waits_until_it_is_applied_and_can_be_taken_back(blank):
+    one = blank()
     assert one.watch.corrected is None
     assert not one.watch.apply()[0]
     one.calibrate()
@@ -43,8 +43,6 @@ def test_a_calibration_waits_until_it_is_applied_and_can_be_taken_back(robot):
 
 def test_auto_apply_applies_what_is_accepted_and_nothing_after_a_roll_back(robot):
     one = robot(auto_apply=True)
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     assert one.turned() == pytest.approx(0.1, abs=0.01)
     one.watch.roll_back()
@@ -59,8 +57,6 @@ def test_auto_apply_applies_what_is_accepted_and_nothing_after_a_roll_back(robot
 
 def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
     one = robot(auto_apply=True)
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.work.slow = True
     one.watch.roll_back()
@@ -78,8 +74,6 @@ def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
 def test_a_roll_back_beyond_what_the_state_keeps(robot):
     """Of the worker's switches, of which most were never published."""
     one = robot()
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.watch.apply()
     for _ in range(9):
@@ -98,8 +92,6 @@ def test_a_roll_back_beyond_what_the_state_keeps(robot):
 def test_two_quick_roll_backs(robot):
     """The first answer of the worker is not the last."""
     one = robot(auto_apply=True)
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.accept(BEST)
     one.work.slow = True
@@ -121,8 +113,6 @@ def test_two_quick_roll_backs(robot):
 
 def test_auto_apply_switched_on_later(robot):
     one = robot()
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.watch.set(auto_apply=True)
     assert one.turned() == pytest.approx(0.1, abs=0.01)
@@ -131,8 +121,6 @@ def test_auto_apply_switched_on_later(robot):
 @pytest.mark.parametrize("kind", [kind for kind in Kind if kind is not Kind.REPAIRED], ids=lambda kind: kind.name)
 def test_no_event_alone_changes_what_is_published(robot, kind: Kind):
     one = robot(auto_apply=True)
-    one.calibrate()
-    one.see()
     one.work.events.append(Event(3, kind, "why"))
     one.see()
     assert one.turned() == pytest.approx(0.0, abs=1e-9)
@@ -141,8 +129,6 @@ def test_no_event_alone_changes_what_is_published(robot, kind: Kind):
 def test_the_driver_gives_what_was_applied(robot):
     """As it does after `set_camera_info`, one camera after the other: nothing begins anew."""
     one = robot()
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.watch.apply()
     applied = one.watch.rig
@@ -159,8 +145,6 @@ def test_the_driver_gives_what_was_applied(robot):
 
 def test_another_calibration_begins_anew_once_it_has_settled(robot, tmp_path: Path):
     one = robot()
-    one.calibrate()
-    one.see()
     other = one.rig.with_extrinsics(one.rig.extrinsics + np.array([0.02, 0, 0, 0, 0, 0]))
     one.calibrate(other)
     one.see(5)
@@ -177,8 +161,6 @@ def test_another_calibration_begins_anew_once_it_has_settled(robot, tmp_path: Pa
 def test_a_driver_that_is_given_the_old_calibration_back(robot):
     """What was applied and saved was not wanted: the one that is given last wins."""
     one = robot()
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.watch.apply()
     one.watch.asked_to_save()
@@ -196,14 +178,12 @@ def test_a_driver_that_is_given_the_old_calibration_back(robot):
     assert not one.watch.roll_back()[0]
 
 
-def test_what_was_applied_is_published_though_no_process_starts(robot, monkeypatch: pytest.MonkeyPatch):
+def test_what_was_applied_is_published_though_no_process_starts(robot, blank, monkeypatch: pytest.MonkeyPatch):
     one = robot()
-    one.calibrate()
-    one.see()
     one.accept(BETTER)
     one.watch.apply()
     one.watch.close()
-    two = robot()
+    two = blank()
     with monkeypatch.context() as patch:
         patch.setattr(two.watch._worker, "_work", lambda *_, **__: (_ for _ in ()).throw(OSError("no memory")))
         two.calibrate()
@@ -227,8 +207,7 @@ class Never(AtOnce):
 
 def test_nothing_waits_for_a_process_that_is_begun(robot):
     one = robot(background=Never())
-    one.calibrate()
-    one.see(5)
+    one.see(4)
     assert one.watch.corrected is None  # something else may have been applied
     assert one.works == []
     assert one.watch.status().message == "missing: the worker process, which is being started"
@@ -238,8 +217,6 @@ def test_nothing_waits_for_a_process_that_is_begun(robot):
 
 def test_a_worker_that_exits_is_told_and_replaced(robot):
     one = robot()
-    one.calibrate()
-    one.see()
     given = one.watch.corrected
     one.work.exited = True
     one.see()
