@@ -106,39 +106,33 @@ def test_the_limit_of_a_rival_does_not_overflow():
     assert not np.asarray(found.valid)[:, 4:].any()  # farther left, not all candidates lie in the right image
 
 
-@pytest.mark.parametrize("matcher", [SAD(num_disparities=32), BM(num_disparities=32), SGBM(num_disparities=32)])
-@pytest.mark.parametrize("shift", [4.0, 7.25, 12.5])
-def test_finds_a_known_shift(matcher, shift):
-    left, right = image_pair(3, 120, 200, shift, noise=1.0)
-    disparity = matcher.match(left, right)
-    valid = np.asarray(disparity.valid)[:, 50:-20]
-    found = np.asarray(disparity.values)[:, 50:-20][valid]
+CLASSES = [SAD, BM, SGBM]
+BOTH_WAYS = {"min_disparity": -16, "num_disparities": 48}  # one program of SAD's for images of one size
+SEEN = (120, 200)
+
+
+@pytest.mark.parametrize("cls", CLASSES)
+@pytest.mark.parametrize("shift", [4.0, 7.25, 12.5, -8.0])
+def test_finds_a_known_shift(cls, shift):
+    disparity = cls(**BOTH_WAYS).match(*image_pair(3, *SEEN, shift, noise=1.0))
+    valid = np.asarray(disparity.valid)[:, 50:-40]
+    found = np.asarray(disparity.values)[:, 50:-40][valid]
     assert valid.mean() > 0.9
-    assert np.abs(np.median(found) - shift) < 0.15
+    assert np.abs(np.median(found) - shift) < (0.15 if shift % 1 else 0.02)
     assert np.mean(np.abs(found - shift) < 0.5) > 0.95
 
 
-@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
-def test_negative_disparities_are_found(cls):
-    left, right = image_pair(4, 90, 200, -8.0, noise=1.0)
-    disparity = cls(min_disparity=-16, num_disparities=32).match(left, right)
-    valid = np.asarray(disparity.valid)
-    assert valid[:, 40:-40].mean() > 0.8
-    assert np.median(np.asarray(disparity.values)[valid]) == pytest.approx(-8.0, abs=0.1)
-
-
-@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
+@pytest.mark.parametrize("cls", CLASSES)
 def test_flat_areas_are_not_valid(cls):
-    left, right = image_pair(5, 90, 160, 5.0, noise=0.0)
+    left, right = image_pair(5, *SEEN, 5.0, noise=0.0)
     left[:, 60:110] = right[:, 60:110] = 100.0
-    valid = np.asarray(cls(num_disparities=16).match(left, right).valid)
+    valid = np.asarray(cls(**BOTH_WAYS).match(left, right).valid)
     assert not valid[:, 72:98].any()
 
 
 def test_rounding_happens_once_and_inside():
-    left, right = image_pair(6, 60, 100, 5.0)
-    matcher = SAD(num_disparities=16)
-    exact, rounded = matcher.match(left, right), matcher.match(np.rint(left), np.rint(right))
+    left, right = image_pair(6, *SEEN, 5.0)
+    exact, rounded = (SAD(**BOTH_WAYS).match(*images) for images in ((left, right), (np.rint(left), np.rint(right))))
     np.testing.assert_array_equal(np.asarray(exact.values), np.asarray(rounded.values))
 
 
@@ -157,7 +151,7 @@ def test_senseless_options_are_refused(cls, options, words):
         cls(**options)
 
 
-@pytest.mark.parametrize("cls", [SAD, BM, SGBM])
+@pytest.mark.parametrize("cls", CLASSES)
 def test_range_must_be_known_and_fit(cls):
     left, right = image_pair(7, 40, 60, 3.0)
     with pytest.raises(InputError, match="num_disparities"):
