@@ -6,54 +6,31 @@ import cv2
 import jax
 import numpy as np
 import pytest
+from fixtures import once as once, scene as scene
+from image_strategies import RIG, OfImages, coast as coast, images_around, repair
 from stereorecal_features import Features, _fit
 from stereorecal_features._matches import seen_by_both
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Reach, StereoImages, count_chart
-from stereorecal.recordings import Pair, Scene
-from stereorecal.strategies import Budget, Objective, Problem, Status, run_strategy
-from stereorecal.synthetic import decalibrate, default_rig, render
+from stereorecal.objectives import Reach, count_chart
+from stereorecal.recordings import Pair
+from stereorecal.strategies import Objective, Problem, Status, run_strategy
+from stereorecal.synthetic import decalibrate, render
 from stereorecal.testing import StrategyConformance
 
-RIG = default_rig().resized((480, 360))
+FEATURES = Features()
 
 
-class TestFeatures(StrategyConformance):
-    strategy = Features()
-
-
-@pytest.fixture(scope="module")
-def coast() -> Scene:
-    return render("coast", 1, rig=RIG, frames=2)
-
-
-def images_around(rig: StereoRig, pairs=(), reach=None, **options) -> StereoImages:
-    return StereoImages(rig, tuple(pairs), count_chart(rig, reach or Reach(), **options))
-
-
-def objective_of(images: StereoImages) -> Objective:
-    def values(points):
-        raise AssertionError("it asked the score")
-
-    return Objective(Problem(images.chart.dim, values, images=images))
-
-
-def repair(images: StereoImages, strategy=None, *, start=None, budget=None, seed=0):
-    """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
-    start = np.zeros(images.chart.dim) if start is None else start
-    objective = objective_of(images).with_budget(budget)
-    outcome = (strategy or Features()).run(objective, start, seed)
-    assert objective.spent == 0
-    error = images.chart.extrinsics(outcome.best) - RIG.extrinsics
-    return outcome, np.abs([*np.degrees(error[:3]), *100 * error[3:] / RIG.baseline])
+class TestFeatures(OfImages, StrategyConformance):
+    strategy = FEATURES
+    lacks = "only 0 matches; 20 are needed"
 
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize(("degrees", "fraction"), [(0.5, 0.01), (2.5, 0.025)])
 def test_it_finds_the_rig(coast, degrees, fraction):
     bad = decalibrate(RIG, jax.random.key(3), degrees, fraction)
-    outcome, (pitch, yaw, roll, x, y, z) = repair(images_around(bad, coast.pairs[:1]))
+    outcome, (pitch, yaw, roll, x, y, z) = repair(FEATURES, images_around(bad, coast.pairs[:1]))
     assert outcome.status is Status.CONVERGED
     assert max(pitch, roll) < 0.03
     assert yaw < 0.06
@@ -63,23 +40,23 @@ def test_it_finds_the_rig(coast, degrees, fraction):
 
 def test_the_same_seed_gives_the_same_rig_and_another_seed_nearly(coast):
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
-    first, again, other = (repair(images, seed=seed)[0] for seed in (0, 0, 2**40 - 5))
+    first, again, other = (repair(FEATURES, images, seed=seed)[0] for seed in (0, 0, 2**40 - 5))
     assert np.array_equal(first.best, again.best)
     np.testing.assert_allclose(other.best, first.best, atol=0.01)
 
 
 def test_the_end_does_not_hang_on_the_start(coast):
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
-    near, far = (repair(images, start=np.full(5, z))[0].best for z in (0.0, -1.0))
+    near, far = (repair(FEATURES, images, start=np.full(5, z))[0].best for z in (0.0, -1.0))
     np.testing.assert_allclose(far, near, atol=0.01)
 
 
 def test_frames_are_taken_together(coast):
     """Matches that are too few in each frame are enough in both."""
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs)
-    alone = [repair(replace(images, pairs=(pair,)), Features(min_matches=800)) for pair in coast.pairs]
+    alone = [repair(Features(min_matches=800), replace(images, pairs=(pair,))) for pair in coast.pairs]
     assert [outcome.status for outcome, _ in alone] == [Status.STALLED] * 2
-    outcome, (pitch, yaw, roll, *_) = repair(images, Features(min_matches=800))
+    outcome, (pitch, yaw, roll, *_) = repair(Features(min_matches=800), images)
     assert outcome.status is Status.CONVERGED
     assert max(pitch, roll) < 0.02
     assert yaw < 0.04
@@ -88,7 +65,7 @@ def test_frames_are_taken_together(coast):
 def test_fewer_free_axes(coast):
     """Only what is free moves; the rest is right here, so the answer is too."""
     bad = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.4, 0, -0.7, 0, 0, 0]))
-    outcome, error = repair(images_around(bad, coast.pairs[:1], free=("roll", "pitch")))
+    outcome, error = repair(FEATURES, images_around(bad, coast.pairs[:1], free=("roll", "pitch")))
     assert outcome.best.shape == (2,)
     np.testing.assert_allclose(error, 0.0, atol=0.01)
 
@@ -97,22 +74,13 @@ def test_it_stays_in_the_box(coast):
     """The true pitch lies outside: it goes as far as it may."""
     bad = RIG.with_extrinsics(RIG.extrinsics + np.radians([0.3, 0, 0, 0, 0, 0]))
     images = images_around(bad, coast.pairs[:1], Reach(0.2, 0.001))
-    outcome, _ = repair(images, Features(threshold=3.0))
+    outcome, _ = repair(Features(threshold=3.0), images)
     assert outcome.best[0] == pytest.approx(-1.0, abs=1e-3)
     assert np.abs(outcome.best).max() <= 1.0
 
 
-def test_without_texture_it_stalls():
-    slope = np.linspace(0, 255, 480, dtype=np.float32) * np.ones((360, 1), np.float32)
-    start = np.full(5, 0.5)
-    outcome, _ = repair(images_around(RIG, [Pair(slope, slope)]), start=start)
-    assert outcome.status is Status.STALLED
-    assert outcome.message == "only 0 matches; 20 are needed"
-    np.testing.assert_array_equal(outcome.best, start)
-
-
 def test_on_the_open_sea_it_stalls():
-    outcome, _ = repair(images_around(RIG, render("open-sea", 1, rig=RIG).pairs))
+    outcome, _ = repair(FEATURES, images_around(RIG, render("open-sea", 1, rig=RIG).pairs))
     assert outcome.status is Status.STALLED
     assert outcome.message.startswith("only")
 
@@ -120,7 +88,7 @@ def test_on_the_open_sea_it_stalls():
 def test_images_of_two_places_stall(coast):
     """Matches there are, without the ratio test, but hardly any that agree."""
     strangers = Pair(coast.pairs[0].left, np.ascontiguousarray(coast.pairs[0].right[::-1]))
-    outcome, _ = repair(images_around(RIG, [strangers]), Features(ratio=1.0, min_matches=300, features=3000))
+    outcome, _ = repair(Features(ratio=1.0, min_matches=300, features=3000), images_around(RIG, [strangers]))
     assert outcome.status is Status.STALLED
     assert "matches agree on a pose; 300 are needed" in outcome.message
 
@@ -129,15 +97,10 @@ def test_matches_that_never_settle_stall(coast, monkeypatch):
     """One round cannot show that the next one would choose the same matches."""
     monkeypatch.setattr(_fit, "_ROUNDS", 1)
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
-    outcome, (pitch, *_) = repair(images)
+    outcome, (pitch, *_) = repair(FEATURES, images)
     assert outcome.status is Status.STALLED
     assert outcome.message.endswith("not the same ones for 1 rounds")
     assert pitch < 0.05
-
-
-def test_a_limit_in_seconds(coast):
-    outcome, _ = repair(images_around(RIG, coast.pairs), budget=Budget(seconds=1e-9))
-    assert outcome.status is Status.BUDGET
 
 
 def test_the_core_judges_it(coast):
@@ -295,7 +258,7 @@ def test_features_lie_where_they_are():
 def test_the_better_of_two_starts_counts(coast, monkeypatch, good):
     """Only one of them leads to the rig: the other one stays where it is."""
     images = images_around(decalibrate(RIG, jax.random.key(0), 0.5, 0.01), coast.pairs[:1])
-    corner, best = np.full(5, 0.9), repair(images)[0].best
+    corner, best = np.full(5, 0.9), repair(FEATURES, images)[0].best
     find, refine = _fit._five_point_pose, _fit._refined
 
     def found(*arguments):
@@ -309,6 +272,6 @@ def test_the_better_of_two_starts_counts(coast, monkeypatch, good):
 
     monkeypatch.setattr(_fit, "_five_point_pose", found)
     monkeypatch.setattr(_fit, "_refined", stuck)
-    outcome, _ = repair(images, start=np.zeros(5) if good == "start" else corner)
+    outcome, _ = repair(FEATURES, images, start=np.zeros(5) if good == "start" else corner)
     assert outcome.status is Status.CONVERGED
     np.testing.assert_allclose(outcome.best, best, atol=0.01)

@@ -1,26 +1,25 @@
 """Learned features: networks as torch computes them, places where things are, and a rig that is found."""
 
 import importlib.util
-import re
 from importlib.metadata import PackageNotFoundError, distribution
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from fixtures import once as once, scene as scene
+from image_strategies import RIG, OfImages, coast as coast, images_around, repair
 from stereorecal_features import Essential, SuperPoint, XFeat, _sampled, _superpoint_network, _xfeat_network
 from stereorecal_features._layers import from_blocks, in_blocks
 from stereorecal_features._matches import Described, mutual
 from stereorecal_features._subpixel import refined
 
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.objectives import Reach, StereoImages, count_chart
-from stereorecal.recordings import Pair, Scene
-from stereorecal.strategies import Budget, NeedNotMet, Objective, Problem, Status, run_strategy
-from stereorecal.synthetic import decalibrate, default_rig, render
+from stereorecal.recordings import Pair
+from stereorecal.strategies import NeedNotMet, Objective, Problem, Status, run_strategy
+from stereorecal.synthetic import decalibrate
 from stereorecal.testing import StrategyConformance
 
-RIG = default_rig().resized((480, 360))
 TORCH_IS_ORACLE = {"reason": "torch, the oracle, is not installed"}
 
 
@@ -41,76 +40,43 @@ LEARNED = [pytest.param(XFeat, marks=needs_xfeat), pytest.param(SuperPoint, mark
 
 
 @needs_xfeat
-class TestXFeat(StrategyConformance):
+class TestXFeat(OfImages, StrategyConformance):
     strategy = XFeat()
 
 
 @needs_superpoint
-class TestSuperPoint(StrategyConformance):
+class TestSuperPoint(OfImages, StrategyConformance):
     strategy = SuperPoint()
 
 
-class TestEssential(StrategyConformance):
+class TestEssential(OfImages, StrategyConformance):
     strategy = Essential()
-
-
-@pytest.fixture(scope="module")
-def coast() -> Scene:
-    return render("coast", 1, rig=RIG)
-
-
-def repair(strategy, rig: StereoRig, pairs, budget=None):
-    """Its outcome, and how far its rig is from the true one: degrees, and percent of the baseline."""
-    images = StereoImages(rig, tuple(pairs), count_chart(rig, Reach()))
-
-    def values(points):
-        raise AssertionError("it asked the score")
-
-    objective = Objective(Problem(images.chart.dim, values, images=images)).with_budget(budget)
-    outcome = strategy.run(objective, np.zeros(images.chart.dim), 0)
-    error = np.asarray(images.chart.extrinsics(outcome.best)) - RIG.extrinsics
-    return outcome, np.abs([*np.degrees(error[:3]), *100 * error[3:] / RIG.baseline])
 
 
 @pytest.mark.parametrize("cls", LEARNED)
 def test_it_finds_the_rig_and_parts_of_a_pixel_help(coast, cls):
     bad = decalibrate(RIG, jax.random.key(0), 0.5, 0.01)
     for subpixel, rotation in ((False, 0.12), (True, 0.04)):
-        outcome, error = repair(cls(subpixel=subpixel), bad, coast.pairs)
+        outcome, error = repair(cls(subpixel=subpixel), images_around(bad, coast.pairs[:1]))
         assert outcome.status is Status.CONVERGED
         assert error[:3].max() < rotation
         assert error[3] == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("cls", [LEARNED[0], Essential])
-def test_without_texture_it_stalls(cls):
-    slope = np.linspace(0, 255, 480, dtype=np.float32) * np.ones((360, 1), np.float32)
-    outcome, _ = repair(cls(), RIG, [Pair(slope, slope)])
-    assert outcome.status is Status.STALLED
-    assert re.search("matches", outcome.message)
-    np.testing.assert_array_equal(outcome.best, 0.0)
-
-
-@pytest.mark.parametrize("cls", [*LEARNED, Essential])
-def test_a_limit_in_seconds(coast, cls):
-    assert repair(cls(), RIG, coast.pairs, Budget(seconds=1e-9))[0].status is Status.BUDGET
-
-
 def test_the_essential_matrix_is_opencvs(coast):
     """Roughly right, and of no lens that OpenCV's function does not have."""
     bad = decalibrate(RIG, jax.random.key(0), 0.5, 0.01)
-    outcome, (pitch, _, roll, *_) = repair(Essential(), bad, coast.pairs)
+    outcome, (pitch, _, roll, *_) = repair(Essential(), images_around(bad, coast.pairs[:1]))
     assert outcome.status is Status.CONVERGED
     assert max(pitch, roll) < 0.4
     wide = Camera((480, 360), RIG.left.matrix, np.zeros(4), model="equidistant")
-    outcome, _ = repair(Essential(), StereoRig(wide, wide, RIG.extrinsics), coast.pairs)
+    outcome, _ = repair(Essential(), images_around(StereoRig(wide, wide, RIG.extrinsics), coast.pairs[:1]))
     assert outcome.message == "cv2.recoverPose has no model for these lenses"
 
 
 def told_by(strategy, pairs) -> str:
     """What it says that it needs."""
-    images = StereoImages(RIG, pairs, count_chart(RIG, Reach()))
-    objective = Objective(Problem(5, lambda points: np.zeros(len(points)), images=images))
+    objective = Objective(Problem(5, lambda points: np.zeros(len(points)), images=images_around(RIG, pairs)))
     with pytest.raises(NeedNotMet) as told:
         run_strategy(strategy, objective, np.zeros(5))
     return str(told.value)
