@@ -87,11 +87,11 @@ class MatchedRanges:
 
     def normal(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Normal:
         """The likelihood of θ, linear near a θ, against that of ranges of other things, which is 1; one that is far
-        from the others, under a baseline as long as most of them ask for, has hardly a say (Cauchy)."""
+        from the others, under a baseline as long as most of them ask for, has no say (Geman & McClure)."""
         rig = chart.rig_at(theta)
         residuals, jacobian = self.residuals(rig), self._jacobian(chart, theta)
         apart = _of_likely_length(residuals, jacobian[:, chart.names.index(BASELINE)])
-        grown = np.hypot(1.0, apart / self._scale(apart))
+        grown = 1.0 + (apart / self._scale(apart)) ** 2
         at_zero, jacobian = (residuals - jacobian @ theta) / grown, jacobian / grown[:, None]
         density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
