@@ -11,6 +11,7 @@ from typing import Any
 from stereorecal._run_all import Progress
 from stereorecal._version import versions
 from stereorecal.cli._calibration_output import Output, output_of, save, what_it_holds
+from stereorecal.cli._executors import executor
 from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_extra, deliver, write_json, written_or_printed
@@ -59,8 +60,9 @@ def run(options: RecalibrateOptions) -> int:
     absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
     pairing = {"pairing": found.pairing} if found.pairing else {}
     del found
-    with progress_bar(options.quiet) as progress:
-        repairs, interrupted = _recalibrated_all(scenes, progress, {**settings.options, "ranges": ranges})
+    with executor(options.executor) as pool, progress_bar(options.quiet) as progress:
+        common = {**settings.options, "ranges": ranges, "executor": pool}
+        repairs, interrupted = _recalibrated_all(scenes, progress, common)
     if any(repair.solution for repair in repairs):
         prior = options.prior or (SAVED if any(priors) else DEFAULT)
         prior = {"prior": prior if settings.prior is options.prior else "given"}

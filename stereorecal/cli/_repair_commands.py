@@ -10,6 +10,7 @@ from stereorecal.cli._options import DEPTH, READS, RIG, RUNNING, SEARCH, TWO_FIL
 from stereorecal.cli._places import calibration_path, calibration_paths, check_places, one_file
 from stereorecal.cli._shared_options import (
     FREE,
+    ExecutorOptions,
     HealthOptions,
     JudgingOptions,
     ReachOptions,
@@ -22,7 +23,7 @@ RRD = "a recording with pictures, for Rerun's viewer (rerun FILE)"
 
 
 @option_group
-class RecalibrateOptions(HealthOptions, ReachOptions):
+class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
     """Repair the calibration of each recording's rig from its images. A candidate is accepted only if it gains, if it
     makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
 

@@ -270,10 +270,16 @@ class ReachOptions(CommonOptions):
 
 
 @option_group
-class WorkerOptions(CommonOptions):
-    """Who does the work, and with which random numbers."""
+class ExecutorOptions(CommonOptions):
+    """Who does the work."""
 
     executor: str = option(
         RUNNING, "serial, threads:N, processes:N or dask:ADDRESS (of a scheduler)", "serial", metavar="SPEC"
     )
+
+
+@option_group
+class WorkerOptions(ExecutorOptions):
+    """Who does the work, and with which random numbers."""
+
     seed: int = option(RUNNING, "same seed, same result", 0, metavar="N", reads=seed)
