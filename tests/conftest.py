@@ -11,12 +11,8 @@ from collections.abc import Callable
 from importlib.metadata import EntryPoints
 from pathlib import Path
 
-import jax
 import jaxlib.version
 import pytest
-import typechecking
-from fixtures import data_dir as data_dir, install as install, moody as moody, once as once, scene as scene
-from hypothesis import settings
 
 _CACHE = "STEREORECAL_TEST_CACHE"
 _COMPILED_FAST = ["--xla_backend_optimization_level=1", "--xla_cpu_parallel_codegen_split_count=1"]
@@ -36,7 +32,6 @@ def pytest_configure(config: pytest.Config) -> None:
     gc.set_threshold(100_000, 50, 100)  # imports and tracing allocate much and leave little garbage
     if _is_worker(config):
         _keep_to_own_cores(config)
-        folder = os.environ[_CACHE]
         config.option.slow = config.workerinput["slow"]
     else:
         config.option.slow |= config.args_source is not pytest.Config.ArgsSource.TESTPATHS
@@ -50,12 +45,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if not config.option.slow:
         # Half of the quick suite's time went by in XLA. With --slow, programs are those that users have.
         os.environ.setdefault("XLA_FLAGS", " ".join(_COMPILED_FAST))
-        settings.load_profile("quick")
     # Commands that tests start read the library as one of them has compiled it.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-    config.pluginmanager.register(typechecking)  # whose tests may lie outside this folder
-    jax.config.update("jax_compilation_cache_dir", folder)
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+    if config.option.dist == "no":  # else the workers would wait while this process, too, imports JAX
+        config.pluginmanager.import_plugin("running")
 
 
 def pytest_configure_node(node) -> None:
@@ -111,11 +104,6 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
 def _is_worker(config: pytest.Config) -> bool:
     return hasattr(config, "workerinput")
-
-
-settings.register_profile("stereorecal", derandomize=True, deadline=None)
-settings.load_profile("stereorecal")
-settings.register_profile("quick", settings.default, max_examples=20)  # what takes long has a share of these
 
 
 @pytest.fixture
