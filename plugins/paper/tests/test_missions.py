@@ -6,7 +6,10 @@ from stereorecal_paper import plan_missions
 
 from stereorecal.synthetic import default_rig
 
-PLANS = [plan_missions(seed) for seed in range(30)]
+
+@pytest.fixture(scope="module")
+def plans():
+    return [plan_missions(seed) for seed in range(30)]
 
 
 def degrees_and_shares(differences, baseline):
@@ -36,8 +39,8 @@ def test_the_shape_of_the_paper():
     assert {kind for planned in plan.missions for kind in planned.kinds} == {"harbour", "coast", "open-sea"}
 
 
-def test_states_differ_by_up_to_two_and_a_half_degrees_and_eight_millimetres():
-    truths = np.array([[p.mission.truth.extrinsics for p in plan.missions] for plan in PLANS])
+def test_states_differ_by_up_to_two_and_a_half_degrees_and_eight_millimetres(plans):
+    truths = np.array([[p.mission.truth.extrinsics for p in plan.missions] for plan in plans])
     differences = truths[:, :, None] - truths[:, None]
     angles, lengths = np.degrees(np.abs(differences[..., :3])), np.abs(differences[..., 3:])
     assert angles.max() <= 2.5 + 1e-9
@@ -47,11 +50,11 @@ def test_states_differ_by_up_to_two_and_a_half_degrees_and_eight_millimetres():
     assert lengths[..., 0].max() < 1e-12  # the baseline itself does not drift
 
 
-def test_a_manual_calibration_carries_the_error_of_a_chessboard():
+def test_a_manual_calibration_carries_the_error_of_a_chessboard(plans):
     errors = np.array(
         [
             plan.calibrations[p.mission.calibration].extrinsics - p.mission.truth.extrinsics
-            for plan in PLANS
+            for plan in plans
             for p in plan.missions
         ]
     )
