@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from stereorecal.report.svg import COLOURS, INK, style, svg
 from stereorecal_field.table._field_tables import panel_of
@@ -132,6 +132,6 @@ def _summed(data: Mapping[str, Any], part: str, whole: str) -> dict[str, tuple[i
 
 def _binomial(held: int, of: int) -> tuple[float, float]:
     """The 95 % interval of Clopper and Pearson."""
-    low = float(beta.ppf(0.025, held, of - held + 1)) if held else 0.0
-    high = float(beta.ppf(0.975, held + 1, of - held)) if held < of else 1.0
+    low = float(betaincinv(held, of - held + 1, 0.025)) if held else 0.0
+    high = float(betaincinv(held + 1, of - held, 0.975)) if held < of else 1.0
     return low, high
