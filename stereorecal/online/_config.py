@@ -1,7 +1,7 @@
 """What can be set on the vehicle, and what happens there, as plain data."""
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Any
@@ -17,6 +17,30 @@ from stereorecal.matching import AbstractMatcher
 
 EVENTS_SCHEMA = "stereorecal.events/1"
 _GAINS = 0.2  # of what a change has to gain in a recording, whose repair somebody takes over by hand
+
+
+def _is_whole(value: Any, least: int) -> bool:
+    return isinstance(value, Real) and float(value).is_integer() and float(value) >= least
+
+
+def _is_spread(value: Any) -> bool:
+    try:
+        numbers = np.asarray(value, float)
+    except ValueError:
+        return False
+    return bool(np.all((numbers >= 0.0) & np.isfinite(numbers)))
+
+
+_CHECKS: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
+    (("synchronous", "motion", "repair"), lambda value: isinstance(value, bool | np.bool_), "True or False"),
+    (("every", "together", "keep"), lambda value: _is_whole(value, 1), "a whole number, at least 1"),
+    (("rest",), lambda value: _is_whole(value, 0), "a whole number, at least 0"),
+    (("shift", "lasting", "knock", "harm"), lambda value: isinstance(value, Real), "a number"),
+    (("lasting",), lambda value: 1.0 <= value < np.inf, "at least 1 pair"),
+    (("wander", "heating"), lambda value: np.shape(value) == (3,), "three numbers, of pitch, yaw and roll"),
+    (("wander", "shift", "heating"), _is_spread, "0 or more"),
+    (("knock", "harm"), lambda value: 0.0 < value < 1.0, "a chance within 0 and 1"),
+)
 
 
 @dataclass(frozen=True)
@@ -75,31 +99,10 @@ class Config:
         checked_choice("default" if self.prior is None else self.prior, [DEFAULT, EXACT], "prior")
         checked_view_arguments(self.view)
         object.__setattr__(self, "tolerances", as_tolerances(self.tolerances))
-        for name in ("synchronous", "motion", "repair"):
-            if not isinstance(getattr(self, name), bool | np.bool_):
-                raise InputError(f"{name} is {getattr(self, name)!r}; give True or False.")
-        for name, least in (("every", 1), ("together", 1), ("keep", 1), ("rest", 0)):
-            number = getattr(self, name)
-            if not isinstance(number, Real) or not float(number).is_integer() or number < least:
-                raise InputError(f"{name} is {number!r}; give a whole number, at least {least}.")
-        for name in ("shift", "lasting", "knock", "harm"):
-            if not isinstance(getattr(self, name), Real):
-                raise InputError(f"{name} is {getattr(self, name)!r}; give a number.")
-        if not 1.0 <= self.lasting < np.inf:
-            raise InputError(f"lasting is {self.lasting}; give at least 1 pair.")
-        for name in ("wander", "heating"):
-            if np.shape(getattr(self, name)) != (3,):
-                raise InputError(f"{name} is {getattr(self, name)}; give three numbers, of pitch, yaw and roll.")
-        for name in ("wander", "shift", "heating"):
-            try:
-                values = np.asarray(getattr(self, name), float)
-            except ValueError:
-                values = np.array(np.nan)
-            if not np.all((values >= 0) & np.isfinite(values)):
-                raise InputError(f"{name} is {getattr(self, name)}; give 0 or more.")
-        for name in ("knock", "harm"):
-            if not 0.0 < getattr(self, name) < 1.0:
-                raise InputError(f"{name} is {getattr(self, name)}; give a chance within 0 and 1.")
+        for names, holds, wanted in _CHECKS:
+            for name in names:
+                if not holds(value := getattr(self, name)):
+                    raise InputError(f"{name} is {value!r}; give {wanted}.")
 
     @property
     def limits(self) -> Tolerances:
