@@ -146,11 +146,12 @@ def _by_turn(
     camera: Camera, first: Float[np.ndarray, "k 2"], second: Float[np.ndarray, "k 2"]
 ) -> tuple[Float[np.ndarray, "e 3"], Float[np.ndarray, "e"]]:
     """How the directions of pixels move with a small rotation, and how they moved: those far off the axis have no image
-    point on a plane. What lies at the edge of a lens' own image does not move with the scene."""
+    point on a plane."""
     rays, ends = np.asarray(camera.directions(first)), np.asarray(camera.directions(second))
-    around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
-    directions_around = np.asarray(camera.directions(first[:, None] + around)).sum(axis=1)
-    known = np.isfinite(rays + ends + directions_around).all(axis=1)
+    known = np.isfinite(rays + ends).all(axis=1)
+    if camera.lens.WIDE:  # what lies at the edge of a lens' own image does not move with the scene
+        around = camera.size[0] / _WIDTH * _BESIDE * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
+        known &= np.isfinite(np.asarray(camera.directions(first[:, None] + around))).all(axis=(1, 2))
     rays, flow = rays[known], (ends - rays)[known]
     by_turn = np.cross(np.eye(3)[:, None], rays)  # (axis, k, 3)
     return by_turn.reshape(3, -1).T, flow.reshape(-1)
