@@ -81,11 +81,6 @@ class FilterEstimate:
         """One of several filters, or some."""
         return FilterEstimate(self.mean[number], self.covariance[number])
 
-    @classmethod
-    def of(cls, each: "Sequence[FilterEstimate]") -> "FilterEstimate":
-        """Several filters."""
-        return cls(np.stack([one.mean for one in each]), np.stack([one.covariance for one in each]))
-
     @property
     def theta(self) -> Float[np.ndarray, "*k n"]:
         """Changes of all parameters of the rig, in the units of people."""
@@ -224,7 +219,8 @@ def at_start(of_theta: Float[np.ndarray, "n n"], config: Config) -> FilterEstima
 
 def filters_beside(freed: FilterEstimate, estimate: FilterEstimate) -> FilterEstimate:
     """What is followed beside an estimate: another one, and one for each of PACES."""
-    return FilterEstimate.of([freed, *[estimate] * len(PACES)])
+    each = [freed, *[estimate] * len(PACES)]
+    return FilterEstimate(np.stack([one.mean for one in each]), np.stack([one.covariance for one in each]))
 
 
 def learnt_pace(logs: Float[np.ndarray, "k"]) -> Float[np.ndarray, "2"]:

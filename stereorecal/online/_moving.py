@@ -77,8 +77,7 @@ def moved(state: State, pair: Pair) -> State:
 
 def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
     """What a window says of the rig, which turned by a rotation vector from one pair to the next, degrees."""
-    worse = Normal(normal.a / _WORSE**2, normal.b / _WORSE**2, normal.c)
-    return Measurement(worse, np.zeros(3) if state.config.synchronous else turned)
+    return Measurement(normal, np.zeros(3) if state.config.synchronous else turned).weighed(_WORSE**-2.0)
 
 
 def _after_window(state: State, measured: Measurement) -> State:

@@ -5,6 +5,8 @@ What the looks cannot follow is repaired: rigs so far off that hardly anything m
 in place of waiting until looks ask for one.
 """
 
+from typing import Any
+
 import numpy as np
 
 from stereorecal._errors import InputError
@@ -70,16 +72,16 @@ def decided(state: State, found: Correspondences) -> State:
 def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, by: str) -> State:
     """The state that says that another calibration is in use; `by` says what the decision rests on."""
     before, after = decision.rows_px[:, 0].tolist()
-    facts = {
-        "old": _calibration_data(state, state.using),
-        "new": _calibration_data(state, offset),
-        "proof": {
-            "by": by,
-            "row_error_before_px": before,
-            "row_error_after_px": after,
-            "probability_better": decision.better,
-            "probability_worse": decision.worse,
-        },
+    facts: dict[str, Any] = {
+        name: {"offset": one.tolist(), "extrinsics": np.asarray(state.rig_at(one).extrinsics).tolist()}
+        for name, one in (("old", state.using), ("new", offset))
+    }
+    facts["proof"] = {
+        "by": by,
+        "row_error_before_px": before,
+        "row_error_after_px": after,
+        "probability_better": decision.better,
+        "probability_worse": decision.worse,
     }
     return switched(state, offset).saying(kind, facts=facts)
 
@@ -106,14 +108,6 @@ def told_by(state: State, estimate: Estimate) -> State:
     covariance = estimate.posterior.covariance.copy()
     covariance[:SIZE, :SIZE] += _TRUSTED**2 * np.eye(SIZE)
     return state.standing_at(state.estimate.moved(state.theta + estimate.theta, covariance))
-
-
-def _calibration_data(state: State, offset: Offset) -> dict[str, list[float]]:
-    """A calibration, as plain data."""
-    return {
-        "offset": [float(value) for value in offset],
-        "extrinsics": np.asarray(state.rig_at(offset).extrinsics).tolist(),
-    }
 
 
 def followed(state: State, measured: Measurement) -> State:
