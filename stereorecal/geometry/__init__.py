@@ -1,12 +1,6 @@
 """Cameras, rigs, rotations, rectification, warps: pure functions and frozen pytrees."""
 
-from stereorecal.geometry._axis_errors import (
-    AxisErrors as AxisErrors,
-    axis_changes as axis_changes,
-    axis_errors as axis_errors,
-)
 from stereorecal.geometry._camera import Camera as Camera, same_camera as same_camera, whole_size as whole_size
-from stereorecal.geometry._checked_rig import checked_rig as checked_rig
 from stereorecal.geometry._intrinsics import (
     OF_MATRIX as OF_MATRIX,
     camera_changes as camera_changes,
@@ -16,7 +10,6 @@ from stereorecal.geometry._intrinsics import (
     ray_slopes as ray_slopes,
     reread as reread,
 )
-from stereorecal.geometry._other_size import fitted_to as fitted_to
 from stereorecal.geometry._quarter_turns import (
     UPRIGHT as UPRIGHT,
     Turns as Turns,
@@ -26,30 +19,36 @@ from stereorecal.geometry._quarter_turns import (
     turned_size as turned_size,
     turns_of as turns_of,
 )
-from stereorecal.geometry._rectification import (
-    rectifying_rotations as rectifying_rotations,
-    rectifying_slopes as rectifying_slopes,
-)
 from stereorecal.geometry._rectified import Rectification as Rectification, rectification as rectification
 from stereorecal.geometry._rig import (
     AS_IN_FILE as AS_IN_FILE,
     AXES as AXES,
     StereoRig as StereoRig,
+    checked_rig as checked_rig,
     extrinsics_of as extrinsics_of,
+    fitted_to as fitted_to,
+    rig_as_data as rig_as_data,
+    rig_from_data as rig_from_data,
     with_unit_baseline as with_unit_baseline,
 )
-from stereorecal.geometry._rig_as_data import rig_as_data as rig_as_data, rig_from_data as rig_from_data
-from stereorecal.geometry._same_rig import same_cameras as same_cameras, same_rig as same_rig
+from stereorecal.geometry._rig_differences import (
+    AxisErrors as AxisErrors,
+    axis_changes as axis_changes,
+    axis_errors as axis_errors,
+    same_cameras as same_cameras,
+    same_rig as same_rig,
+)
 from stereorecal.geometry._so3 import (
     angle_between as angle_between,
     euler_from_rotation as euler_from_rotation,
     euler_slopes as euler_slopes,
+    rectifying_rotations as rectifying_rotations,
+    rectifying_slopes as rectifying_slopes,
     rotation_between as rotation_between,
     rotation_from_euler as rotation_from_euler,
     rotation_from_vector as rotation_from_vector,
     vector_from_rotation as vector_from_rotation,
 )
-from stereorecal.geometry._spline import cubic_sampler as cubic_sampler, cubic_warp as cubic_warp
 from stereorecal.geometry._units import (
     METRES as METRES,
     checked_unit as checked_unit,
@@ -67,10 +66,11 @@ from stereorecal.geometry._view import (
 from stereorecal.geometry._warp import (
     PixelMap as PixelMap,
     bilinear_warp as bilinear_warp,
+    cubic_sampler as cubic_sampler,
+    cubic_warp as cubic_warp,
     mapped_area as mapped_area,
     pixel_map as pixel_map,
     rectifying_maps as rectifying_maps,
 )
-from stereorecal.geometry.lenses import LensModel as LensModel
 from stereorecal.geometry.lenses._radial_tangential import distort as distort, undistort as undistort
 from stereorecal.geometry.projections import Projection as Projection, projection as projection

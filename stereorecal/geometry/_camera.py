@@ -9,10 +9,10 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Mat3, is_host, namespace, register_pytree
 from stereorecal._errors import InputError, UnsupportedModelError
-from stereorecal.geometry._camera_matrix import exact_matrix
 from stereorecal.geometry._quarter_turns import turn_of, turned_coefficients, turned_pixels, turned_size
 from stereorecal.geometry.lenses import LensModel, lens_model
 
+_ROUNDING = 1e-6  # of single precision and of six printed digits, in parts of what stands beside
 _LEAST_CIRCLE = 0.25  # of the shorter side of the image: the radius of an image circle
 _INSIDE = 0.999  # of the field: some models project its end to infinity
 _ALL_ROUND = 3.1  # radians off the axis: straight behind, a lens model has no direction
@@ -69,7 +69,7 @@ class Camera:
             raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
         if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
             raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")
-        matrix = np.asarray(exact_matrix(matrix))
+        matrix = np.asarray(_exact_matrix(matrix))
         _check_plausible(self.size, matrix, distortion)
         lens = lens_model(self.model)
         if distortion.size not in lens.COUNTS:
@@ -190,11 +190,7 @@ _STRONGEST = 1e6  # distortion of a corner, in sizes of the image
 
 
 def _check_image_circle(camera: Camera) -> None:
-    """Refuse a wide lens whose model ends far within the image, where a wrong coefficient folds it back.
-
-    Raises:
-        InputError: if it does.
-    """
+    """Refuse a wide lens whose model ends far within the image, where a wrong coefficient folds it back."""
     end = _INSIDE * min(camera.lens.field(np.asarray(camera.distortion)), _ALL_ROUND)
     aside, _ = camera.project(np.array([np.sin(end), 0.0, np.cos(end)])) - np.asarray(camera.matrix)[:2, 2]
     if not aside >= _LEAST_CIRCLE * min(camera.size):
@@ -224,10 +220,44 @@ def _check_plausible(size: tuple[int, int], matrix: np.ndarray, distortion: np.n
         )
 
 
-def same_camera(one: Camera, other: Camera) -> bool:
-    """Whether two cameras have equal intrinsics; coefficients that are zero at the end make no other lens."""
+def _exact_matrix(matrix: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
+    """[[fx 0 cx] [0 fy cy] [0 0 1]] of a finite matrix whose zeros and one may be rounded; what is none, refused."""
+    focal = np.abs(matrix[(0, 1), (0, 1)])
+    rest, tolerance = matrix[2] - np.array([0.0, 0.0, 1.0]), _ROUNDING * max(1.0, focal.max())
+    if min(matrix[0, 0], matrix[1, 1]) > 0 and not np.any(matrix[:2, 2]) and np.abs(matrix[2, :2]).min() > 1.0:
+        raise InputError(
+            "the camera matrix is transposed, [[fx 0 0] [0 fy 0] [cx cy 1]], as MATLAB's IntrinsicMatrix; give its "
+            "transpose (K.T). If it is MATLAB's, transpose the rotation as well, and subtract 1 from cx and cy, since "
+            "MATLAB counts pixels from 1."
+        )
+    if (
+        min(matrix[0, 0], matrix[1, 1]) > 0
+        and not np.any(matrix[2, :2])
+        and abs(rest[2]) > _ROUNDING
+        and matrix[2, 2] > 0
+    ):
+        raise InputError(
+            f"the last number of the camera matrix is {matrix[2, 2]:g}, and must be 1: divide the matrix by it, or "
+            "correct the calibration."
+        )
+    if min(matrix[0, 0], matrix[1, 1]) <= 0 or np.abs(rest).max() > _ROUNDING:
+        raise InputError(
+            "the camera matrix is singular or negative; it must be [[fx 0 cx] [0 fy cy] [0 0 1]] with positive "
+            "focal lengths: correct the calibration."
+        )
+    if max(abs(matrix[0, 1]), abs(matrix[1, 0])) > tolerance:
+        raise InputError("the camera matrix has skew, which is not supported; recalibrate without skew.")
+    fx, fy, cx, cy = matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def same_camera(one: Camera, other: Camera, rounding: float = 0.0) -> bool:
+    """Whether two cameras have equal intrinsics, to a share of each number; coefficients that a model lacks are 0."""
     if one is other:
         return True
-    lens, other_lens = (np.trim_zeros(np.asarray(camera.distortion), "b") for camera in (one, other))
-    alike = one.model == other.model and np.array_equal(lens, other_lens)
-    return alike and np.array_equal(one.matrix, other.matrix)
+    if one.model != other.model:
+        return False
+    length = max(one.distortion.size, other.distortion.size)
+    lenses = [np.pad(np.asarray(c.distortion), (0, length - c.distortion.size)) for c in (one, other)]
+    alike = np.allclose(*lenses, rtol=rounding, atol=1e-6 * rounding)
+    return alike and np.allclose(one.matrix, other.matrix, rtol=rounding, atol=rounding)

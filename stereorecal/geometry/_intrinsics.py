@@ -40,10 +40,9 @@ def changed_camera(camera: Camera, changes: Mapping[str, float]) -> Camera:
 def intrinsic(camera: Camera, name: str) -> float:
     """One of what `changed_camera` changes: "f" is the focal length along x, "aspect" that along y over it; pixels but
     for "aspect" and the coefficients. A coefficient that the lens model lacks is 0."""
-    matrix = np.asarray(camera.matrix)
-    of_matrix = {"f": matrix[0, 0], "aspect": matrix[1, 1] / matrix[0, 0], "cx": matrix[0, 2], "cy": matrix[1, 2]}
-    if name in of_matrix:
-        return float(of_matrix[name])
+    (fx, _, cx), (_, fy, cy), _ = np.asarray(camera.matrix)
+    if name in OF_MATRIX:
+        return float({"f": fx, "aspect": fy / fx, "cx": cx, "cy": cy}[name])
     _check_terms(camera.lens, (name,))
     index = camera.lens.TERMS.index(name)
     return float(camera.distortion[index]) if index < len(camera.distortion) else 0.0
@@ -67,11 +66,7 @@ OF_MATRIX = ("f", "aspect", "cx", "cy")
 
 
 def _check_terms(lens: LensModel, names: Iterable[str]) -> None:
-    """Refuse what the lens model does not have.
-
-    Raises:
-        InputError: if there is a name that is no term of it.
-    """
+    """Refuse what the lens model does not have."""
     for name in names:
         if name not in OF_MATRIX and name not in lens.TERMS:
             raise InputError(

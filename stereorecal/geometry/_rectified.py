@@ -8,10 +8,9 @@ from jaxtyping import Float, Num
 
 from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError
-from stereorecal.geometry._checked_rig import checked_rig
 from stereorecal.geometry._quarter_turns import turn_of, turned_pixels
-from stereorecal.geometry._rectification import rectifying_rotations
-from stereorecal.geometry._rig import StereoRig
+from stereorecal.geometry._rig import StereoRig, checked_rig
+from stereorecal.geometry._so3 import rectifying_rotations
 from stereorecal.geometry._view import PINHOLE, AnyView, View, as_view
 from stereorecal.geometry._warp import rectifying_maps
 

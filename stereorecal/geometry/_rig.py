@@ -1,4 +1,4 @@
-"""The stereo rig: two cameras and the six extrinsic parameters between them."""
+"""The stereo rig: two cameras and the six extrinsic parameters between them; and a rig as plain data."""
 
 import warnings
 from dataclasses import dataclass, field, replace
@@ -257,3 +257,73 @@ def _as_numbers(value: Any) -> Float[np.ndarray, "..."]:
         return np.array(value, float)
     except (TypeError, ValueError):
         return np.zeros(0)
+
+
+def checked_rig(given: Any, name: str = "the rig") -> StereoRig:
+    """The rig that is given, side by side.
+
+    Raises:
+        InputError: if it is none; of a result that has one, it says how to get it.
+    """
+    if isinstance(given, StereoRig):
+        return given.side_by_side()
+    own = "its .rig, or " if hasattr(type(given), "rig") or "rig" in getattr(given, "__dict__", ()) else ""
+    raise InputError(
+        f"{name} is a {type(given).__name__}; give {own}an sr.StereoRig, such as scene.rig, sr.io.load_rig(path) or "
+        "sr.StereoRig.from_rotation(left, right, R, T)."
+    )
+
+
+def fitted_to(own: tuple[int, int], wanted: tuple[int, int]) -> str:
+    """What to do with a rig for images of one size where the images have another, as an advice: images of the same
+    ratio of width to height are resampled, others are cut out."""
+    (wide, high), (width, height) = own, wanted
+    if abs(wide * height - width * high) < max(wide, high):  # sizes are whole pixels
+        return f"resize the rig in Python: rig.resized(({width}, {height}))"
+    scale = max(width / wide, height / high)
+    if scale > 1.0:
+        return "calibrate for these images, which are larger, and of another ratio of width to height"
+    advice = f"crop the rig in Python: rig.cropped(({width}, {height})) if the images are cut out of the middle"
+    if scale < 1.0:
+        whole = round(wide * scale), round(high * scale)
+        advice += f", rig.resized({whole}).cropped(({width}, {height})) if they are resampled, too"
+    return advice
+
+
+def rig_as_data(rig: StereoRig) -> dict[str, Any]:
+    """Lists and numbers: of each camera size, matrix, distortion and model (left out if radtan), the extrinsics in
+    rad and metres, and by how much images are turned, unless they are not."""
+    sides = {"left": rig.left, "right": rig.right}
+    cameras = {
+        side: {
+            "size": list(camera.size),
+            "matrix": np.asarray(camera.matrix, float).tolist(),
+            "distortion": np.asarray(camera.distortion, float).tolist(),
+            **({} if camera.model == Camera.model else {"model": camera.model}),
+        }
+        for side, camera in sides.items()
+    }
+    turns = {} if rig.turns == UPRIGHT else {"turns": list(rig.turns)}
+    return {**cameras, "extrinsics": np.asarray(rig.extrinsics, float).tolist(), **turns}
+
+
+def rig_from_data(data: Any) -> StereoRig:
+    """The inverse.
+
+    Raises:
+        InputError: if these are no such data.
+    """
+    try:
+        left, right = (_camera(data[side]) for side in ("left", "right"))
+        first, second = (int(turn) % 4 for turn in data.get("turns", UPRIGHT))
+        return StereoRig(left, right, np.array(data["extrinsics"], float), turns=(first, second))
+    except InputError:
+        raise
+    except (AttributeError, KeyError, TypeError, ValueError):
+        raise InputError("there is no rig in it; copy it again, or delete it.") from None
+
+
+def _camera(data: Any) -> Camera:
+    width, height = data["size"]
+    matrix, distortion = (np.array(data[name], float) for name in ("matrix", "distortion"))
+    return Camera((int(width), int(height)), matrix, distortion, model=data.get("model", Camera.model))

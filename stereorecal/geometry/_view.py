@@ -10,9 +10,8 @@ from jaxtyping import Bool, Float
 from stereorecal._arrays import AnyArray, Mat3, namespace, register_pytree
 from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._checked_rig import checked_rig
-from stereorecal.geometry._rectification import rectifying_rotations
-from stereorecal.geometry._rig import StereoRig
+from stereorecal.geometry._rig import StereoRig, checked_rig
+from stereorecal.geometry._so3 import rectifying_rotations
 from stereorecal.geometry.projections import Projection, projection as projection_of
 
 PINHOLE, EQUIRECTANGULAR = "pinhole", "equirectangular"
@@ -171,10 +170,14 @@ def view(
     """
     rig = checked_rig(rig)
     width, height = rig.left.size
-    projection = _usual_projection(rig, field) if projection is None else projection
+    mean = float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
+    projection = _usual_projection(rig, mean, field) if projection is None else projection
     formulas = projection_of(projection)
     if field is None:
-        focal = _widest_focal(rig, projection)
+        if projection == _usual_projection(rig, mean, None) == PINHOLE:
+            focal = float(np.clip(_shown_focal(rig), _LEAST_ZOOM * mean, mean))
+        else:
+            focal = max(mean, _focal_of_field(rig, projection, formulas.usual))
     elif 0.0 < field <= formulas.widest:
         focal = _focal_of_field(rig, projection, field)
     else:
@@ -182,15 +185,13 @@ def view(
             f"a field of {field:g} degrees makes no {projection} view; give more than 0 and at most "
             f"{formulas.widest:g}."
         )
-    if focal > _MOST_ZOOM * _mean_focal(rig):
+    if focal > _MOST_ZOOM * mean:
         if field is None:
             raise InputError(
-                f"a resolution of {_mean_focal(rig):.3g} px per radian in images {width} px wide is that of no lens; "
-                "correct the calibration."
+                f"a resolution of {mean:.3g} px per radian in images {width} px wide is that of no lens; correct the "
+                "calibration."
             )
-        raise InputError(
-            f"a field of {field:g} degrees magnifies the images {focal / _mean_focal(rig):.3g} times; give more."
-        )
+        raise InputError(f"a field of {field:g} degrees magnifies the images {focal / mean:.3g} times; give more.")
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []
     for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):
@@ -241,51 +242,33 @@ def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
     return dict(given)
 
 
-def _usual_projection(rig: StereoRig, field: float | None) -> str:
-    """A pinhole, unless a rig of wide lenses shows more than that can show."""
+def _usual_projection(rig: StereoRig, mean: float, field: float | None) -> str:
+    """A pinhole, unless a rig of wide lenses shows more than that can show at its mean focal length."""
     if not rig.is_wide:
         return PINHOLE
     if field is None:
         needed = _shown_focal(rig)
     else:
         needed = _focal_of_field(rig, PINHOLE, field) if 0.0 < field < 180.0 else 0.0
-    return PINHOLE if needed >= _LEAST_ZOOM * _mean_focal(rig) else EQUIRECTANGULAR
-
-
-def _widest_focal(rig: StereoRig, projection: str) -> float:
-    """The shortest focal length that does not take away from the middle what a view of this projection keeps."""
-    focal = _mean_focal(rig)
-    if projection == PINHOLE and _usual_projection(rig, None) == PINHOLE:
-        return float(np.clip(_shown_focal(rig), _LEAST_ZOOM * focal, focal))
-    formulas = projection_of(projection)
-    return max(focal, 0.5 * rig.left.size[0] / formulas.edge(0.5 * float(np.radians(formulas.usual))))
+    return PINHOLE if needed >= _LEAST_ZOOM * mean else EQUIRECTANGULAR
 
 
 def _focal_of_field(rig: StereoRig, projection: str, field: float) -> float:
     return 0.5 * rig.left.size[0] / projection_of(projection).edge(0.5 * float(np.radians(field)))
 
 
-def _mean_focal(rig: StereoRig) -> float:
-    return float(np.prod([rig.left.focal, rig.right.focal]) ** 0.25)
-
-
 def _shown_focal(rig: StereoRig) -> float:
-    """Focal length of a pinhole that shows the images of both cameras; of wide lenses, what both cameras see: the
-    narrower one decides beside a fisheye."""
-    focals = [_edge_focal(camera) for camera in (rig.left, rig.right)]
+    """Focal length of a pinhole that shows the middles of all borders of both images; of wide lenses, what both cameras
+    see: the narrower one decides beside a fisheye."""
+    focals = []
+    for camera in (rig.left, rig.right):
+        (cx, cy), (w, h) = _image_centre(camera), camera.size
+        rays = np.asarray(camera.rays(np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)), float)
+        offset = np.abs(rays[1:, :2] - rays[0, :2])
+        offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
+        focals.append(float(min(0.5 * w / offset[:2, 0].max(), 0.5 * h / offset[2:, 1].max())))
     return max(focals) if rig.is_wide else min(focals)
 
 
 def _image_centre(camera: Camera) -> Float[np.ndarray, "2"]:
     return 0.5 * (np.array(camera.size, float) - 1.0)
-
-
-def _edge_focal(camera: Camera) -> float:
-    """Focal length at which the middle of the nearest border of this camera's image lies on the view's border."""
-    (cx, cy), (w, h) = _image_centre(camera), camera.size
-    pixels = np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)
-    rays = np.asarray(camera.rays(pixels), float)
-    offset = np.abs(rays[1:, :2] - rays[0, :2])
-    offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
-    horizontal, vertical = offset[:2, 0].max(), offset[2:, 1].max()
-    return float(min(0.5 * w / horizontal, 0.5 * h / vertical))

@@ -26,11 +26,7 @@ class Equidistant(LensModel):
     COUNTS = (4,)
 
     def check(self, coefficients: Coefficients) -> None:
-        """Refuse a lens that folds the image back within 5 degrees.
-
-        Raises:
-            InputError: if it does.
-        """
+        """Refuse a lens that folds the image back within 5 degrees."""
         if self.field(coefficients) < LEAST_FIELD:
             raise InputError(
                 "the coefficients of the equidistant lens fold the image back within 5 degrees off its axis, as no "

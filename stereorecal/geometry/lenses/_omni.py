@@ -24,11 +24,7 @@ class Omni(LensModel):
     COUNTS = (5,)
 
     def check(self, coefficients: Coefficients) -> None:
-        """Refuse a centre before that of the sphere, and a lens that folds the image back within 5 degrees.
-
-        Raises:
-            InputError: if it is one.
-        """
+        """Refuse a centre before that of the sphere, and a lens that folds the image back within 5 degrees."""
         xi = coefficients[0]
         if not xi >= 0.0 or self.field(coefficients) < LEAST_FIELD:
             raise InputError(

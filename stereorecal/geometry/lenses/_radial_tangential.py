@@ -1,6 +1,6 @@
 """OpenCV's lens distortion."""
 
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import jax
@@ -96,11 +96,13 @@ def _tilt_matrix(tau_x, tau_y):
     )
 
 
+_ITERATIONS = 20  # of Newton's method
+_SETTLED = 1e-9  # of a step, normalised image points: the next would be of its square
+_LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
+
+
 def undistort(
-    points: Float[AnyArray, "*n 2"],
-    coefficients: Float[AnyArray, "c"],
-    iterations: int = 20,
-    start: Float[np.ndarray, "*n 2"] | None = None,
+    points: Float[AnyArray, "*n 2"], coefficients: Float[AnyArray, "c"], start: Float[np.ndarray, "*n 2"] | None = None
 ) -> Float[AnyArray, "*n 2"]:
     """Invert `distort` by Newton's method, where the model is monotone: float64 for NumPy arrays, else exact to
     float32.
@@ -108,39 +110,25 @@ def undistort(
     Args:
         start: of NumPy arrays: a point near the answer, if one is known; default `points`.
     """
-    if is_host(points, coefficients):
-        goals = np.asarray(points, float)
-        return _undistort_on_host(goals, np.asarray(coefficients, float), iterations, goals if start is None else start)
-    if coefficients.shape[0] == 0:
-        return jnp.asarray(points, jnp.float32)
-    return _undistort(jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32), iterations)
-
-
-_SETTLED = 1e-9  # of a step, normalised image points: the next would be of its square
-_LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
-
-
-def _undistort_on_host(
-    goals: Float[np.ndarray, "*n 2"],
-    coefficients: Float[np.ndarray, "c"],
-    iterations: int,
-    start: Float[np.ndarray, "*n 2"],
-) -> Float[np.ndarray, "*n 2"]:
+    if not is_host(points, coefficients):
+        points, coefficients = jnp.asarray(points, jnp.float32), jnp.asarray(coefficients, jnp.float32)
+        return _undistort(points, coefficients) if coefficients.shape[0] else points
+    goals, coefficients = np.asarray(points, float), np.asarray(coefficients, float)
     if coefficients.size == 0:
         return goals.copy()
-    shape, goals = goals.shape, goals.reshape(-1, 2)
-    x, y = (np.array(start, float).reshape(-1, 2)[:, axis] for axis in (0, 1))
+    goals_x, goals_y = goals.reshape(-1, 2).T
+    x, y = np.array(goals if start is None else start, float).reshape(-1, 2).T
     with np.errstate(all="ignore"):  # NaN where the model folds
-        for _ in range(iterations):
+        for _ in range(_ITERATIONS):
             (u, v), ((a, b), (c, d)) = _distorted_with_slopes(x, y, coefficients)
-            u, v, determinant = u - goals[:, 0], v - goals[:, 1], a * d - b * c
+            u, v, determinant = u - goals_x, v - goals_y, a * d - b * c
             by_x, by_y = (d * u - b * v) / determinant, (a * v - c * u) / determinant
             length = np.sqrt(by_x * by_x + by_y * by_y)
             shorter = 1.0 / np.maximum(1.0, length / _LONGEST)
             x, y = x - shorter * by_x, y - shorter * by_y
             if not np.any(length > _SETTLED):
                 break
-    return np.stack([x, y], axis=-1).reshape(shape)
+    return np.stack([x, y], axis=-1).reshape(goals.shape)
 
 
 def _distorted_with_slopes(
@@ -175,10 +163,8 @@ def _distorted_with_slopes(
     return ends, ((au * a + av * c, au * b + av * d), (bu * a + bv * c, bu * b + bv * d))
 
 
-@partial(jax.jit, static_argnums=2)  # or else every call outside a trace compiles the loop again
-def _undistort(
-    points: Float[jax.Array, "*n 2"], coefficients: Float[jax.Array, "c"], iterations: int
-) -> Float[jax.Array, "*n 2"]:
+@jax.jit  # or else every call outside a trace compiles the loop again
+def _undistort(points: Float[jax.Array, "*n 2"], coefficients: Float[jax.Array, "c"]) -> Float[jax.Array, "*n 2"]:
     def newton(goal: jax.Array) -> jax.Array:
         def step(_, p):
             error = distort(p, coefficients) - goal
@@ -187,7 +173,7 @@ def _undistort(
             update = jnp.stack([d * error[0] - b * error[1], a * error[1] - c * error[0]]) / determinant
             return p - update / jnp.maximum(1.0, jnp.linalg.norm(update) / _LONGEST)
 
-        return jax.lax.fori_loop(0, iterations, step, goal)
+        return jax.lax.fori_loop(0, _ITERATIONS, step, goal)
 
     return jax.vmap(newton)(points.reshape(-1, 2)).reshape(points.shape)
 

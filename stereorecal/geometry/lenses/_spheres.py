@@ -18,11 +18,7 @@ class DoubleSphere(LensModel):
     COUNTS = (2,)
 
     def check(self, coefficients: Coefficients) -> None:
-        """Refuse spheres that do not meet.
-
-        Raises:
-            InputError: if xi is not above -1 and at most 1, or alpha not from 0 to 1.
-        """
+        """Refuse spheres that do not meet: xi is above -1 and at most 1, alpha from 0 to 1."""
         xi, alpha = coefficients
         if not (-1.0 < xi <= 1.0 and 0.0 <= alpha <= 1.0):
             raise InputError(
@@ -74,11 +70,7 @@ class ExtendedUnified(LensModel):
     COUNTS = (2,)
 
     def check(self, coefficients: Coefficients) -> None:
-        """Refuse a surface that is no ellipsoid.
-
-        Raises:
-            InputError: if alpha is not from 0 to 1, or beta not positive.
-        """
+        """Refuse a surface that is no ellipsoid: alpha is from 0 to 1, beta positive."""
         alpha, beta = coefficients
         if not (0.0 <= alpha <= 1.0 and beta > 0.0):
             raise InputError(

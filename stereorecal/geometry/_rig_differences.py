@@ -1,11 +1,15 @@
-"""How far one rig is from another, axis by axis: the one definition that tables and JSON files use."""
+"""How far one rig is from another, axis by axis (the one definition that tables and JSON files use), and whether they
+are the same but for what writing and reading them rounds."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
+from stereorecal.geometry._camera import same_camera
 from stereorecal.geometry._rig import AXES, StereoRig, with_unit_baseline
+
+_SAME = 1e-9  # radians, and parts of numbers
 
 
 @dataclass(frozen=True)
@@ -34,3 +38,18 @@ def axis_changes(before: StereoRig, after: StereoRig) -> Float[np.ndarray, "6"]:
     baseline [percent]. The definition that `axis_errors` rests on."""
     change = with_unit_baseline(after.extrinsics) - with_unit_baseline(before.extrinsics)
     return np.concatenate([np.degrees(change[:3]), 100.0 * change[3:]])
+
+
+def same_rig(one: StereoRig, other: StereoRig) -> bool:
+    """Whether all numbers, of images as they were taken, are equal to within 1e-9; coefficients that a lens model lacks
+    are 0."""
+    one, other = one.as_taken(), other.as_taken()
+    turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
+    shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
+    sides = ((one.left, other.left), (one.right, other.right))
+    return bool(turned and shifted) and all(a.size == b.size and same_camera(a, b, _SAME) for a, b in sides)
+
+
+def same_cameras(one: StereoRig, other: StereoRig) -> bool:
+    """Whether both have the same cameras, to the last digit."""
+    return same_camera(one.left, other.left) and same_camera(one.right, other.right)
