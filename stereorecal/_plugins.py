@@ -106,7 +106,8 @@ class Registry(Generic[T]):
         known = [option.name for option in fields]
         if unknown := sorted(set(options) - set(known)):
             raise InputError(f"{self.kind} {name} has no option {unknown[0]!r}; it has: {', '.join(known) or 'none'}.")
-        if missing := [option.name for option in fields if _is_needed(option) and option.name not in options]:
+        needed = (f.name for f in fields if f.init and f.default is f.default_factory is dataclasses.MISSING)
+        if missing := [option for option in needed if option not in options]:
             raise InputError(f"{self.kind} {name} needs the option {missing[0]!r}; give it.")
         try:
             return found.cls(**options)
@@ -229,10 +230,6 @@ MATCHER_NAMES = Registry[Any](
     example="sgbm",
     own={"sad": "stereorecal.matching:SAD", "bm": "stereorecal.matching:BM", "sgbm": "stereorecal.matching:SGBM"},
 )
-
-
-def _is_needed(option: dataclasses.Field) -> bool:
-    return option.init and option.default is dataclasses.MISSING and option.default_factory is dataclasses.MISSING
 
 
 def _place(point: _EntryPoint) -> tuple[str, str]:

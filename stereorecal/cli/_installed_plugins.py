@@ -1,7 +1,6 @@
 """`python -m stereorecal strategies` and `matchers`: what is installed, loadable or not, or checks of one."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, fields
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rich import box
@@ -9,12 +8,13 @@ from rich.table import Table
 from rich.text import Text
 
 from stereorecal._errors import InputError
+from stereorecal._plugins import Plugin
 from stereorecal.cli._experiment_commands import PluginOptions
 from stereorecal.cli._option_values import NONE_INSTALLED
 from stereorecal.cli._signals import FAILURE
 from stereorecal.cli._terminal import table_console
-from stereorecal.matching import MatcherInfo, matcher, overview as matchers_found
-from stereorecal.strategies import StrategyInfo, overview as strategies_found, strategy
+from stereorecal.matching import AbstractMatcher, matcher, overview as matchers_found
+from stereorecal.strategies import overview as strategies_found, strategy
 
 if TYPE_CHECKING:
     from stereorecal.testing import CheckResult  # which renders scenes: a list of names does not wait for that
@@ -34,7 +34,7 @@ def _strategies(name: str | None) -> int:
     found = strategies_found()
     if not found:
         raise InputError(NONE_INSTALLED)
-    return _print_list(found, StrategyInfo, ("name", "distribution", "version", "needs", "what it does"))
+    return _print_list(found, "needs", lambda cls: cls.needs.name.lower())
 
 
 def _matchers(name: str | None) -> int:
@@ -42,19 +42,29 @@ def _matchers(name: str | None) -> int:
         from stereorecal.testing import check_matcher
 
         return _print_checks(check_matcher(matcher(name)))
-    return _print_list(matchers_found(), MatcherInfo, ("name", "distribution", "version", "runs", "what it does"))
+    return _print_list(matchers_found(), "runs", _where_it_runs)
 
 
-def _print_list(found: Mapping[str, Any], info: type, headings: Sequence[str]) -> int:
-    """One row for each plug-in, `info` under its headings or the error it has; returns the exit code."""
+def _where_it_runs(cls: type[AbstractMatcher]) -> str:
+    if not cls.traceable:
+        return "on the host"
+    return "in JAX, smooth" if cls.smooth else "in JAX"  # the soft count can use it
+
+
+def _print_list(found: Mapping[str, Plugin[Any] | Exception], heading: str, trait: Callable[[Any], str]) -> int:
+    """One row for each plug-in, with the trait of its class, or the error it has; returns the exit code."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in headings:
-        table.add_column(heading, overflow="fold")
+    for column in ("name", "distribution", "version", heading, "what it does"):
+        table.add_column(column, overflow="fold")
+    failed = False
     for name, one in found.items():
-        cells = astuple(one) if isinstance(one, info) else (name, *["-"] * (len(fields(info)) - 2), str(one))
+        if isinstance(one, Plugin):
+            cells = name, one.distribution, one.version, trait(one.cls), one.summary
+        else:
+            cells, failed = (name, "-", "-", "-", str(one)), True
         table.add_row(*map(Text, cells))
     table_console(124).print(table)
-    return 0 if all(isinstance(one, info) for one in found.values()) else FAILURE
+    return FAILURE if failed else 0
 
 
 def _print_checks(report: "Iterable[CheckResult]") -> int:

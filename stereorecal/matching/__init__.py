@@ -7,7 +7,6 @@ from stereorecal.matching._matcher import (
     SoftDisparity as SoftDisparity,
 )
 from stereorecal.matching._matcher_registry import (
-    MatcherInfo as MatcherInfo,
     as_matcher as as_matcher,
     matcher as matcher,
     matchers as matchers,

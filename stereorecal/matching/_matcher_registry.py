@@ -1,29 +1,19 @@
 """Matchers by name, from the entry-point group `stereorecal.matchers`; each is imported when it is used."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._plugins import MATCHER_NAMES, Plugin, Registry
+from stereorecal._plugins import MATCHER_NAMES, Registry
 from stereorecal.matching._matcher import AbstractMatcher, called
 from stereorecal.matching.sad import SAD
 
 _REGISTRY: Registry[AbstractMatcher] = replace(MATCHER_NAMES, base=AbstractMatcher)
 
 
-@dataclass(frozen=True)
-class MatcherInfo:
-    """One line of `python -m stereorecal matchers`.
-
-    Attributes:
-        runs: "on the host", "in JAX", or "in JAX, smooth" if the soft count can use it.
-    """
-
-    name: str
-    distribution: str
-    version: str
-    runs: str
-    summary: str
+overview = _REGISTRY.overview
+name_of = _REGISTRY.name_of
+origin_of = _REGISTRY.origin_of
 
 
 def matchers() -> tuple[str, ...]:
@@ -40,21 +30,6 @@ def matcher(name: str, /, **options: Any) -> AbstractMatcher:
         MatcherError: if it cannot be imported, or crashes when it is made.
     """
     return _REGISTRY.make(name, options)
-
-
-def overview() -> dict[str, MatcherInfo | Exception]:
-    """What each installed matcher is, or the error with which it cannot be loaded; the metadata is read once."""
-    return {name: _info(found) if isinstance(found, Plugin) else found for name, found in _REGISTRY.overview().items()}
-
-
-def name_of(instance: AbstractMatcher) -> str:
-    """The name under which the matcher's class is registered, or the class's name if it is not; imports nothing."""
-    return _REGISTRY.name_of(instance)
-
-
-def origin_of(instance: AbstractMatcher) -> str:
-    """The distribution of the matcher's class and its version, or the class's module if it is not installed."""
-    return _REGISTRY.origin_of(instance)
 
 
 def as_matcher(given: Any) -> AbstractMatcher:
@@ -75,10 +50,3 @@ def as_matcher(given: Any) -> AbstractMatcher:
         f"matcher is a {type(given).__name__}; give a name ({', '.join(matchers())}) or a matcher such as "
         "sr.SGBM(num_disparities=128)."
     )
-
-
-def _info(found: Plugin[AbstractMatcher]) -> MatcherInfo:
-    runs = "on the host"
-    if found.cls.traceable:
-        runs = "in JAX, smooth" if found.cls.smooth else "in JAX"
-    return MatcherInfo(found.name, found.distribution, found.version, runs, found.summary)

@@ -8,18 +8,18 @@ from stereorecal._errors import (
     NeedNotMet as NeedNotMet,
     StrategyError as StrategyError,
 )
-from stereorecal.strategies._budget import Budget as Budget, as_budget as as_budget
-from stereorecal.strategies._contract import (
-    AbstractStrategy as AbstractStrategy,
-    Outcome as Outcome,
-    Status as Status,
+from stereorecal.strategies._contract import AbstractStrategy as AbstractStrategy, Outcome as Outcome, Status as Status
+from stereorecal.strategies._objective import (
+    Budget as Budget,
+    Need as Need,
+    Objective as Objective,
+    Problem as Problem,
+    Trace as Trace,
+    Traced as Traced,
+    as_budget as as_budget,
 )
-from stereorecal.strategies._evaluation_trace import Trace as Trace
-from stereorecal.strategies._objective import Need as Need, Objective as Objective, Problem as Problem, Traced as Traced
-from stereorecal.strategies._recorder import Recorder as Recorder
 from stereorecal.strategies._run_strategy import Run as Run, run_strategy as run_strategy
 from stereorecal.strategies._strategy_registry import (
-    StrategyInfo as StrategyInfo,
     check_installed as check_installed,
     describe as describe,
     name_of as name_of,

@@ -1,21 +1,23 @@
-"""The objective: the function that a strategy maximises, on the host and in JAX, with a budget; and what strategies
-need of it."""
+"""The objective: the function that a strategy maximises, on the host and in JAX, with a budget and a record of every
+evaluation; and what strategies need of it."""
 
 import enum
+import reprlib
+import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
-from stereorecal.strategies._budget import Budget, as_budget
-from stereorecal.strategies._evaluation_trace import Trace
-from stereorecal.strategies._recorder import Recorder
+from stereorecal._errors import BudgetExhausted, InputError
 
 if TYPE_CHECKING:
     import jax  # which takes time to import, and names of strategies do not need
 
+_ROUNDING = 1e-9  # of a sum of costs: those such as 0.09 are not exact in binary
 _CLOCK_INTERVAL = 16  # points between two checks of the clock, where a limit in seconds holds
 
 TracedFunction = Callable[["jax.Array"], "jax.Array"]
@@ -68,6 +70,89 @@ class Problem:
     images: Any = None
 
 
+@dataclass(frozen=True)
+class Budget:
+    """How much a strategy may spend; None means no limit.
+
+    Attributes:
+        evaluations: in units of one matcher run on one full-size frame. A candidate at image scale s over k frames
+            costs k s² units.
+        seconds: wall-clock time. A run that this limit cuts short is not repeatable.
+
+    Raises:
+        InputError: if a limit is not a finite positive number.
+    """
+
+    evaluations: float | None = None
+    seconds: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, limit in (("evaluations", self.evaluations), ("seconds", self.seconds)):
+            if limit is not None and not (_is_number(limit) and 0 < limit <= sys.float_info.max):
+                raise InputError(
+                    f"the budget of {reprlib.repr(limit)} {name} makes no sense; "
+                    "give a positive number, or None for no limit."
+                )
+
+
+def as_budget(value: Any) -> Budget:
+    """`value` as a Budget: None is no limit, a number is a limit on `evaluations`, a Budget is returned as it is.
+
+    Raises:
+        InputError: if it is anything else, or a number that is not positive.
+    """
+    if value is None:
+        return Budget()
+    if isinstance(value, Budget):
+        return value
+    if isinstance(value, np.generic):
+        value = value.item()
+    if _is_number(value):
+        return Budget(evaluations=None if value == np.inf else value)
+    raise InputError(
+        f"budget is {reprlib.repr(value)}; give a number of units, such as budget=500, "
+        "or sr.Budget(evaluations=500, seconds=20)."
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """All evaluations of a run, in order.
+
+    Attributes:
+        points: (m, n) float64, in the unit box.
+        values: (m,) float64; NaN where a strategy charged for work inside JAX, which reports no value.
+        cost: (m,) float64, units spent up to and including each evaluation.
+        seconds: (m,) float64, since the start of the run.
+        evaluations: (m,) int64, index of each evaluation, from 1; a charge counts as one evaluation.
+    """
+
+    points: Float[np.ndarray, "m n"]
+    values: Float[np.ndarray, "m"]
+    cost: Float[np.ndarray, "m"]
+    seconds: Float[np.ndarray, "m"]
+    evaluations: Int[np.ndarray, "m"]
+
+    @property
+    def total_cost(self) -> float:
+        """Units spent in total."""
+        return float(self.cost[-1]) if len(self.cost) else 0.0
+
+    def best_within(self, cost: float) -> float | None:
+        """The highest value among the first `cost` units, or None if there was none."""
+        values = self.values[self.cost <= cost * (1.0 + _ROUNDING)]
+        return float(np.nanmax(values)) if np.isfinite(values).any() else None
+
+    def charged_within(self, cost: float) -> Float[np.ndarray, "n"] | None:
+        """The last point that was charged for without a value among the first `cost` units, or None."""
+        points = self.points[(self.cost <= cost * (1.0 + _ROUNDING)) & np.isnan(self.values)]
+        return points[-1] if len(points) else None
+
+
 class Objective:
     """A Problem with a budget: every evaluation is counted, recorded, and refused once the budget is spent.
 
@@ -80,7 +165,9 @@ class Objective:
     def __init__(self, problem: Problem, budget: Budget | float | None = None) -> None:
         self.problem = problem
         self.budget = as_budget(budget)
-        self._recorder = Recorder(self.budget, problem.dim)
+        self._began = time.perf_counter()
+        self._exhausted = False  # once it is, it stays so
+        self._rows: list[tuple[np.ndarray, float, float, float]] = []  # of the trace, without the index
 
     @property
     def dim(self) -> int:
@@ -111,17 +198,27 @@ class Objective:
     @property
     def remaining(self) -> float:
         """Units left in the budget; infinite without a limit, 0 once the time is up."""
-        return self._recorder.remaining
+        if self._exhausted or self._is_late():
+            return 0.0
+        limit = self.budget.evaluations
+        return np.inf if limit is None else max(0.0, limit - self.spent)
 
     @property
     def spent(self) -> float:
         """Units spent so far."""
-        return self._recorder.spent
+        return self._rows[-1][2] if self._rows else 0.0
 
     @property
     def trace(self) -> Trace:
         """All evaluations so far."""
-        return self._recorder.trace()
+        points, values, cost, seconds = zip(*self._rows, strict=True) if self._rows else ((), (), (), ())
+        return Trace(
+            np.array(points, float).reshape(-1, self.dim),
+            np.array(values, float),
+            np.array(cost, float),
+            np.array(seconds, float),
+            np.arange(1, len(values) + 1),
+        )
 
     def value(self, z: Float[np.ndarray, "n"]) -> float:
         """The score at one point, a Python float. Raises BudgetExhausted once the budget is spent."""
@@ -140,10 +237,10 @@ class Objective:
         values = [np.zeros(0)]
         size = max(1, len(points) if self.budget.seconds is None else _CLOCK_INTERVAL)
         for part in (points[first : first + size] for first in range(0, max(1, len(points)), size)):
-            fits = self._recorder.affordable(len(part), self.cost)
+            fits = self._affordable(len(part), self.cost)
             values.append(self.problem.values(part[:fits]) if fits else np.zeros(0))
-            self._recorder.record(part[:fits], values[-1], self.cost)
-            self._recorder.raise_if_exhausted()
+            self._record(part[:fits], values[-1], self.cost)
+            self._raise_if_exhausted()
         return np.concatenate(values)
 
     def charge(self, cost: float, best: Float[np.ndarray, "n"]) -> None:
@@ -158,11 +255,10 @@ class Objective:
         if not 0 <= cost < np.inf:
             raise ValueError(f"a cost of {cost} units makes no sense; it is a finite number, 0 or more")
         best = self._checked(np.asarray(best, float)[None])
-        self._recorder.raise_if_exhausted()
-        self._recorder.record(best, np.array([np.nan]), cost)
-        if self._recorder.remaining <= 0:
-            self._recorder.exhausted = True
-            self._recorder.raise_if_exhausted()
+        self._raise_if_exhausted()
+        self._record(best, np.array([np.nan]), cost)
+        self._exhausted = self.remaining <= 0
+        self._raise_if_exhausted()
 
     def reserve(self, cost: float) -> None:
         """Make sure that a step of `cost` units still fits into the budget. Spends nothing: `charge` does, afterwards.
@@ -170,8 +266,8 @@ class Objective:
         Raises:
             BudgetExhausted: if it does not fit.
         """
-        self._recorder.affordable(1, cost)
-        self._recorder.raise_if_exhausted()
+        self._affordable(1, cost)
+        self._raise_if_exhausted()
 
     def with_budget(self, budget: Budget | float | None) -> "Objective":
         """The same problem with another budget, of which nothing is spent yet, and an empty trace."""
@@ -194,3 +290,26 @@ class Objective:
         if not np.isfinite(points).all() or np.abs(points).max(initial=0.0) > 1.0 + 1e-9:
             raise ValueError("a point lies outside the unit box [-1, 1]^n")
         return points
+
+    def _affordable(self, wanted: int, cost: float) -> int:
+        """How many of `wanted` evaluations at `cost` units each still fit; if not all do, the budget is exhausted."""
+        fits = wanted
+        if self._exhausted or self._is_late():
+            fits = 0
+        elif self.budget.evaluations is not None and cost > 0:
+            left = self.budget.evaluations * (1.0 + _ROUNDING) - self.spent
+            fits = int(min(wanted, max(0.0, left) // cost))
+        self._exhausted = self._exhausted or fits < wanted
+        return fits
+
+    def _record(self, points: Float[np.ndarray, "k n"], values: Float[np.ndarray, "k"], cost: float) -> None:
+        seconds = time.perf_counter() - self._began
+        for point, value in zip(points, values, strict=True):
+            self._rows.append((np.array(point, float), float(value), self.spent + cost, seconds))
+
+    def _raise_if_exhausted(self) -> None:
+        if self._exhausted:
+            raise BudgetExhausted
+
+    def _is_late(self) -> bool:
+        return self.budget.seconds is not None and time.perf_counter() - self._began >= self.budget.seconds

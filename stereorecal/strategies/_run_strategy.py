@@ -8,8 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import BudgetExhausted, NeedNotMet, PluginError, StrategyError
 from stereorecal.strategies._contract import AbstractStrategy, Outcome, Status
-from stereorecal.strategies._evaluation_trace import Trace
-from stereorecal.strategies._objective import Objective
+from stereorecal.strategies._objective import Objective, Trace
 from stereorecal.strategies._strategy_registry import name_of, origin_of
 
 

@@ -25,6 +25,13 @@ class Blind(AbstractMatcher):
 
 
 @dataclass(frozen=True)
+class Rough(Blind):
+    """Pure, and has no soft match."""
+
+    traceable = True
+
+
+@dataclass(frozen=True)
 class Crashing(AbstractMatcher):
     """Has a bug."""
 
@@ -35,7 +42,7 @@ class Crashing(AbstractMatcher):
 @pytest.fixture
 def plugins(install, monkeypatch: pytest.MonkeyPatch) -> None:
     """Matchers of somebody else's, beside all strategies that are installed."""
-    names = {"mine": "Mine", "blind": "Blind", "crashing": "Crashing", "shaky": "Missing"}
+    names = {"mine": "Mine", "blind": "Blind", "rough": "Rough", "crashing": "Crashing", "shaky": "Missing"}
     install("stereorecal.matchers", {name: f"{__name__}:{cls}" for name, cls in names.items()})
     monkeypatch.setitem(sys.modules, __name__, sys.modules[Mine.__module__])
 
@@ -46,6 +53,7 @@ def test_list(command, plugins):
     lines = {line.split()[0]: line for line in answer.out.splitlines() if line.strip()}
     assert "stereorecal" in lines["sad"]
     assert "in JAX, smooth" in lines["sad"]
+    assert "in JAX " in lines["rough"]
     assert "on the host" in lines["mine"]
     assert "BM under another name." in lines["mine"]
     assert "cannot be loaded" in answer.out

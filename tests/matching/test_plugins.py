@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
+from stereorecal._plugins import Plugin
 from stereorecal.matching import (
     AbstractMatcher,
     Disparity,
-    MatcherInfo,
     as_matcher,
     name_of,
     origin_of,
@@ -62,7 +62,7 @@ def test_ours_are_there_whatever_the_metadata_says(installed, metadata):
     assert sr.matchers() == ("bm", "sad", "sgbm")
     assert sr.matcher("sgbm", num_disparities=32) == sr.SGBM(num_disparities=32)
     found = overview()
-    assert all(isinstance(info, MatcherInfo) and info.distribution == "stereorecal" for info in found.values())
+    assert all(isinstance(info, Plugin) and info.distribution == "stereorecal" for info in found.values())
     assert [name_of(one) for one in (sr.SAD(), sr.BM(), sr.SGBM())] == ["sad", "bm", "sgbm"]
     assert origin_of(sr.BM()).startswith("stereorecal ")
 
@@ -76,8 +76,9 @@ def test_a_plugin_is_one_of_them(installed):
     assert origin_of(made) == "plug-in 1.2"
     assert as_matcher("nothing") == Nothing()
     found = overview()
-    assert found["nothing"] == MatcherInfo("nothing", "plug-in", "1.2", "on the host", "Finds nothing.")
-    assert [found[name].runs for name in ("sad", "traced")] == ["in JAX, smooth", "in JAX"]
+    assert found["nothing"] == Plugin("nothing", "plug-in", "1.2", Nothing)
+    assert found["nothing"].summary == "Finds nothing."
+    assert [found[name].cls for name in ("sad", "traced")] == [sr.SAD, Traced]
     assert "nothing" not in strategies()
 
 

@@ -15,6 +15,7 @@ import pytest
 from stereorecal import InputError, MatcherError, StrategyError, matching
 from stereorecal.strategies import (
     AbstractStrategy,
+    Need,
     describe,
     name_of,
     origin_of,
@@ -52,7 +53,7 @@ def test_what_is_installed():
     assert made.step == 0.25
     info = describe("compass")
     assert info.distribution == "stereorecal-compass"
-    assert info.needs == "host"
+    assert info.cls.needs is Need.HOST
     assert info.summary.startswith("Compass (pattern) search")
     assert origin_of(made) == f"{info.distribution} {info.version}"
 

@@ -39,6 +39,6 @@ def test_each_is_found_and_described_by_its_name(name):
     assert isinstance(made, AbstractStrategy)
     assert name.replace("-", "").removeprefix("optimistix") == type(made).__name__.lower()
     assert info.distribution == "stereorecal-optimistix"
-    assert info.needs == made.needs.name.lower()
+    assert info.cls is type(made)
     assert info.summary.endswith(".")
     assert len(info.summary) <= 120
