@@ -8,7 +8,10 @@ matcher, on all cores.
 from stereorecal.scoring._correspondences import (
     TILES as TILES,
     Correspondences as Correspondences,
+    Tracks as Tracks,
     correspondences as correspondences,
+    median_row_error as median_row_error,
+    row_differences as row_differences,
     with_rays_of as with_rays_of,
 )
 from stereorecal.scoring._count import (
@@ -33,8 +36,3 @@ from stereorecal.scoring._prepare import (
     prepare as prepare,
     pyramid as pyramid,
 )
-from stereorecal.scoring._row_differences import (
-    median_row_error as median_row_error,
-    row_differences as row_differences,
-)
-from stereorecal.scoring._tracks import Tracks as Tracks

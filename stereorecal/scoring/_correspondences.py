@@ -1,4 +1,5 @@
-"""Dense correspondences from the stereo matcher: pairs of rays of both cameras, with the variance of their row offset.
+"""Dense correspondences from the stereo matcher: pairs of rays of both cameras, with the variance of their row offset;
+their row differences under given extrinsics; and tracks, points that a moving rig sees twice.
 
 A grid of cells is laid over each frame; each cell gives the weighted mean of its pixels. The number of correspondences
 then depends on the image size only, and pixels whose windows overlap do not count many times.
@@ -7,18 +8,20 @@ then depends on the image size only, and pixels whose windows overlap do not cou
 import math
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace, product, register_pytree
+from stereorecal._arrays import AnyArray, Extrinsics, is_host, namespace, product, register_pytree
 from stereorecal.geometry import (
     PINHOLE,
     Camera,
     StereoRig,
     cubic_warp,
+    projection,
     rectifying_rotations,
     reread,
     rotation_from_euler,
@@ -26,13 +29,13 @@ from stereorecal.geometry import (
 )
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
-from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
+from stereorecal.scoring._rectify import Rectified, checked_extrinsics, match_frame, pure_matcher, rectify_frames
 from stereorecal.scoring._subpixel import WINDOW, refine
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over
 TILES = (8, 6)  # columns and rows of tiles in a frame, the units of resampling
 _FLOOR = 0.01  # pixels: the smallest standard deviation of a window
+SMALLEST_SPREAD = 0.05  # pixels; matching is never better than that
 
 
 @register_pytree
@@ -191,3 +194,70 @@ def _tiles(frames: int, columns: int, rows: int) -> Int[np.ndarray, "k m"]:
     down = np.arange(rows) * TILES[1] // rows
     tile = (down[:, None] * TILES[0] + across[None, :]).reshape(-1)
     return (np.arange(frames)[:, None] * TILES[0] * TILES[1] + tile).astype(np.int32)
+
+
+def row_differences(found: Correspondences, extrinsics: Float[AnyArray, "6"]) -> Float[AnyArray, "k m"]:
+    """Row in the rectified left image less the row in the rectified right one, in pixels of the scale of `found`.
+
+    Pure; composes under `jit`, `vmap` over the extrinsics, `grad` and `jacfwd`. Where nothing was found
+    (`found.weight` is 0) the value is meaningless.
+
+    Args:
+        found: what `correspondences` returned.
+        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
+
+    Returns:
+        (k, m); NumPy in float64 if both arguments are NumPy's, else JAX in float32.
+    """
+    extrinsics = checked_extrinsics(extrinsics)
+    if is_host(*jax.tree.leaves(found), extrinsics):
+        return differences_of(found, extrinsics)
+    return _compiled(found, extrinsics)
+
+
+def differences_of(found: Correspondences, extrinsics: Extrinsics) -> Float[AnyArray, "k m"]:
+    """`row_differences` (k, m), for callers that compile it as a part of their own program."""
+    xp = namespace(found.left, extrinsics)
+    first, second = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+
+    def rows(rays, rotation):
+        x, y, z = rays[..., 0], rays[..., 1], rays[..., 2]  # written out: a GPU would multiply matrices with ten bits
+        (a, b, c), (d, e, f) = rotation[1], rotation[2]
+        return row(a * x + b * y + c * z, d * x + e * y + f * z)
+
+    row = projection(found.projection).row
+    return xp.asarray(found.focal) * (rows(found.left, first) - rows(found.right, second))
+
+
+# `checkpoint`: in reverse mode, to keep some seventy small factors of the derivative takes longer than to compute them.
+_compiled = jax.jit(jax.checkpoint(differences_of))
+
+
+def median_row_error(found: Correspondences, extrinsics: Extrinsics) -> float:
+    """Median |row difference| in pixels at full size; NaN if nothing was found."""
+    valid = np.asarray(found.weight) > 0
+    differences = row_differences(found, extrinsics)
+    return float(np.median(np.abs(differences[valid])) / float(found.scale)) if valid.any() else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """m points in two consecutive pairs.
+
+    Attributes:
+        left, right: (2, m, 2) pixels (column, row) as the cameras took them, at full size, of the first pair and of the
+            second; float64.
+        readout: time from the first row of an image to the last, of a rolling shutter, as a share of the time from one
+            pair to the other; 0: all rows at once.
+    """
+
+    left: Float[np.ndarray, "2 m 2"]
+    right: Float[np.ndarray, "2 m 2"]
+    readout: float = 0.0
+
+    def __len__(self) -> int:
+        return self.left.shape[1]
+
+    def of(self, which: Any) -> "Tracks":
+        """The tracks of an index or mask."""
+        return replace(self, left=self.left[:, which], right=self.right[:, which])

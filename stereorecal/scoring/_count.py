@@ -19,8 +19,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._pure_arguments import checked_extrinsics, pure_matcher
-from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
+from stereorecal.scoring._rectify import Rectified, checked_extrinsics, match_frame, pure_matcher, rectify_frames
 
 TracedScore = Callable[[Any, jax.Array], jax.Array]
 

@@ -83,20 +83,18 @@ class ImageQuality:
     @property
     def enough(self) -> bool:
         """True if images of an aligned rig would match."""
-        return self.textured and not (self.dark or self.misleading or self.noise)
+        return self.problem is None
 
 
 def image_quality(pair: Pair) -> ImageQuality:
     """The quality of a pair's images."""
     images = [np.asarray(image, np.float32) for image in (pair.left, pair.right)]
-    each = [_image_circle_share(_small(image)) for image in images]
-    share_shown, brightness = (
-        min(each),
-        min(float(image.mean()) / share for image, share in zip(images, each, strict=True)),
-    )
+    shares = [_image_circle_share(_small(image)) for image in images]
+    brightness = min(float(image.mean()) / share for image, share in zip(images, shares, strict=True))
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)
-    noise = texture >= _TEXTURED * share_shown and any(_is_noise(image) for image in images)
-    return ImageQuality(brightness, texture, noise, share_shown, is_coarse(pair), any(map(_is_interlaced, images)))
+    shown = min(shares)
+    noise = texture >= _TEXTURED * shown and any(_is_noise(image) for image in images)
+    return ImageQuality(brightness, texture, noise, shown, is_coarse(pair), any(map(_is_interlaced, images)))
 
 
 def is_coarse(pair: Pair) -> bool:

@@ -1,34 +1,31 @@
 """Rectified frames: images and the areas that they really cover, under candidate extrinsics; and their match: valid are
-the pixels that pass `AbstractMatcher.match`, texture and area.
+the pixels that pass `AbstractMatcher.match`, texture and area. And checks of the arguments of the pure scores.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, namespace, register_pytree
 from stereorecal._errors import InputError, MatcherError
-from stereorecal.geometry import bilinear_warp, mapped_area, rectifying_maps, rotation_from_euler
-from stereorecal.matching import AbstractMatcher, Disparity, name_of, origin_of
+from stereorecal.geometry import StereoRig, bilinear_warp, mapped_area, rectifying_maps, rotation_from_euler
+from stereorecal.matching import AbstractMatcher, Disparity, as_matcher, name_of, origin_of
 from stereorecal.scoring._prepare import ScoringData
 
 
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class Rectified:
-    """One rectified frame.
+    """One rectified frame."""
 
-    Attributes:
-        left, right: (h, w) float32.
-        left_area, right_area: (h, w) bool, or float32 in [0, 1] where borders are soft.
-    """
-
-    left: Float[AnyArray, "h w"]
-    right: Float[AnyArray, "h w"]
-    left_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
-    right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]
+    left: Float[AnyArray, "h w"]  # float32
+    right: Float[AnyArray, "h w"]  # float32
+    left_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]  # float32 in [0, 1] where borders are soft
+    right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]  # likewise
 
 
 def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area, warp=bilinear_warp, more=()):
@@ -75,3 +72,42 @@ def match_frame(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
     inside = (partner >= 0) & (partner < width)
     partner_area = xp.take_along_axis(xp.asarray(frame.right_area), xp.clip(partner, 0, width - 1), axis=1)
     return Disparity(disparity.values, disparity.valid & inside & frame.left_area & partner_area)
+
+
+def checked_extrinsics(extrinsics: Any) -> Float[jax.Array | np.ndarray, "6"]:
+    """The extrinsics of one candidate, (6,).
+
+    Raises:
+        InputError: if they are a rig, or have another shape.
+    """
+    if isinstance(extrinsics, StereoRig):
+        raise InputError("the extrinsics are a rig; give rig.extrinsics.")
+    if not isinstance(extrinsics, jax.Array | np.ndarray):
+        extrinsics = np.asarray(extrinsics, float)
+    if jnp.shape(extrinsics) != (6,):
+        raise InputError(
+            f"the extrinsics have shape {jnp.shape(extrinsics)}, not (6,): pitch, yaw, roll [rad], x, y, z [m]; for "
+            "many candidates, use jax.vmap over them."
+        )
+    return extrinsics
+
+
+def pure_matcher(matcher: AbstractMatcher | str, scale: float, score: str, *, smooth: bool = False) -> AbstractMatcher:
+    """The matcher at an image scale, if the pure function called `score` can use it.
+
+    Raises:
+        InputError: if it runs on the host, is not smooth where it must be, or its disparity range is not known.
+    """
+    matcher = as_matcher(matcher)
+    name = type(matcher).__name__
+    if not (matcher.smooth if smooth else matcher.traceable):
+        raise InputError(
+            f"{score} needs a matcher in JAX{' with a differentiable twin' if smooth else ''}, and {name} is none; "
+            "use sr.SAD(...), or sr.score, which takes every matcher."
+        )
+    if matcher.num_disparities is None:
+        raise InputError(
+            f"{score} needs to know the disparity range; give num_disparities, as in sr.{name}(num_disparities=96), or "
+            "have it measured: sr.with_disparity_range(matcher, rig, pairs)."
+        )
+    return matcher.scaled(scale)

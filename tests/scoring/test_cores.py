@@ -12,7 +12,7 @@ from stereorecal.geometry import with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pair
 from stereorecal.scoring import ScoringData, prepare
-from stereorecal.scoring.host import counts_one_by_one
+from stereorecal.scoring.host import counts_by_tile
 from stereorecal.synthetic import default_rig
 
 RIG = default_rig().resized((160, 120))
@@ -59,17 +59,17 @@ def candidates(number: int) -> np.ndarray:
 
 def test_order_is_kept_and_threads_are_used(frames):
     matcher, points = Watched(), candidates(20)
-    found = counts_one_by_one(frames[0], points, matcher)
+    found = counts_by_tile(frames[0], points, matcher).sum(axis=(1, 2))
     assert len(matcher.seen) == 20
     assert MAIN not in {thread for thread, _ in matcher.seen}
     assert len(set(found)) > 10
-    np.testing.assert_array_equal(found, [counts_one_by_one(frames[0], one[None], matcher)[0] for one in points])
+    np.testing.assert_array_equal(found, [counts_by_tile(frames[0], one[None], matcher).sum() for one in points])
 
 
 def test_a_piece_of_such_work_stays_on_its_thread(frames):
     """Else pieces would wait for pieces, for ever: all frames of a candidate, one after the other."""
     matcher = Watched()
-    counts_one_by_one(frames[4], candidates(8), matcher)
+    counts_by_tile(frames[4], candidates(8), matcher)
     for thread in {thread for thread, _ in matcher.seen}:
         of_thread = [frame for one, frame in matcher.seen if one is thread]
         assert of_thread == [*range(5)] * (len(of_thread) // 5)
@@ -77,5 +77,5 @@ def test_a_piece_of_such_work_stays_on_its_thread(frames):
 
 def test_errors_come_through(frames):
     with pytest.raises(MatcherError, match="three"):
-        counts_one_by_one(frames[4], candidates(6), Watched(fails_at=3))
-    assert len(counts_one_by_one(frames[4], candidates(3), Watched())) == 3
+        counts_by_tile(frames[4], candidates(6), Watched(fails_at=3))
+    assert len(counts_by_tile(frames[4], candidates(3), Watched())) == 3

@@ -27,7 +27,7 @@ def candidates_of(rig, number=4) -> np.ndarray:
 def check_scene(given, matcher, scale=1.0, within=True):
     """`within`: in programs of the user's own as well."""
     data, candidates = sr.prepare(given.rig, given.pairs, scale=scale), candidates_of(given.rig)
-    expected = host.counts_one_by_one(data, candidates, matcher)
+    expected = host.counts_by_tile(data, candidates, matcher).sum(axis=(1, 2))
     np.testing.assert_array_equal(host.counts(data, candidates, matcher), expected)
     assert expected[0] == sr.score(given.rig, given.pairs, matcher=matcher, scale=scale).count
     np.testing.assert_array_equal([sr.count(data, e, matcher) for e in candidates], expected)

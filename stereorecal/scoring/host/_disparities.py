@@ -1,5 +1,5 @@
-"""Frames on the host: rectified, then matched in blocks of rows on all cores, for every matcher; and correspondences by
-the same programs.
+"""Frames on the host: rectified, then matched in blocks of rows on all cores, for every matcher; and correspondences,
+and the counts of many candidates, by the same programs.
 """
 
 from functools import partial
@@ -7,17 +7,20 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
 from stereorecal._compile_cache import cached_program
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.scoring._correspondences import Correspondences, gathered, refined
+from stereorecal.scoring._correspondences import TILES, Correspondences, gathered, refined
+from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
 from stereorecal.scoring.host._cores import cores, on_all_cores
 
 _LARGEST_HALO = 0.1  # of the rows of a block
+_AT_ONCE = 64  # candidates in one call of a GPU, at most
+_PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
 
 _refined = cached_program(refined)
 
@@ -124,3 +127,53 @@ def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher
 def _of_one(found: Disparity) -> Disparity:
     """The disparity of one frame as that of all: (1, h, w)."""
     return jax.tree.map(lambda leaf: leaf[None], found)
+
+
+def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher) -> Int[np.ndarray, "n"]:
+    """The count of each candidate, (n,) int64, for any matcher with `num_disparities` (in full-size pixels).
+
+    A count never depends on how a batch was split. On a CPU each candidate is scored alone, on one core if there are
+    several. Elsewhere many are scored together, in batches of at most four sizes.
+    """
+    if matcher.traceable and jax.default_backend() != "cpu":
+        return counts_at_once(data, candidates, matcher)
+    return counts_by_tile(data, candidates, matcher).sum(axis=(1, 2))
+
+
+def counts_by_tile(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n k tiles"]:
+    """The counts of each tile of each frame, by the programs of `disparities`: nothing more to compile where those are
+    wanted as well."""
+    columns, rows = TILES
+    width, height = data.view.size
+    starts = [np.arange(number) * size // number for number, size in ((rows, height), (columns, width))]
+
+    def one(extrinsics: np.ndarray) -> Int[np.ndarray, "k tiles"]:
+        valid = (np.asarray(found.valid) for found in disparities(data, extrinsics, matcher))
+        strips = (np.add.reduceat(v, starts[0], axis=0, dtype=np.int64) for v in valid)
+        return np.stack([np.add.reduceat(strip, starts[1], axis=1).reshape(-1) for strip in strips])
+
+    return np.stack(on_all_cores(one, list(np.asarray(candidates, np.float32))))
+
+
+def counts_at_once(
+    data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: AbstractMatcher
+) -> Int[np.ndarray, "n"]:
+    """`counts` in padded batches of at most four sizes: few programs, and wide enough for a GPU."""
+    candidates, matcher = np.asarray(candidates, np.float32).reshape(-1, 6), matcher.scaled(data.scale)
+    width, height = data.view.size
+    size = max(1, min(_AT_ONCE, _PIXELS_AT_ONCE // (width * height)))
+    while size >= 4 * len(candidates) > 0:
+        size //= 4
+    found = [np.zeros(0, np.int64)]
+    for first in range(0, len(candidates), size):
+        batch = candidates[first : first + size]
+        padded = np.concatenate([batch, np.repeat(batch[-1:], size - len(batch), axis=0)])
+        found.append(np.asarray(_compiled_counts(data, padded, matcher), np.int64)[: len(batch)])
+    return np.concatenate(found)
+
+
+@partial(jax.jit, static_argnames="matcher")
+def _compiled_counts(data: ScoringData, candidates: Float[jax.Array, "n 6"], matcher: AbstractMatcher):
+    return jax.vmap(lambda extrinsics: count_scaled(data, extrinsics, matcher))(candidates)

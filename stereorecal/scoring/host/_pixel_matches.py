@@ -12,9 +12,9 @@ from stereorecal._arrays import Extrinsics
 from stereorecal._compile_cache import cached_program
 from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.scoring._correspondences import SMALLEST_SPREAD
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import rectify_frames
-from stereorecal.scoring._row_differences import SMALLEST_SPREAD
 from stereorecal.scoring._subpixel import refine
 from stereorecal.scoring.host._disparities import disparities
 
@@ -25,15 +25,10 @@ _FLAT = 0.3  # pixels of disparity off a plane: at an edge, either side may be m
 
 
 class PixelMatches(NamedTuple):
-    """The matches of single pixels of the left image in the right one, at full size; NaN where none is reliable.
+    """The matches of single pixels of the left image in the right one, at full size; NaN where none is reliable."""
 
-    Attributes:
-        pixels: (n, 2) column, row.
-        deviation: (n,) the standard deviation of the disparity, in pixels of the right camera.
-    """
-
-    pixels: Float[np.ndarray, "n 2"]
-    deviation: Float[np.ndarray, "n"]
+    pixels: Float[np.ndarray, "n 2"]  # column, row
+    deviation: Float[np.ndarray, "n"]  # standard deviation of the disparity, in pixels of the right camera
 
 
 def match_pixels(

@@ -12,8 +12,7 @@ from stereorecal.geometry import AnyView, StereoRig, checked_rig, with_unit_base
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
-from stereorecal.scoring.host._counts import counts_one_by_one
-from stereorecal.scoring.host._disparities import disparities, rectified_frame
+from stereorecal.scoring.host._disparities import counts_by_tile, disparities, rectified_frame
 from stereorecal.scoring.host._survey import with_measured_range
 
 
@@ -35,11 +34,7 @@ class Score:
         return self.count / self.pixels
 
     def __str__(self) -> str:
-        return f"{_spaced(self.count)} of {_spaced(self.pixels)} pixels ({100 * self.fraction:.1f} %)"
-
-
-def _spaced(number: int) -> str:
-    return f"{number:,}".replace(",", " ")
+        return f"{self.count:,} of {self.pixels:,} pixels ({100 * self.fraction:.1f} %)".replace(",", " ")
 
 
 def score(
@@ -65,10 +60,8 @@ def score(
     refuse_tracers("sr.score", "sr.count(data, extrinsics, matcher) on data = sr.prepare(rig, pairs)", rig, pairs, view)
     images = pyramid(checked_rig(rig), pairs, view)
     data = images.at(scale)
-    found = counts_one_by_one(
-        data, with_unit_baseline(images.rig.extrinsics)[None], with_measured_range(matcher, images)
-    )
-    return Score(int(found[0]), data.pixels)
+    candidate = with_unit_baseline(images.rig.extrinsics)[None]
+    return Score(int(counts_by_tile(data, candidate, with_measured_range(matcher, images)).sum()), data.pixels)
 
 
 def rectify(

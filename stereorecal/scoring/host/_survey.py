@@ -12,8 +12,7 @@ from stereorecal.geometry import AnyView, StereoRig, View, checked_rig, with_uni
 from stereorecal.matching import SAD, AbstractMatcher, Disparity, as_matcher
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
-from stereorecal.scoring.host._counts import counts
-from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._disparities import counts, disparities
 from stereorecal.scoring.host._swapped_images import refuse_swapped_images
 
 _COARSE_WIDTH = 128  # pixels: a few degrees of drift are a few rows here, within the window of the matcher
@@ -30,22 +29,13 @@ _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """The result of a coarse match of the images.
+    """The result of a coarse match of the images."""
 
-    Attributes:
-        offset: (6,) what to add to the extrinsics of the rig so that most pixels match: a step of a grid over pitch and
-            roll [rad], and over yaw if the reach is much wider than the default; the rest is 0.
-        disparities: of the surfaces found, in pixels of the coarse scale.
-        view: at that scale.
-        scale: pixels there per pixel at full size.
-        cost: in matcher runs on a full-size frame.
-    """
-
-    offset: Float[np.ndarray, "6"]
-    disparities: Float[np.ndarray, "n"]
-    view: View
-    scale: float
-    cost: float
+    offset: Float[np.ndarray, "6"]  # what to add to the extrinsics so that most pixels match: a step of `_offset_grid`
+    disparities: Float[np.ndarray, "n"]  # of the surfaces found, in pixels of the coarse scale
+    view: View  # at that scale
+    scale: float  # pixels there per pixel at full size
+    cost: float  # in matcher runs on a full-size frame
 
     def with_range(self, matcher: AbstractMatcher, yaw: float) -> AbstractMatcher:
         """The matcher with its number of disparities: its own, or measured when it is None.

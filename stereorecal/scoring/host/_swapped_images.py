@@ -6,13 +6,14 @@ the rotation between the cameras, so the answer is the same for any drift. In do
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig, rotation_from_euler
+from stereorecal.geometry import StereoRig, angle_between
 from stereorecal.recordings import Pair
 from stereorecal.scoring._image_quality import image_quality, select_frames
 from stereorecal.scoring._prepare import Pyramid
@@ -41,21 +42,23 @@ _ROUNDS = 6  # of least squares, which converge in two or three
 _TRANSPOSED = np.radians(5.0)  # the least rotation between cameras that cannot be a drift of its inverse
 _NEAR = np.radians(15.0)  # from the given rotation, three times the drift that must never be called a mistake
 
-# Pixels, their descriptors, and which are clear.
-_Features = tuple[Float[np.ndarray, "_ 2"], Float[np.ndarray, "_ c"], Bool[np.ndarray, "_"]]
+_Rays = tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]  # at depth 1, of the left and the right camera
+
+
+class _Features(NamedTuple):
+    """Where features are, in pixels of the image; their descriptors; and which are clear of glare."""
+
+    pixels: Float[np.ndarray, "n 2"]
+    descriptors: Float[np.ndarray, "n c"]
+    clear: Bool[np.ndarray, "n"]
 
 
 @dataclass(frozen=True)
 class FeatureMotion:
-    """What features say of the motion between two cameras, whatever the calibration.
+    """What features say of the motion between two cameras, whatever the calibration."""
 
-    Attributes:
-        turned: they fit the rig, but for a rotation.
-        aside: they fit the rig's rotation, but not the direction of its baseline, as if a camera had moved.
-    """
-
-    turned: bool
-    aside: bool
+    turned: bool  # they fit the rig, but for a rotation
+    aside: bool  # they fit the rig's rotation, but not the direction of its baseline, as if a camera had moved
 
 
 def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) -> FeatureMotion:
@@ -82,41 +85,41 @@ def _mistake_in(rig: StereoRig, pair: Pair) -> tuple[str | None, FeatureMotion]:
     if not image_quality(pair).enough or pair.size[0] < _SMALLEST:
         return None, FeatureMotion(turned=False, aside=False)
     left, right = (_features(np.asarray(image)) for image in (pair.left, pair.right))
-    given = _cheirality(rig, left[:2], right[:2], _tolerance(rig, pair))
+    tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])  # at depth 1
+    given = _cheirality(rig, left, right, tolerance)
     turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < _TURNED
     motion = FeatureMotion(bool(turned), bool(given.agree >= _MOST and given.aside > _ASIDE))
-    return _sentence(rig, pair, left, right, given), motion
+    return _sentence(rig, pair, left, right, given, tolerance), motion
 
 
-def _sentence(rig: StereoRig, pair: Pair, of_left: _Features, of_right: _Features, given: "_Cheirality") -> str | None:
-    (left, first, clear), (right, second, clear_too) = of_left, of_right
+def _sentence(
+    rig: StereoRig, pair: Pair, left: _Features, right: _Features, given: "_Cheirality", tolerance: float
+) -> str | None:
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
-    if min(len(left), len(right)) < enough:
+    if min(len(left.pixels), len(right.pixels)) < enough:
         return None
-    tolerance = _tolerance(rig, pair)
-    flipped, other, _ = _features(np.fliplr(np.asarray(pair.right)))
-    *_, mirrored = _rotation(*_rays_of_matches(rig, (left, first), (flipped, other)), tolerance)
+    flipped = _features(np.fliplr(np.asarray(pair.right)))
+    *_, mirrored = _rotation(_rays_of_matches(rig, left, flipped), tolerance)
     if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * given.agreeing) and mirrored.mean() >= _MOST:
         return "one of the two images is mirrored; flip it from left to right."
     if given.agreeing <= _CHANCE:
-        if not (_distinct(first) and _distinct(second)):
+        if not (_distinct(left.descriptors) and _distinct(right.descriptors)):
             return None  # a texture that repeats has no unambiguous matches in a correct pair either
-        if min(clear.sum(), clear_too.sum()) < enough:
+        if min(left.clear.sum(), right.clear.sum()) < enough:
             return None  # the sun on waves is elsewhere in each image
         return "the left and right images show different things; give images that both cameras took at the same time."
     if given.agreeing < _ENOUGH_AGREE or given.agree < _MOST:
         return None
-    calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
-    if _angle(given.rotation @ np.diag([-1.0, -1.0, 1.0]), calibrated) < _NEAR:
+    calibrated = np.asarray(rig.rotation)
+    if angle_between(given.rotation @ np.diag([-1.0, -1.0, 1.0]), calibrated) < _NEAR:
         return "one of the two images is upside down; turn it by 180 degrees."
-    if _angle(calibrated, np.eye(3)) > _TRANSPOSED and _angle(given.rotation, calibrated.T) < 0.5 * _angle(
-        calibrated, np.eye(3)
-    ):
+    angle = angle_between(calibrated, np.eye(3))
+    if angle > _TRANSPOSED and angle_between(given.rotation, calibrated.T) < 0.5 * angle:
         return (
             "the rotation between the cameras looks inverted (transposed): it must turn points of the left camera into "
             "the right one; transpose it."
         )
-    exchanged = _cheirality(rig, (right, second), (left, first), tolerance)
+    exchanged = _cheirality(rig, right, left, tolerance)
     if (
         exchanged.share >= _AHEAD
         and exchanged.angle < _NEAR
@@ -129,89 +132,66 @@ def _sentence(rig: StereoRig, pair: Pair, of_left: _Features, of_right: _Feature
     return None
 
 
-def _tolerance(rig: StereoRig, pair: Pair) -> float:
-    """Of the distance to an epipolar line, at depth 1."""
-    return _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])
-
-
-def _rays_of_matches(
-    rig: StereoRig,
-    left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
-    right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
-) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
-    """Rays at depth 1 of the features (pixels, descriptors) of both images that are mutual nearest neighbours."""
-    left_index, right_index = _mutual_matches(left[1], right[1])
-    first, second = np.asarray(rig.left.rays(left[0][left_index])), np.asarray(rig.right.rays(right[0][right_index]))
+def _rays_of_matches(rig: StereoRig, left: _Features, right: _Features) -> _Rays:
+    """Rays of the features of both images that are mutual nearest neighbours."""
+    which = _mutual_matches(left.descriptors, right.descriptors)
+    sides = zip((rig.left, rig.right), (left, right), which, strict=True)
+    first, second = (np.asarray(camera.rays(found.pixels[index]), float) for camera, found, index in sides)
     return _at_depth_1(first), _at_depth_1(second)
 
 
 @dataclass(frozen=True, eq=False)
 class _Cheirality:
-    """Cheirality, once rows are aligned across the given baseline.
+    """Cheirality, once rows are aligned across the given baseline."""
 
-    Attributes:
-        rotation: of the motion on which most pairs agree, left to right.
-        agreeing: how many do.
-        share: of the pairs that agree on a motion, that are not behind both cameras.
-        agree, aligned: share of all pairs that agree on the motion, and that this rotation aligns.
-        angle: from the given rotation to that one, rad.
-        aside: from the given baseline to the direction of the motion, or its opposite, rad.
-    """
-
-    rotation: Float[np.ndarray, "3 3"]
-    agreeing: int
-    share: float
-    agree: float
-    aligned: float
-    angle: float
-    aside: float
+    rotation: Float[np.ndarray, "3 3"]  # of the motion on which most pairs agree, left to right
+    agreeing: int  # how many do
+    share: float = 0.0  # of the pairs that agree on a motion, that are not behind both cameras
+    agree: float = 0.0  # share of all pairs that agree on the motion
+    aligned: float = 0.0  # share of all pairs that this rotation aligns
+    angle: float = np.pi  # rad, from the given rotation to that one
+    aside: float = 0.0  # rad, from the given baseline to the direction of the motion, or its opposite
 
 
-def _cheirality(
-    rig: StereoRig,
-    left: tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n c"]],
-    right: tuple[Float[np.ndarray, "m 2"], Float[np.ndarray, "m c"]],
-    tolerance: float,
-) -> _Cheirality:
-    """Of features (pixels, descriptors), if the first images are the left camera's. The sign of parallax tells, since
-    the direction of the baseline is known better than any essential matrix has it."""
+def _cheirality(rig: StereoRig, left: _Features, right: _Features, tolerance: float) -> _Cheirality:
+    """If the first images are the left camera's. The sign of parallax tells, since the direction of the baseline is
+    known better than any essential matrix has it."""
     rays = _rays_of_matches(rig, left, right)
-    rotation, along, agree = _rotation(*rays, tolerance)
+    rotation, along, agree = _rotation(rays, tolerance)
     agreeing = int(agree.sum())
     if agreeing <= _CHANCE:
-        return _Cheirality(rotation, agreeing, 0.0, 0.0, 0.0, np.pi, 0.0)
-    calibrated = np.asarray(rotation_from_euler(np.asarray(rig.extrinsics[:3], float)))
+        return _Cheirality(rotation, agreeing)
+    calibrated = np.asarray(rig.rotation)
     towards = np.asarray(rig.translation, float) / float(rig.baseline)
-    start = rotation if _angle(rotation, calibrated) < _NEAR else calibrated
+    start = rotation if angle_between(rotation, calibrated) < _NEAR else calibrated
     first, second = (found[agree] for found in rays)
     turned = _aligned(first, second, start, towards, tolerance)
     across = np.einsum("ni,ni->n", second, np.cross(towards, first @ turned.T))
     parallax = (second - _at_depth_1(first @ turned.T)) @ towards / tolerance
     aligned = float(np.sum(np.abs(across) < tolerance)) / len(agree)
     aside = float(np.arccos(np.clip(abs(along @ towards), 0.0, 1.0)))
-    share, angle = float(np.mean(parallax > _BEHIND)), _angle(turned, calibrated)
+    share, angle = float(np.mean(parallax > _BEHIND)), float(angle_between(turned, calibrated))
     return _Cheirality(rotation, agreeing, share, float(agree.mean()), aligned, angle, aside)
 
 
 def _features(image: np.ndarray) -> _Features:
-    """Where features are, in pixels of the image, their descriptors, and which are clear of glare."""
     scale = _WIDTH / image.shape[1]
     how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
     grey = np.clip(np.round(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how)), 0, 255).astype(np.uint8)
     points, descriptors = cv2.SIFT.create(_FEATURES).detectAndCompute(grey, None)
     if descriptors is None:
-        return np.zeros((0, 2)), np.zeros((0, 128), np.float32), np.zeros(0, bool)
+        return _Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32), np.zeros(0, bool))
     where = np.array([point.pt for point in points])
     glare = cv2.dilate((grey >= _GLARE).astype(np.uint8), np.ones((2 * _AROUND + 1,) * 2, np.uint8))
     column, row = np.clip(np.round(where), 0, np.array(grey.shape)[::-1] - 1).astype(int).T
-    return (where + 0.5) / scale - 0.5, descriptors, glare[row, column] == 0
+    return _Features((where + 0.5) / scale - 0.5, descriptors, glare[row, column] == 0)
 
 
 def _mutual_matches(
     first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]
 ) -> tuple[Int[np.ndarray, "p"], Int[np.ndarray, "p"]]:
     """Indices of mutual nearest neighbours that pass the ratio test."""
-    distances = (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
+    distances = _squared_distances(first, second)
     of_first, of_second = distances.argmin(axis=1), distances.argmin(axis=0)
     indices = np.arange(len(first))
     best = distances[indices, of_first]
@@ -222,8 +202,11 @@ def _mutual_matches(
 
 def _distinct(descriptors: Float[np.ndarray, "n c"]) -> bool:
     """Whether most features of an image differ from all others of it."""
-    distances = (descriptors**2).sum(1)[:, None] + (descriptors**2).sum(1) - 2.0 * descriptors @ descriptors.T
-    return float(np.median(_second_best(distances, 1))) > _DISTINCT**2
+    return float(np.median(_second_best(_squared_distances(descriptors, descriptors), 1))) > _DISTINCT**2
+
+
+def _squared_distances(first: Float[np.ndarray, "n c"], second: Float[np.ndarray, "m c"]) -> Float[np.ndarray, "n m"]:
+    return (first**2).sum(1)[:, None] + (second**2).sum(1) - 2.0 * first @ second.T
 
 
 def _second_best(distances: Float[np.ndarray, "n m"], axis: int) -> Float[np.ndarray, "k"]:
@@ -231,17 +214,17 @@ def _second_best(distances: Float[np.ndarray, "n m"], axis: int) -> Float[np.nda
 
 
 def _rotation(
-    left: Float[np.ndarray, "n 3"], right: Float[np.ndarray, "n 3"], tolerance: float
+    rays: _Rays, tolerance: float
 ) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"], Bool[np.ndarray, "n"]]:
     """Rotation, left to right, and direction of the motion on which most pairs agree, and which do."""
-    none = np.eye(3), np.zeros(3), np.zeros(len(left), bool)
-    if len(left) < _CHANCE:
+    none = np.eye(3), np.zeros(3), np.zeros(len(rays[0]), bool)
+    if len(rays[0]) < _CHANCE:
         return none
-    left_points, right_points = (np.ascontiguousarray(rays[:, :2]) for rays in (left, right))
-    essential, agree = cv2.findEssentialMat(left_points, right_points, np.eye(3), cv2.RANSAC, 0.999, tolerance)
+    left, right = (np.ascontiguousarray(of_side[:, :2]) for of_side in rays)
+    essential, agree = cv2.findEssentialMat(left, right, np.eye(3), cv2.RANSAC, 0.999, tolerance)
     if essential is None or essential.shape != (3, 3):
         return none
-    _, turned, along, _ = cv2.recoverPose(essential, left_points, right_points, np.eye(3), mask=agree.copy())
+    _, turned, along, _ = cv2.recoverPose(essential, left, right, np.eye(3), mask=agree.copy())
     return turned, along.reshape(3), agree.reshape(-1) > 0
 
 
@@ -264,9 +247,4 @@ def _aligned(
 
 
 def _at_depth_1(rays: np.ndarray) -> Float[np.ndarray, "n 3"]:
-    rays = np.asarray(rays, float)
     return rays / rays[:, 2:]
-
-
-def _angle(one: Float[np.ndarray, "3 3"], other: Float[np.ndarray, "3 3"]) -> float:
-    return float(np.arccos(np.clip((np.trace(one.T @ other) - 1.0) / 2.0, -1.0, 1.0)))

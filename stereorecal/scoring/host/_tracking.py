@@ -9,8 +9,7 @@ from jaxtyping import Bool, Float, UInt8
 
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair
-from stereorecal.scoring._correspondences import Correspondences
-from stereorecal.scoring._tracks import Tracks
+from stereorecal.scoring._correspondences import Correspondences, Tracks
 
 _MOST = 2000  # corners
 _NEAR = 1.5  # cells of dense correspondences
@@ -44,14 +43,6 @@ class Matches(NamedTuple):
         left, right = (np.asarray(rays[frame], float)[valid] for rays in (found.left, found.right))
         return Matches(np.asarray(rig.left.project(left)), np.asarray(rig.right.project(right)))
 
-    def partners(self, pixels: Float[np.ndarray, "n 2"]) -> tuple[Float[np.ndarray, "n 2"], Float[np.ndarray, "n"]]:
-        """Where pixels of the left image are expected in the right one, by the match that is nearest; and how far away
-        that is."""
-        from scipy.spatial import KDTree
-
-        away, nearest = KDTree(self.left).query(pixels)
-        return pixels + (self.right - self.left)[nearest], away
-
 
 def match_radius(found: Correspondences, rig: StereoRig) -> float:
     """Pixels at full size: what is farther from all correspondences is of something else."""
@@ -80,9 +71,7 @@ def corners(pair: Pair, matches: Matches, radius: float, most: int) -> Corners:
     if found is None:
         return Corners(left, np.zeros((0, 2)), np.zeros((0, 2)))
     start = found.reshape(-1, 2)
-    guess, away = matches.partners(start)
-    partner, good = _followed(left, right, start, guess.astype(np.float32), 1)
-    good &= (away < radius) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
+    partner, good = _partners(left, right, start, matches, radius)
     return Corners(left, start[good].astype(float), partner[good].astype(float))
 
 
@@ -107,21 +96,30 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], radius:
         radius: pixels: corners that are farther from all matches are left out.
     """
     left, right = ([_eight_bit(getattr(pair, side)) for pair in (first, second)] for side in ("left", "right"))
-    nothing = Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
-    if not all(len(one.left) for one in matches):
-        return nothing
-    corners = cv2.goodFeaturesToTrack(left[0], _MOST, _QUALITY, _APART)
+    matched = all(len(one.left) for one in matches)
+    corners = cv2.goodFeaturesToTrack(left[0], _MOST, _QUALITY, _APART) if matched else None
     if corners is None:
-        return nothing
+        return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
     start = corners.reshape(-1, 2)
     later, good = _followed(left[0], left[1], start, start, _LEVELS)
     partners = []
     for frame, corner in enumerate((start, later)):
-        guess, away = matches[frame].partners(corner)
-        partner, found = _followed(left[frame], right[frame], corner, guess.astype(np.float32), 1)
-        good &= found & (away < radius) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
+        partner, found = _partners(left[frame], right[frame], corner, matches[frame], radius)
+        good &= found
         partners.append(partner)
     return Tracks(np.stack([start, later]).astype(float), np.stack(partners).astype(float)).of(good)
+
+
+def _partners(
+    left: np.ndarray, right: np.ndarray, pixels: np.ndarray, matches: Matches, radius: float
+) -> tuple[np.ndarray, Bool[np.ndarray, "n"]]:
+    """Pixels of the left image in the right one, and whether they are near the nearest match, and where it says."""
+    from scipy.spatial import KDTree
+
+    away, nearest = KDTree(matches.left).query(pixels)
+    guess = pixels + (matches.right - matches.left)[nearest]
+    partner, good = _followed(left, right, pixels, guess.astype(np.float32), 1)
+    return partner, good & (away < radius) & (np.linalg.norm(partner - guess, axis=1) < _FROM_GUESS)
 
 
 def _followed(
