@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.geometry import Camera, StereoRig, View, rectifying_rotations, view as make_view
-from stereorecal.synthetic._camera import pixel_grid, world_rays
-from stereorecal.synthetic._default_rig import default_rig
+from stereorecal.synthetic._render import default_rig, pixel_grid, world_rays
 from stereorecal.synthetic._scenes import make_world
 from stereorecal.synthetic._world import depth
 
@@ -46,7 +45,7 @@ def ground_truth(
     columns, rows = np.moveaxis(pixel_grid(view.size), -1, 0)
     rectified = np.asarray(view.directions(columns, rows, 0))
     directions = rectified @ left_turn
-    pose, focal = world.motion.pose(frame), float(view.focal)
+    pose, focal = world.motion(frame), float(view.focal)
     rays = world_rays(pose, rig, 0, directions.astype(np.float32), focal)
     distance = depth(world, rays)  # in lengths of the directions
     nearness = float(rig.baseline) / distance.astype(float)
@@ -94,7 +93,7 @@ def ranges(
     size = np.array(rig.left.size, float)
     pixels = random.uniform(_BORDER * size, (1 - _BORDER) * size, (_TRIES * number, 2)).round()
     directions = np.asarray(rig.left.rays(pixels))[None]
-    depths = depth(world, world_rays(world.motion.pose(0), rig, 0, directions.astype(np.float32), 600.0))[0]
+    depths = depth(world, world_rays(world.motion(0), rig, 0, directions.astype(np.float32), 600.0))[0]
     metres = np.linalg.norm(directions[0], axis=-1) * depths
     baseline = float(rig.baseline)
     within = np.flatnonzero((metres > _NEAREST * baseline) & (metres < _FARTHEST * baseline))[:number]

@@ -2,8 +2,8 @@
 
 To add a kind, write a function here that takes a random generator and returns a `World`, and append it to `MAKERS`.
 Draw everything from that generator, so that a seed gives the same images again. What several kinds can show stands in
-modules of its own: objects (`_buildings`, `_nature`, `_vehicles`), ground and sky (`_ground`, `_road`, `_water`,
-`_sky`), the motion of the rig (`_motion`).
+modules of its own: objects (`_buildings`, `_nature`, `_vehicles`), ground and sky (`_ground`, `_sky`), the motion of
+the rig (`_world`).
 """
 
 import difflib
@@ -15,29 +15,27 @@ import numpy as np
 
 from stereorecal import InputError
 from stereorecal.synthetic._buildings import boards, corrugated, facade, house, masonry, paving, plain, quay
-from stereorecal.synthetic._ground import shade_map
-from stereorecal.synthetic._motion import BOAT_EYE, VAN_EYE, drawn_motion
+from stereorecal.synthetic._ground import make_road, make_water, shade_map
 from stereorecal.synthetic._nature import cliff, crown, hill, shoreline, tree
 from stereorecal.synthetic._patch import Opaque
-from stereorecal.synthetic._road import make_road
 from stereorecal.synthetic._sky import make_sky
 from stereorecal.synthetic._studio import Studio
 from stereorecal.synthetic._vehicles import boat, car
-from stereorecal.synthetic._water import make_water
-from stereorecal.synthetic._world import World
+from stereorecal.synthetic._world import World, drawn_motion
 
+_BOAT_EYE, _VAN_EYE = 2.5, 2.0  # height [m] of the left camera on a boat and on a van; chosen
 _PAVEMENT = 2.6  # width [m] of the pavement between kerb and houses
 
 
 def coast(rng: np.random.Generator) -> World:
     """Draw a coast from `rng`."""
-    studio = Studio(rng, BOAT_EYE)
+    studio = Studio(rng, _BOAT_EYE)
     shoreline(studio, int(rng.integers(4, 6)), 34.0, 7, rocky=True)
     _build_rocks(studio)
     _moor_among_buoys(studio)
     water = make_water(rng, rng.uniform(0.06, 0.09), 4.0, 0.06, shade_map(studio.stains, (2.0, 7.0)))
     sky = make_sky(rng, rng.uniform(0.75, 0.95), rng.uniform(0.3, 0.5), 0.25)
-    return World(tuple(studio.patches), water, sky, 600.0, drawn_motion(rng, BOAT_EYE, 0.02, 0.2))
+    return World(tuple(studio.patches), water, sky, 600.0, _BOAT_EYE, drawn_motion(rng, _BOAT_EYE, 0.02, 0.2))
 
 
 def _build_rocks(studio: Studio) -> None:
@@ -66,25 +64,25 @@ def _moor_among_buoys(studio: Studio) -> None:
 
 def open_sea(rng: np.random.Generator) -> World:
     """Draw an open sea from `rng`."""
-    studio = Studio(rng, BOAT_EYE)
+    studio = Studio(rng, _BOAT_EYE)
     if rng.uniform() < 0.7:
         z = rng.uniform(50.0, 140.0)
         boat(studio, (z * rng.uniform(-0.4, 0.4), z), rng.uniform(7.0, 12.0), rng.uniform(-1, 1), mast=True)
     water = make_water(rng, rng.uniform(0.008, 0.014), 6.0, 0.1, shade_map(studio.stains, (2.0, 5.0)))
     sky = make_sky(rng, rng.uniform(0.8, 0.95), rng.uniform(0.5, 0.6), 0.06)
-    return World(tuple(studio.patches), water, sky, 120.0, drawn_motion(rng, BOAT_EYE, 0.01, 0.3))
+    return World(tuple(studio.patches), water, sky, 120.0, _BOAT_EYE, drawn_motion(rng, _BOAT_EYE, 0.01, 0.3))
 
 
 def harbour(rng: np.random.Generator) -> World:
     """Draw a harbour from `rng`."""
-    studio = Studio(rng, BOAT_EYE)
+    studio = Studio(rng, _BOAT_EYE)
     _build_quay(studio)
     _build_pier(studio)
     _moor(studio)
     shoreline(studio, int(rng.integers(2, 4)), 55.0, 9)
     water = make_water(rng, rng.uniform(0.04, 0.07), 2.5, 0.07, shade_map(studio.stains, (2.0, 7.0)))
     sky = make_sky(rng, rng.uniform(0.75, 0.95), rng.uniform(0.3, 0.5), 0.22)
-    return World(tuple(studio.patches), water, sky, 500.0, drawn_motion(rng, BOAT_EYE, 0.012, 0.15))
+    return World(tuple(studio.patches), water, sky, 500.0, _BOAT_EYE, drawn_motion(rng, _BOAT_EYE, 0.012, 0.15))
 
 
 def _build_quay(studio: Studio) -> None:
@@ -174,7 +172,7 @@ def _moor(studio: Studio) -> None:
 
 def street(rng: np.random.Generator) -> World:
     """Draw a street from `rng`."""
-    studio = Studio(rng, VAN_EYE)
+    studio = Studio(rng, _VAN_EYE)
     half, middle = rng.uniform(4.6, 5.6), rng.uniform(0.4, 2.0)
     _build_far_end(studio)
     for side in (-1.0, 1.0):
@@ -183,7 +181,7 @@ def street(rng: np.random.Generator) -> World:
     light, shade = studio.light.on(np.array([0.0, 1.0, 0.0])), shade_map(studio.stains, (2.0, 2.0))
     road = make_road(rng, half, middle, light, shade)
     sky = make_sky(rng, rng.uniform(0.85, 1.0), rng.uniform(0.4, 0.55), 0.2)
-    return World(tuple(studio.patches), road, sky, 350.0, drawn_motion(rng, VAN_EYE, 0.004, 0.4))
+    return World(tuple(studio.patches), road, sky, 350.0, _VAN_EYE, drawn_motion(rng, _VAN_EYE, 0.004, 0.4))
 
 
 def _front(rng: np.random.Generator) -> Opaque:

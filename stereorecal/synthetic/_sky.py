@@ -11,20 +11,13 @@ from stereorecal.synthetic._patch import Point
 
 @dataclass(frozen=True, eq=False)
 class Sky:
-    """Radiance of the sky.
+    """Radiance of the sky."""
 
-    Attributes:
-        horizon, zenith: radiance at the horizon and overhead.
-        cover: contrast of the clouds.
-        clouds: (n + 1, n + 1) float32, `wrapped`, 0..1.
-        drift: (2,) offset of the clouds, in tiles.
-    """
-
-    horizon: float
-    zenith: float
-    cover: float
-    clouds: Texture
-    drift: Float[np.ndarray, "2"]
+    horizon: float  # radiance at it
+    zenith: float  # radiance overhead
+    cover: float  # contrast of the clouds
+    clouds: Texture  # (n + 1, n + 1) float32, `wrapped`, 0..1
+    drift: Float[np.ndarray, "2"]  # offset of the clouds, in tiles
 
     def gradient(self, elevation: Texture) -> Texture:
         """Radiance of the cloudless sky at the given sine of elevation."""
@@ -50,17 +43,11 @@ def make_sky(rng: np.random.Generator, horizon: float, zenith: float, cover: flo
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """Sunlight and skylight.
+    """Sunlight and skylight."""
 
-    Attributes:
-        sun: (3,) unit vector towards the sun.
-        direct, ambient: irradiance of the sun at normal incidence and of the sky, relative: an albedo of 1 under an
-            irradiance of 1 gives a radiance of 1.
-    """
-
-    sun: Point
-    direct: float
-    ambient: float
+    sun: Point  # unit vector towards the sun
+    direct: float  # irradiance of the sun at normal incidence
+    ambient: float  # irradiance of the sky: relative, on an albedo of 1 it gives a radiance of 1
 
     def on(self, normal: Point) -> float:
         """Irradiance of a surface with this unit normal (Lambert's cosine law; vertical surfaces get less skylight)."""

@@ -1,6 +1,6 @@
 """Boats, and parked cars and vans: extruded profiles."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -76,56 +76,22 @@ def _sail(canvas: Canvas) -> Texture:
     return 0.5 * np.exp(0.3 * canvas.noise(0.6, 0.08) + 0.1 * canvas.noise(1.0))
 
 
-@dataclass(frozen=True, eq=False)
-class _Model:
-    """A car's size and its profile from the front bumper over the roof to the rear bumper.
+class _Model(NamedTuple):
+    """A car's size and its profile from the front bumper over the roof to the rear bumper."""
 
-    Attributes:
-        length, width: [m].
-        places: positions along the car, as fractions of the length from the front.
-        heights: height [m] of the profile at each place.
-        waist: height [m] of the lower edge of the windows.
-        wheel: radius [m] of the wheels.
-    """
-
-    length: float
-    width: float
-    places: tuple[float, ...]
-    heights: tuple[float, ...]
-    waist: float
-    wheel: float = 0.32
+    length: float  # [m]
+    width: float  # [m]
+    waist: float  # height [m] of the lower edge of the windows
+    wheel: float  # radius [m] of the wheels
+    places: tuple[float, ...]  # positions along the car from the front, in percent of its length
+    heights: tuple[float, ...]  # of the profile at each place, in centimetres
 
 
 _MODELS = (
-    _Model(
-        4.5,
-        1.78,
-        (0.0, 0.01, 0.05, 0.29, 0.43, 0.72, 0.87, 0.99, 1.0),
-        (0.25, 0.62, 0.76, 0.94, 1.42, 1.43, 1.0, 0.95, 0.25),
-        0.97,
-    ),
-    _Model(
-        3.9,
-        1.72,
-        (0.0, 0.01, 0.05, 0.24, 0.4, 0.84, 0.97, 0.99, 1.0),
-        (0.25, 0.62, 0.78, 0.98, 1.5, 1.48, 1.02, 0.8, 0.25),
-        1.0,
-    ),
-    _Model(
-        4.7,
-        1.8,
-        (0.0, 0.01, 0.05, 0.27, 0.41, 0.9, 0.98, 0.99, 1.0),
-        (0.25, 0.64, 0.78, 0.96, 1.47, 1.46, 1.0, 0.8, 0.25),
-        0.98,
-    ),
-    _Model(
-        5.2,
-        1.95,
-        (0.0, 0.01, 0.03, 0.12, 0.22, 0.97, 0.99, 0.995, 1.0),
-        (0.28, 0.7, 0.95, 1.2, 2.05, 2.1, 1.2, 0.9, 0.28),
-        1.25,
-        0.35,
-    ),
+    _Model(4.5, 1.78, 0.97, 0.32, (0, 1, 5, 29, 43, 72, 87, 99, 100), (25, 62, 76, 94, 142, 143, 100, 95, 25)),
+    _Model(3.9, 1.72, 1.0, 0.32, (0, 1, 5, 24, 40, 84, 97, 99, 100), (25, 62, 78, 98, 150, 148, 102, 80, 25)),
+    _Model(4.7, 1.8, 0.98, 0.32, (0, 1, 5, 27, 41, 90, 98, 99, 100), (25, 64, 78, 96, 147, 146, 100, 80, 25)),
+    _Model(5.2, 1.95, 1.25, 0.35, (0, 1, 3, 12, 22, 97, 99, 99.5, 100), (28, 70, 95, 120, 205, 210, 120, 90, 28)),
 )
 _PARTS = ("nose", "nose", "bonnet", "glass", "roof", "glass", "boot", "tail")
 
@@ -142,13 +108,14 @@ def car(studio: Studio, middle: Ground, heading: Ground) -> None:
         ground = middle + (0.5 - fraction) * model.length * ahead + across * left
         return np.array([ground[0], height, ground[1]])
 
-    side = _side(model, albedo)
+    places, heights = np.array(model.places) / 100.0, np.array(model.heights) / 100.0
+    side = _side(model, places, heights, albedo)
     half = 0.5 * model.width
     for across in (-half, half):
         start = place(0.0, 0.0, across)
-        top = np.array([0.0, max(model.heights), 0.0])
+        top = np.array([0.0, heights.max(), 0.0])
         studio.patch(start, place(1.0, 0.0, across) - start, top, side)
-    profile = list(zip(model.places, model.heights, strict=True))
+    profile = list(zip(places, heights, strict=True))
     for part, low, high in zip(_PARTS, profile, profile[1:], strict=False):
         start = place(*low, -half)
         studio.patch(start, place(*low, half) - start, place(*high, -half) - start, _across(part, albedo))
@@ -158,11 +125,11 @@ def car(studio: Studio, middle: Ground, heading: Ground) -> None:
 
 
 @as_paint
-def _side(canvas: Canvas, model: _Model, albedo: float) -> tuple[Texture, Texture]:
+def _side(canvas: Canvas, model: _Model, places, heights, albedo: float) -> tuple[Texture, Texture]:
     """The paint of a side: body, windows, doors, lamps and wheels, cut out along the profile."""
     fraction, y = canvas.x / canvas.width, canvas.y
-    top = np.interp(fraction, model.places, model.heights)
-    body = (y < top) & (y > model.heights[0])
+    top = np.interp(fraction, places, heights)
+    body = (y < top) & (y > float(heights[0]))
     shine = np.exp(-(((y - 0.82 * model.waist) / 0.05) ** 2)) - 0.5 * np.exp(-(((y - 0.6 * model.waist) / 0.08) ** 2))
     image = albedo * (0.6 + 0.4 * y / model.waist) + (0.08 + 0.2 * albedo) * shine + 0 * fraction
     image = np.where(y < 0.36, 0.04, image)

@@ -2,40 +2,39 @@
 depth along each ray.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.synthetic._motion import RigMotion
+from stereorecal.synthetic._ground import Road, Water
 from stereorecal.synthetic._noise import Texture
-from stereorecal.synthetic._patch import Patch
-from stereorecal.synthetic._ray_patch_hits import Rays, trace
-from stereorecal.synthetic._road import Road
+from stereorecal.synthetic._patch import Patch, Point, Rays, trace
 from stereorecal.synthetic._sky import Sky
-from stereorecal.synthetic._water import Water
+
+Pose = tuple[Point, Float[np.ndarray, "3 3"]]
+"""Centre (3,) [m] of the left camera in the world, and the matrix (3, 3) from its frame to the world's. The world's y
+points up and the camera's down, so the matrix is a reflection (determinant -1)."""
+
+Motion = Callable[[float], Pose]
+"""How a rig moves: its pose at a time in frames since the start."""
 
 _CHUNK = 1 << 16  # rays at a time: bounds the memory that the octaves of the ground take
 _ROW = 256  # rays in a row of a chunk
+_TURN = np.radians(9.0)  # of a vehicle, to either side
 
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """Everything that a rendered scene shows.
+    """Everything that a rendered scene shows."""
 
-    Attributes:
-        patches: the solid objects.
-        ground: the surface at y = 0.
-        sky: the sky.
-        haze: distance [m] over which haze reduces contrast to 1/e.
-        motion: pose of the rig in each frame.
-    """
-
-    patches: tuple[Patch, ...]
-    ground: Water | Road
+    patches: tuple[Patch, ...]  # the solid objects
+    ground: Water | Road  # the surface at y = 0
     sky: Sky
-    haze: float
-    motion: RigMotion
+    haze: float  # distance [m] over which haze reduces contrast to 1/e
+    eye: float  # height [m] of the left camera
+    motion: Motion  # of the rig from frame to frame
 
 
 def radiance(world: World, rays: Rays, time: float) -> Texture:
@@ -83,3 +82,45 @@ def _hazy(world: World, light: Texture, distance: Texture) -> Texture:
     """Light after `distance` [m] of haze: exponential attenuation, with the radiance of the horizon scattered in."""
     clear = np.exp(distance * np.float32(-1.0 / world.haze))
     return light * clear + np.float32(world.sky.horizon) * (1.0 - clear)
+
+
+def drawn_motion(rng: np.random.Generator, eye: float, oscillation: float, speed: float) -> Motion:
+    """The motion of a rig that looks slightly down at rest; after 3 m it stands, so that it runs into nothing.
+
+    Args:
+        oscillation: amplitude of pitch and of roll [rad].
+        speed: distance [m] travelled per frame at the start.
+    """
+    pitch, roll = rng.uniform(-0.05, 0.0), rng.uniform(-0.03, 0.03)
+
+    def pose(frame: float) -> Pose:
+        centre = np.array([0.1 * np.sin(0.5 * frame), eye, 3.0 * np.tanh(speed * frame / 3.0)])
+        return centre, _to_world(
+            pitch + oscillation * np.sin(1.7 * frame), 0.0, roll + oscillation * np.sin(1.1 * frame)
+        )
+
+    return pose
+
+
+def drawn_course(rng: np.random.Generator, eye: float, speed: float, oscillation: float) -> Motion:
+    """The motion of a vehicle that turns through one place; smooth in time, so that one shutter can be late.
+
+    Args:
+        speed: metres a frame.
+        oscillation: amplitude of pitch and of roll [rad].
+    """
+    rates = np.array([rng.uniform(0.05, 0.12), rng.uniform(0.1, 0.25), rng.uniform(0.1, 0.25)])
+    sizes, phases = np.array([_TURN, oscillation, oscillation]), rng.uniform(0.0, 2.0 * np.pi, 3)
+
+    def pose(time: float) -> Pose:
+        yaw, pitch, roll = sizes * np.sin(rates * time + phases)
+        return np.array([0.1 * np.sin(0.05 * time), eye, speed * time]), _to_world(pitch, yaw, roll)
+
+    return pose
+
+
+def _to_world(pitch: float, yaw: float, roll: float) -> Float[np.ndarray, "3 3"]:
+    (sp, sr, sy), (cp, cr, cy) = np.sin([pitch, roll, yaw]), np.cos([pitch, roll, yaw])
+    turn = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    tilt = np.array([[1, 0, 0], [0, cp, -sp], [0, sp, cp]]) @ np.array([[cr, -sr, 0], [sr, cr, 0], [0, 0, 1]])
+    return np.diag([1.0, -1.0, 1.0]) @ turn @ tilt
