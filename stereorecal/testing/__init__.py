@@ -1,9 +1,8 @@
 """Conformance kits for authors of plug-ins: strategies and matchers."""
 
 from stereorecal.testing._checks import CheckResult as CheckResult
-from stereorecal.testing._kit import (
-    MatcherConformance as MatcherConformance,
+from stereorecal.testing._matcher_checks import MatcherConformance as MatcherConformance, check_matcher as check_matcher
+from stereorecal.testing._strategy_checks import (
     StrategyConformance as StrategyConformance,
-    check_matcher as check_matcher,
     check_strategy as check_strategy,
 )

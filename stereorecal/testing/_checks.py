@@ -37,26 +37,23 @@ class Checks:
 
     def run(self, plugin: Any) -> tuple[CheckResult, ...]:
         """The results of all that apply; an exception fails a check, and the others still run."""
-        return tuple(_result(check, plugin) for check in self.of(plugin))
+        results = []
+        for check in self.of(plugin):
+            name = check.__name__.replace("_", " ")
+            try:
+                check(plugin)
+            except Exception as error:
+                results.append(CheckResult(name, False, str(error) or repr(error)))
+            else:
+                results.append(CheckResult(name, True))
+        return tuple(results)
 
     def add_tests(self, cls: type, plugin: Any) -> None:
         """Add a test method for each check that applies to a test class."""
         for check in self.of(plugin):
-            setattr(cls, f"test_{check.__name__}", _as_test(check, plugin))
 
+            def test(self, check: Check = check) -> None:
+                check(plugin)
 
-def _result(check: Check, plugin: Any) -> CheckResult:
-    name = check.__name__.replace("_", " ")
-    try:
-        check(plugin)
-    except Exception as error:
-        return CheckResult(name, False, str(error) or repr(error))
-    return CheckResult(name, True)
-
-
-def _as_test(check: Check, plugin: Any) -> Check:
-    def test(self) -> None:
-        check(plugin)
-
-    test.__doc__ = check.__doc__
-    return test
+            test.__doc__ = check.__doc__
+            setattr(cls, f"test_{check.__name__}", test)

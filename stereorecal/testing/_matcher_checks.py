@@ -1,10 +1,11 @@
-"""The conformance checks of matchers: the properties that scores rely on.
+"""The conformance kit of matchers: the properties that scores rely on.
 
 They run on random texture that is smooth enough to interpolate and rich enough to match, shifted by known disparities.
 """
 
 import pickle
 from dataclasses import replace
+from typing import ClassVar
 
 import cv2
 import jax
@@ -14,7 +15,7 @@ from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.matching import AbstractMatcher, Disparity
-from stereorecal.testing._checks import Checks
+from stereorecal.testing._checks import CheckResult, Checks
 
 _SIZE = (160, 96)
 _BORDER = 24  # pixels at the border that results are not judged on: a matching window may not fit there
@@ -142,6 +143,26 @@ def looks_no_farther_than_its_halo(matcher: AbstractMatcher) -> None:
     for name in ("values", "valid"):
         here, there = np.asarray(getattr(part, name))[kept], np.asarray(getattr(whole, name))[first:last]
         assert np.array_equal(here, there), f"{name} depend on rows more than {halo} away"
+
+
+def check_matcher(matcher: AbstractMatcher) -> tuple[CheckResult, ...]:
+    """Run the conformance checks that apply to the matcher, without pytest; one result for each check.
+
+    The kit sets the disparity range: it replaces `min_disparity` and `num_disparities`.
+    """
+    return MATCHER_CHECKS.run(matcher)
+
+
+class MatcherConformance:
+    """Inherit from it and set `matcher`; pytest then runs every check that applies as a test:
+    `class TestMine(MatcherConformance): matcher = Mine()`.
+    """
+
+    matcher: ClassVar[AbstractMatcher]
+
+    def __init_subclass__(cls, **options) -> None:
+        super().__init_subclass__(**options)
+        MATCHER_CHECKS.add_tests(cls, cls.matcher)
 
 
 def matcher_at(matcher: AbstractMatcher, lowest: int = 0, count: int = _COUNT) -> AbstractMatcher:

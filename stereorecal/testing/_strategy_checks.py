@@ -1,10 +1,15 @@
-"""The conformance checks of strategies: each raises AssertionError with a sentence if the strategy fails it."""
+"""The conformance kit of strategies: each check raises AssertionError with a sentence if the strategy fails it."""
 
 import pickle
 from collections.abc import Callable
+from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
+from jaxtyping import Float
 
+from stereorecal.matching import SAD
+from stereorecal.objectives import Reach, count_chart, objective
 from stereorecal.strategies import (
     AbstractStrategy,
     Budget,
@@ -17,12 +22,15 @@ from stereorecal.strategies import (
     StrategyError,
     run_strategy,
 )
+from stereorecal.synthetic import default_rig, render
 from stereorecal.testing import _analytic_problems as problems
 from stereorecal.testing._analytic_problems import problem
-from stereorecal.testing._checks import Check, Checks
-from stereorecal.testing._stereo_problem import stereo_objective
+from stereorecal.testing._checks import Check, CheckResult, Checks
 
 _PLENTY = Budget(evaluations=2000)  # our choice: ample for these problems, and every run ends
+_SIZE = (160, 120)
+_REACH = Reach(degrees=1.0, baseline_fraction=0.01)
+_TRUTH = np.array([0.45, -0.3, 0.4, 0.3, -0.2])  # relative to the start, in units of the reach; our choice
 
 
 STRATEGY_CHECKS = Checks()
@@ -167,7 +175,7 @@ def lets_exceptions_pass(strategy: AbstractStrategy) -> None:
 @_check_for(*_SCORES, Need.IMAGES)
 def repairs_a_stereo_rig(strategy: AbstractStrategy) -> None:
     """It recovers part of the score of a small rendered stereo rig that is half a degree off."""
-    objective, truth = stereo_objective()
+    objective, truth = _stereo_objective()
     run = run_strategy(strategy, objective.with_budget(100), np.zeros(objective.dim), seed=1)
     target = float(objective.problem.values(truth[None])[0])
     gained = (run.value - run.start_value) / (target - run.start_value)
@@ -177,7 +185,7 @@ def repairs_a_stereo_rig(strategy: AbstractStrategy) -> None:
 @_check_for(Need.IMAGES)
 def repairs_it_the_same_way_twice(strategy: AbstractStrategy) -> None:
     """The same seed gives the same nomination."""
-    objective, _ = stereo_objective()
+    objective, _ = _stereo_objective()
     first, second = (_outcome(strategy, objective.with_budget(_PLENTY)).best for _ in range(2))
     assert np.array_equal(first, second), "two runs with the same seed differ"
 
@@ -186,6 +194,34 @@ def repairs_it_the_same_way_twice(strategy: AbstractStrategy) -> None:
 def travels(strategy: AbstractStrategy) -> None:
     """It pickles, and the copy is equal: trials run in other processes."""
     assert pickle.loads(pickle.dumps(strategy)) == strategy, "a pickled copy is not equal"
+
+
+def check_strategy(strategy: AbstractStrategy) -> tuple[CheckResult, ...]:
+    """Run the conformance checks that apply to the strategy, without pytest; one result for each check."""
+    return STRATEGY_CHECKS.run(strategy)
+
+
+class StrategyConformance:
+    """Inherit from it and set `strategy`; pytest then runs every check that applies as a test:
+    `class TestMine(StrategyConformance): strategy = Mine()`.
+    """
+
+    strategy: ClassVar[AbstractStrategy]
+
+    def __init_subclass__(cls, **options) -> None:
+        super().__init_subclass__(**options)
+        STRATEGY_CHECKS.add_tests(cls, cls.strategy)
+
+
+@lru_cache(maxsize=1)
+def _stereo_objective() -> tuple[Objective, Float[np.ndarray, "n"]]:
+    """The objective of a small rig that sees a rendered harbour, half a degree off; and the point of the true rig."""
+    true = default_rig().resized(_SIZE)
+    scene = render("harbour", 3, rig=true)
+    offset = count_chart(true, _REACH).extrinsics(_TRUTH) - true.extrinsics
+    drifted = true.with_extrinsics(true.extrinsics - offset)
+    truth = np.asarray(count_chart(drifted, _REACH).coordinates(true.extrinsics))
+    return objective(drifted, scene.pairs, matcher=SAD(num_disparities=32, block_size=7), reach=_REACH), truth
 
 
 class _Watched(Objective):
