@@ -21,7 +21,7 @@ struct Images {
   std::int64_t width;
 };
 
-// As stereorecal/matching/sad/_winners.py, of each pixel.
+// As stereorecal/matching/sad/_stream.py, of each pixel.
 struct Winners {
   std::int32_t* winner;
   std::int32_t* cost;

@@ -14,8 +14,7 @@ from hypothesis import given, settings, strategies as st
 from stereorecal.matching import SAD, reference
 from stereorecal.matching.sad._kernel import CALL, has_kernel, winners_by_kernel
 from stereorecal.matching.sad._sad import _largest_cost, winners_by_rows
-from stereorecal.matching.sad._stream import NEVER
-from stereorecal.matching.sad._winners import Winners
+from stereorecal.matching.sad._stream import NEVER, Winners
 
 if not has_kernel():
     WHY = "stereorecal-native is not installed; with a C++ compiler: pip install -e plugins/native"

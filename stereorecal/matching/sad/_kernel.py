@@ -14,7 +14,7 @@ from jaxtyping import Int
 
 from stereorecal._plugins import entry_points
 from stereorecal.matching._matcher import AbstractMatcher
-from stereorecal.matching.sad._winners import Winners
+from stereorecal.matching.sad._stream import Winners
 
 CALL = "stereorecal_sad_winners"
 LOG = logging.getLogger("stereorecal")

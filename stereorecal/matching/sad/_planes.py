@@ -13,8 +13,14 @@ from jaxtyping import Int, Num
 
 from stereorecal.matching._matcher import AbstractMatcher
 from stereorecal.matching._texture import box_sum
-from stereorecal.matching.sad._stream import NEVER, with_borders
-from stereorecal.matching.sad._winners import Winners, highest_rival_cost, index_bits, index_of
+from stereorecal.matching.sad._stream import (
+    NEVER,
+    Winners,
+    highest_rival_cost,
+    index_bits,
+    index_of,
+    with_borders,
+)
 
 _GROUP = 4
 

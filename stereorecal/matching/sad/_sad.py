@@ -19,10 +19,20 @@ from stereorecal.matching._matcher import AbstractMatcher, Disparity, SoftDispar
 from stereorecal.matching._texture import quantise, x_sobel
 from stereorecal.matching.sad._kernel import CALL, has_kernel, winners_by_kernel
 from stereorecal.matching.sad._planes import winners as winners_by_planes
-from stereorecal.matching.sad._reduce import minimum, total
 from stereorecal.matching.sad._soft import soft_search
-from stereorecal.matching.sad._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
-from stereorecal.matching.sad._winners import Winners, highest_rival_cost, index_bits, index_of
+from stereorecal.matching.sad._stream import (
+    NEVER,
+    Winners,
+    highest_rival_cost,
+    index_bits,
+    index_of,
+    inside_right,
+    minimum,
+    offsets,
+    seen_from_right,
+    stream_costs,
+    total,
+)
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,15 @@ from jaxtyping import Bool, Float, Int
 
 from stereorecal.matching._matcher import AbstractMatcher, SoftDisparity
 from stereorecal.matching._texture import texture_response, x_sobel
-from stereorecal.matching.sad._reduce import minimum
-from stereorecal.matching.sad._stream import NEVER, inside_right, offsets, seen_from_right, stream_costs
-from stereorecal.matching.sad._winners import index_bits
+from stereorecal.matching.sad._stream import (
+    NEVER,
+    index_bits,
+    inside_right,
+    minimum,
+    offsets,
+    seen_from_right,
+    stream_costs,
+)
 
 _NOISE = 1.0  # grey levels per pixel of the window: keeps the margin of a perfect match finite
 
