@@ -100,7 +100,8 @@ def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
 def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
     leaves, structure = jax.tree.flatten(arguments)
     shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
-    known = [function.__module__, function.__qualname__, str(structure), str(shapes), _static_texts(statics)]
+    texts = [(n, f"{v.__module__}.{v.__qualname__}" if callable(v) else repr(v)) for n, v in statics.items()]
+    known = [function.__module__, function.__qualname__, str(structure), str(shapes), texts]
     calls = tuple(name for value in statics.values() for name in getattr(value, "custom_calls", ()))
     known += [_jax_settings(), _traced_by(), calls]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
@@ -120,29 +121,14 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
     return jax.jit(exported.call)
 
 
-def _static_texts(statics: dict[str, Any]) -> list[tuple[str, str]]:
-    return [
-        (name, f"{value.__module__}.{value.__qualname__}" if callable(value) else repr(value))
-        for name, value in statics.items()
-    ]
-
-
-def _is_own(value: Any) -> bool:
-    """Whether a static argument is of a built-in type or of this package."""
-    module = value.__module__ if callable(value) else type(value).__module__
-    return module == "builtins" or module.partition(".")[0] == "stereorecal"
-
-
 def _folder_of(statics: dict[str, Any]) -> Path | None:
-    """The cache folder for a program with these static arguments; None if it is not cached."""
-    return _folder() if all(_is_own(value) for value in statics.values()) else None
-
-
-def _folder() -> Path | None:
-    """The cache folder; None without one."""
+    """The cache folder, where there is one and the static arguments are of built-in types or of this package."""
+    modules = (value.__module__ if callable(value) else type(value).__module__ for value in statics.values())
     settings = jax.config.values
     folder = settings["jax_compilation_cache_dir"]
-    return Path(folder) / _FOLDER if folder and settings["jax_enable_compilation_cache"] else None
+    if not (folder and settings["jax_enable_compilation_cache"]):
+        return None
+    return Path(folder) / _FOLDER if {m.partition(".")[0] for m in modules} <= {"builtins", "stereorecal"} else None
 
 
 def _jax_settings() -> tuple[Any, ...]:
