@@ -12,9 +12,9 @@ from typing import Any
 from stereorecal._errors import InputError, PairingWarning
 from stereorecal.io.images._image_files import images_in
 
+Files = Sequence[Path]
 Matched = Sequence[tuple[Path, Path]]  # the left and the right file of each pair
-_Keys = dict[Hashable, Path]  # files by what tells their frame
-_Sides = tuple[_Keys, _Keys]
+_Partners = dict[Path, Path]  # the right file of each left one that has a partner, in the order of the left ones
 
 # What may distinguish the name of a left image from that of its partner, where the words of names vary.
 _MARKERS = (("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", "1"))
@@ -34,22 +34,20 @@ class MatchedFiles:
     by_order: bool = False  # whether the files were matched by their order, since no names corresponded
 
 
-def find_partners(left: Sequence[Path], right: Sequence[Path]) -> MatchedFiles:
+def find_partners(left: Files, right: Files) -> MatchedFiles:
     """The files that belong together by their names; those that one camera lost are unmatched. If no name has a
     partner, files are matched in the order given, with a warning."""
-    lefts, rights = _by_name(left, right)
-    matched = [(path, rights[key]) for key, path in lefts.items() if key in rights]
-    if not matched:
+    partners = _by_name(left, right)
+    if not partners:
         return MatchedFiles(_in_order(left, right), by_order=len(left) > 1)
-    unmatched = [lefts[key] for key in lefts if key not in rights]
-    unmatched += [rights[key] for key in rights if key not in lefts]
-    if not _correspond(lefts, rights):  # equal by chance, it seems
-        side = "right" if unmatched[0] in lefts.values() else "left"
+    alone, other_alone = _alone(partners, left, right)
+    if not _most(partners, left, right):  # equal by chance, it seems
+        side = "right" if alone else "left"
         raise InputError(
-            f"{unmatched[0]}: this image has no partner on the {side} side, and only {len(matched)} have one of "
-            f"{_found(left, right)}; {_HOW}."
+            f"{(alone + other_alone)[0]}: this image has no partner on the {side} side, and only {len(partners)} have "
+            f"one of {_found(left, right)}; {_HOW}."
         )
-    return MatchedFiles(matched, tuple(unmatched))
+    return MatchedFiles([*partners.items()], (*alone, *other_alone))
 
 
 def without_lost_frames(found: MatchedFiles) -> Matched:
@@ -65,10 +63,11 @@ def without_lost_frames(found: MatchedFiles) -> Matched:
     return found.matched
 
 
-def match_all(left: Sequence[Path], right: Sequence[Path]) -> Matched:
+def match_all(left: Files, right: Files) -> Matched:
     """The files of both sides as pairs, in the order of the left ones, matched by their names."""
-    lefts, rights = _by_name(left, right)
-    return match_keys(lefts or dict(enumerate(left)), rights)
+    partners = _by_name(left, right)
+    _refuse_alone(*_alone(partners, left, right))
+    return [*partners.items()]
 
 
 def match_equal(left: Path, right: Path) -> Matched:
@@ -78,10 +77,15 @@ def match_equal(left: Path, right: Path) -> Matched:
 
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     """The files with equal keys, in the order of the left ones; an InputError names a file without a partner."""
-    for files, others, side in ((left, right, "right"), (right, left, "left")):
-        for path in (path for key, path in files.items() if key not in others):
-            raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
+    _refuse_alone(
+        *([path for key, path in one.items() if key not in other] for one, other in ((left, right), (right, left)))
+    )
     return [(path, right[key]) for key, path in left.items()]
+
+
+def _refuse_alone(left: Files, right: Files) -> None:
+    for path, side in [(path, "right") for path in left] + [(path, "left") for path in right]:
+        raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
 
 
 def by_stem(folder: Path) -> dict[str, Path]:
@@ -92,44 +96,52 @@ def by_stem(folder: Path) -> dict[str, Path]:
     return files
 
 
-def _by_name(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    """Both sides by what a name has in common with its partner's: the first reading under which most have one, else
-    the first under which any has; empty if none has."""
-    by_chance: _Sides = {}, {}
+def _alone(partners: _Partners, left: Files, right: Files) -> tuple[list[Path], list[Path]]:
+    matched = set(partners.values())
+    return [path for path in left if path not in partners], [path for path in right if path not in matched]
+
+
+def _most(partners: _Partners, left: Files, right: Files) -> bool:
+    """Whether at least half of the files of a side have a partner."""
+    return 2 * len(partners) >= min(len(left), len(right)) > 0
+
+
+def _by_name(left: Files, right: Files) -> _Partners:
+    """By what a name has in common with its partner's: the first reading under which most have one, else the first
+    under which any has."""
+    by_chance: _Partners = {}
     for read in (_by_stem, _by_parts, _by_markers, _by_one_number):
-        sides = read(left, right)
-        if _correspond(*sides):
-            return sides
-        if sides[0].keys() & sides[1].keys():
-            by_chance = by_chance if by_chance[0] else sides
+        partners = read(left, right)
+        if _most(partners, left, right):
+            return partners
+        by_chance = by_chance or partners
     return by_chance
 
 
-def _by_markers(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    """Both sides by the first markers without which any names correspond; empty if there are none."""
-    found = (
-        (_without(left, one, last), _without(right, other, last)) for last in (False, True) for one, other in _MARKERS
-    )
-    return next((sides for sides in found if sides[0].keys() & sides[1].keys()), ({}, {}))
+def _equal(left: Files, left_keys: Sequence[Hashable], right: Files, right_keys: Sequence[Hashable]) -> _Partners:
+    """The files with equal keys; none where two of a side have the same."""
+    if len(set(left_keys)) < len(left) or len(set(right_keys)) < len(right):
+        return {}
+    known = dict(zip(right_keys, right, strict=True))
+    return {path: known[key] for path, key in zip(left, left_keys, strict=True) if key in known}
 
 
-def _without(files: Sequence[Path], marker: str, last: bool) -> _Keys:
-    """Files by names without a marker where it stands first, or last; none where a name lacks it."""
-    cut = [path.stem.rpartition(marker) if last else path.stem.partition(marker) for path in files]
-    return _unique([start + end for start, _, end in cut], files) if all(given for _, given, _ in cut) else {}
+def _by_stem(left: Files, right: Files) -> _Partners:
+    return _equal(left, [path.stem for path in left], right, [path.stem for path in right])
 
 
-def _by_stem(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    """Both sides by their names."""
-    return _unique([path.stem for path in left], left), _unique([path.stem for path in right], right)
+def _by_markers(left: Files, right: Files) -> _Partners:
+    """By the first markers without which any names correspond, where they stand first, or else last."""
+    for cut, (one, other) in product((str.partition, str.rpartition), _MARKERS):
+        lefts, rights = [cut(path.stem, one) for path in left], [cut(path.stem, other) for path in right]
+        if all(given for _, given, _ in lefts + rights):
+            partners = _equal(left, [a + b for a, _, b in lefts], right, [a + b for a, _, b in rights])
+            if partners:
+                return partners
+    return {}
 
 
-def _unique(keys: Sequence[Hashable], files: Sequence[Path]) -> _Keys:
-    """Files by their keys; none if two have the same."""
-    return dict(zip(keys, files, strict=True)) if len(set(keys)) == len(files) else {}
-
-
-def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
+def _in_order(left: Files, right: Files) -> Matched:
     """The files in order; a single file on each side is unambiguous, and needs no warning."""
     if len(left) != len(right):
         shorter = min(len(left), len(right))
@@ -146,60 +158,54 @@ def _in_order(left: Sequence[Path], right: Sequence[Path]) -> Matched:
     return list(zip(left, right, strict=True))
 
 
-def _found(left: Sequence[Path], right: Sequence[Path]) -> str:
+def _found(left: Files, right: Files) -> str:
     return " and ".join(
         f"{len(files)} {side} images ({files[0].name}{f' to {files[-1].name}' if len(files) > 1 else ''})"
         for files, side in ((left, "left"), (right, "right"))
     )
 
 
-def _by_parts(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    """Both sides by the parts of their names that vary from frame to frame; empty if few correspond.
+def _by_parts(left: Files, right: Files) -> _Partners:
+    """By the parts of names that vary from frame to frame; none if few correspond.
 
     Where all names have as many parts, those that vary on either side are compared: a camera may have lost all frames
     but one. Else those that vary on their own side.
     """
     rows = [_rows(left), _rows(right)]
-    varying = [_varying(side) for side in rows]
-    either = sorted({*varying[0], *varying[1]})
+    own = [_varying(side) for side in rows]
+    either = sorted({*own[0], *own[1]})
     alike = len({len(row) for side in rows for row in side}) == 1
-    for columns in ([[either, either]] if alike else []) + [varying]:
-        sides = _keyed(left, rows[0], columns[0]), _keyed(right, rows[1], columns[1])
-        if any(columns) and _correspond(*sides):
-            return sides
-    return {}, {}
+    for columns in ([[either, either]] if alike else []) + [own]:
+        lefts, rights = (
+            [tuple(row[at] for at in some) for row in side] for side, some in zip(rows, columns, strict=True)
+        )
+        partners = _equal(left, lefts, right, rights)
+        if any(columns) and _most(partners, left, right):
+            return partners
+    return {}
 
 
-def _by_one_number(left: Sequence[Path], right: Sequence[Path]) -> _Sides:
-    """Both sides by one number of their names, such as that of the frame before a time; empty if few correspond."""
+def _by_one_number(left: Files, right: Files) -> _Partners:
+    """By one number of the names, such as that of the frame before a time; none if few correspond."""
     rows = [[[part for part in row if not isinstance(part, str)] for row in _rows(side)] for side in (left, right)]
-    places = [range(-least, least) for least in (min(map(len, side)) for side in rows)]
-    every = [_keyed(left, rows[0], [place]) for place in places[0]]
-    others = [_keyed(right, rows[1], [place]) for place in places[1]]
-    found = [sides for sides in product(every, others) if _correspond(*sides)]
-    most = max((_partners(sides) for sides in found), key=len, default={})
-    for sides in found:
-        partners = _partners(sides)
+    columns = [
+        [[row[at] for row in side] for least in [min(map(len, side))] for at in range(-least, least)] for side in rows
+    ]
+    readings = [_equal(left, one, right, other) for one, other in product(*columns)]
+    found = [partners for partners in readings if _most(partners, left, right)]
+    most = max(found, key=len, default={})
+    for partners in found:
         if len(partners) == len(most) and partners != most:
             path = next(path for path in left if partners.get(path) != most.get(path))
-            one, other = (found[path].name if path in found else "missing" for found in (most, partners))
+            one, other = (each[path].name if path in each else "missing" for each in (most, partners))
             raise InputError(
                 f"{path}: by one number in the names its partner is {one}, by another {other}; leave only the number "
                 "of the frame in the names."
             )
-    return next((sides for sides in found if _partners(sides) == most), ({}, {}))
+    return most
 
 
-def _correspond(left: _Keys, right: _Keys) -> bool:
-    """Whether at least half of the files of a side have a partner."""
-    return 2 * len(left.keys() & right.keys()) >= min(len(left), len(right)) > 0
-
-
-def _partners(sides: _Sides) -> dict[Path, Path]:
-    return {path: sides[1][key] for key, path in sides[0].items() if key in sides[1]}
-
-
-def _rows(files: Sequence[Path]) -> list[list[Hashable]]:
+def _rows(files: Files) -> list[list[Hashable]]:
     """The parts of each name, or of the whole path where only folders tell files apart."""
     unique = len({path.stem for path in files}) == len(files)
     return [list(_parts(path.stem if unique else str(path.with_suffix("")))) for path in files]
@@ -220,8 +226,3 @@ def _varying(rows: Sequence[Sequence[Hashable]]) -> list[int]:
     """The columns that are not constant; none where names have different numbers of parts."""
     columns = zip(*rows, strict=False) if len(set(map(len, rows))) == 1 else ()
     return [number for number, column in enumerate(columns) if len(set(column)) > 1]
-
-
-def _keyed(files: Sequence[Path], rows: Sequence[Sequence[Hashable]], columns: Sequence[int]) -> _Keys:
-    """The files by what stands in these columns; none if that is not unique."""
-    return _unique([tuple(row[column] for column in columns) for row in rows], files)
