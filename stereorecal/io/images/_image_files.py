@@ -1,9 +1,11 @@
 """Image files: finding, decoding and writing them; the size that a header announces, before a decoder reserves memory
 for it; and how an image is turned."""
 
+import io
+import math
 import re
-import struct
-import zlib
+import threading
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,78 +16,14 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io._read_files import note_input
+from stereorecal.io._read_files import about, note_input
 
 Pixels = Num[np.ndarray, "..."]
 _PNG, _JPEG = b"\x89PNG", b"\xff\xd8"
-# JPEG: the markers of a frame's header (not C4, C8 and CC), and those that do not stand alone within data.
-_FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
-_IN_DATA = re.compile(rb"\xff+[^\x00\xd0-\xd7\xff]", re.DOTALL)
-_WIDTH, _HEIGHT, _ORIENTATION = 256, 257, 274  # tags of a TIFF, and of EXIF
-
-
-def announced_size(data: bytes) -> tuple[int, int] | None:
-    """(width, height) as the header says; None if it does not, or the kind of file is not known here."""
-    try:
-        if data.startswith(_PNG):
-            return struct.unpack(">II", data[16:24])
-        if data.startswith(_JPEG):
-            found = _IN_DATA.search(data, 2)
-            while found is not None and found[0][-1] not in _FRAMES:
-                found = _IN_DATA.search(data, found.end() + int.from_bytes(data[found.end() : found.end() + 2], "big"))
-            height, width = (0, 0) if found is None else struct.unpack_from(">HH", data, found.end() + 3)
-            return None if found is None else (width, height)
-        if data.startswith(b"BM"):
-            width, height = struct.unpack("<ii", data[18:26])
-            return abs(width), abs(height)
-        if data[:2] in (b"P2", b"P3", b"P5", b"P6"):
-            words = re.sub(rb"#[^\n]*", b"", data[2:1024]).split(maxsplit=2)
-            return int(words[0][:9]), int(words[1][:9])
-        if data[:4] in (b"II*\0", b"MM\0*"):
-            found = _tags(data)
-            return (found[_WIDTH], found[_HEIGHT]) if _WIDTH in found and _HEIGHT in found else None
-        if data[4:12] == b"jP  \r\n\x87\n":
-            height, width = struct.unpack_from(">II", data, data.index(b"ihdr") + 4)
-            return width, height
-        match data[8:16]:
-            case b"WEBPVP8X":
-                return int.from_bytes(data[24:27], "little") + 1, int.from_bytes(data[27:30], "little") + 1
-            case b"WEBPVP8L":
-                bits = int.from_bytes(data[21:25], "little")
-                return (bits & 0x3FFF) + 1, (bits >> 14 & 0x3FFF) + 1
-            case b"WEBPVP8 ":
-                width, height = struct.unpack_from("<HH", data, 26)
-                return width & 0x3FFF, height & 0x3FFF
-    except (struct.error, ValueError, IndexError):
-        pass
-    return None
-
-
-def _is_whole(png: bytes) -> bool:
-    """Whether a PNG is complete and undamaged, of which libpng would complain on stderr."""
-    start = 8
-    while start + 12 <= len(png):
-        end = start + 8 + int.from_bytes(png[start : start + 4], "big")
-        if zlib.crc32(png[start + 4 : end]) != int.from_bytes(png[end : end + 4], "big"):
-            return False
-        if png[start + 4 : start + 8] == b"IEND":
-            return True
-        start = end + 4
-    return False
-
-
-def _tags(data: bytes) -> dict[int, int]:
-    """The tags of a TIFF that are needed here."""
-    order = "<" if data[:2] == b"II" else ">"
-    (first,) = struct.unpack_from(f"{order}I", data, 4)
-    (count,) = struct.unpack_from(f"{order}H", data, first)
-    found = {}
-    for start in range(first + 2, first + 2 + 12 * count, 12):
-        tag, kind = struct.unpack_from(f"{order}HH", data, start)
-        if tag in (_WIDTH, _HEIGHT, _ORIENTATION):
-            (found[tag],) = struct.unpack_from(f"{order}{'H' if kind == 3 else 'I'}", data, start + 8)
-    return found
-
+_KINDS = ("PNG", "JPEG", "BMP", "PPM", "TIFF", "JPEG2000", "WEBP")  # Pillow's names
+_ORIENTATION = 274  # a tag of EXIF
+_ALONE = threading.Lock()  # for filters of warnings, which all threads share
+_DAMAGED = "the image is truncated or damaged; copy or record it again."
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".jp2", ".tif", ".tiff", ".bmp", ".pgm", ".ppm", ".pnm", ".webp")
 MOST_PIXELS = 1 << 26  # of an image: 67 million, which take 0.2 GB to decode in colour, 0.5 GB at most
@@ -128,27 +66,49 @@ def image_bytes(path: str) -> bytes:
 
 def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
     """What `read_image` gives, of what an image file holds; a TIFF has orientation 1, since OpenCV always turns it."""
+    from PIL import Image  # a tenth of a second
+
     if not data:
         raise InputError(f"{where}: the file is empty; copy or record it again.")
-    width, height = announced_size(data) or (0, 0)
-    if width * height > MOST_PIXELS:
-        raise InputError(f"{where}: the image claims to be {width}x{height}; at most {MOST_PIXELS} pixels are read.")
     if len(data) > _MOST_BYTES:
         raise InputError(f"{where}: the image takes more than {_MOST_BYTES >> 20} MB; store it grey, or with 8 bit.")
-    image, kinds, facts, damaged = None, (), (), data.startswith(_PNG) and not _is_whole(data)
+    with about(where):
+        check_header(data)
+    image, kinds, facts = None, (), ()
     with quiet_opencv(), suppress(cv2.error):
-        if not damaged:
-            image, kinds, facts = cv2.imdecodeWithMetadata(np.frombuffer(data, np.uint8), flags=cv2.IMREAD_UNCHANGED)
-    if damaged or (image is None and data.startswith(_JPEG)):
-        raise InputError(f"{where}: the image is truncated or damaged; copy or record it again.")
+        image, kinds, facts = cv2.imdecodeWithMetadata(np.frombuffer(data, np.uint8), flags=cv2.IMREAD_UNCHANGED)
+    if image is None and data.startswith(_JPEG):
+        raise InputError(f"{where}: {_DAMAGED}")
     if image is None:
         raise InputError(f"{where}: not an image that OpenCV can read, or a damaged one; give a PNG, JPEG or TIFF.")
-    exif = [fact.tobytes() for kind, fact in zip(kinds, facts, strict=True) if kind == cv2.IMAGE_METADATA_EXIF]
-    try:
-        tag = _tags(exif[0].removeprefix(b"Exif\0\0")).get(_ORIENTATION, 1) if exif else 1
-    except struct.error:
-        tag = 1
+    exif, found = Image.Exif(), dict(zip(kinds, facts, strict=True))
+    with suppress(Exception):  # of damaged facts, anything may be raised
+        exif.load(found[cv2.IMAGE_METADATA_EXIF].tobytes())
+    tag = exif.get(_ORIENTATION, 1)
     return image, tag if tag in range(1, 9) else 1
+
+
+def check_header(data: bytes) -> None:
+    """Refuse an image that announces more pixels than are read, and a damaged PNG, of which libpng would complain on
+    stderr; what else is wrong, a decoder says."""
+    from PIL import Image
+
+    png = data.startswith(_PNG)
+    try:
+        with _ALONE, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", module=r"PIL\.")
+            with Image.open(io.BytesIO(data), formats=_KINDS) as header:
+                pixels = math.prod(header.size)
+                if png and pixels <= MOST_PIXELS:
+                    header.verify()
+    except Image.DecompressionBombError:  # far more
+        pixels = math.inf
+    except Exception:  # of a damaged header, anything may be raised
+        if png:
+            raise InputError(_DAMAGED) from None
+        return
+    if pixels > MOST_PIXELS:
+        raise InputError(f"the image claims to have more than {MOST_PIXELS} pixels, the most that are read; reduce it.")
 
 
 def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
