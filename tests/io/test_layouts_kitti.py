@@ -148,7 +148,7 @@ def test_bad_times(tmp_path: Path, text: str):
 def test_no_common_time(tmp_path: Path):
     drive = kitti_drive(kitti_raw(tmp_path) / EXTRACT)
     edit(drive / "image_01" / "timestamps.txt", "13:02", "14:02")
-    refused(drive, "image_00", "taken together")
+    refused(drive, "image_00", "no two frames lie within 0.05 s of each other")
     (drive / "image_01" / "timestamps.txt").unlink()
     refused(drive, "image_01/timestamps.txt", "no such file")
 

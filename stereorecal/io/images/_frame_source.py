@@ -72,7 +72,7 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
         gap = float(np.min(np.abs(first - second[partners])))
         raise InputError(
             f"{left.where} and {right.where}: no two frames lie within {tolerance:.4g} s of each other, the nearest "
-            f"{gap:.4g} s apart; check the clocks, or give a larger tolerance."
+            f"{gap:.4g} s apart; check the clocks, or the tolerance."
         )
     return found
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,17 +35,6 @@ class Recorded:
     unpaired: tuple[str, ...]
     stream: bool
     by_order: bool = False
-
-
-@dataclass(frozen=True)
-class _Places:
-    """The arguments of `open_pairs`, with which a worker opens the recording again."""
-
-    left: str
-    right: str | None
-    topics: tuple[str, str] | None
-    tolerance: float | None
-    sizes: Sizes | None = None
 
 
 def open_pairs(
@@ -86,41 +76,42 @@ def open_pairs(
         raise InputError(
             f"{left}: left and right come from one image, so there are no times to match; leave the tolerance out."
         )
-    left = bag_folder(Path(left))
-    absolute = [None if place is None else str(Path(place).absolute()) for place in (left, right)]
-    assert absolute[0] is not None
-    return _opened(_Places(absolute[0], absolute[1], topics, tolerance, sizes))
+    left = str(bag_folder(Path(left)).absolute())
+    return _opened(left, None if right is None else str(Path(right).absolute()), topics, tolerance, sizes)
 
 
-def _opened(places: _Places) -> Recorded:
-    left, right, topics, tolerance = Path(places.left), places.right, places.topics, places.tolerance
+def _opened(
+    left: str, right: str | None, topics: tuple[str, str] | None, tolerance: float | None, sizes: Sizes | None
+) -> Recorded:
+    """The result of `open_pairs`, of what a worker can be told."""
+    told, one, other = (left, right, topics, tolerance, sizes), Path(left), Path(right or "")
     if topics is not None:
-        sources = bag_sources(left, topics)
-    elif is_bag(left):
+        sources = bag_sources(one, topics)
+    elif is_bag(one):
         raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
     elif right is None:
-        if is_video(left):
-            source = video_source(left)
+        if is_video(one):
+            source = video_source(one)
         else:
-            files = find_images(left)
+            files = find_images(one)
             names = tuple(file.name for file in files)
-            source = FrameSource(str(left), names, None, lambda index: read_image(str(files[index]))[0])
-        return _with_counts(places, *halves(source), [(i, i) for i in range(len(source.names))], is_video(left))
-    elif is_video(left) != is_video(Path(right)):
+            source = FrameSource(left, names, None, lambda index: read_image(str(files[index]))[0])
+        return _with_counts(told, *halves(source), [(i, i) for i in range(len(source.names))], is_video(one))
+    elif is_video(one) != is_video(other):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
-    elif is_video(left):
-        sources = video_source(left), video_source(Path(right))
-    elif tolerance is not None or _times_alone_tell(left, Path(right)):
-        return _files_by_time(left, Path(right), tolerance, places.sizes)
+    elif is_video(one):
+        sources = video_source(one), video_source(other)
+    elif tolerance is not None or _times_alone_tell(one, other):
+        return _files_by_time(one, other, tolerance, sizes)
     else:
-        found = find_partners(find_images(left), find_images(right))
+        found = find_partners(find_images(one), find_images(other))
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
-        return Recorded(load_matched(found.matched, sizes=places.sizes), alone, False, found.by_order)
-    return _with_counts(places, *sources, pairs_by_time(*sources, tolerance), stream=True)
+        return Recorded(load_matched(found.matched, sizes=sizes), alone, False, found.by_order)
+    return _with_counts(told, *sources, pairs_by_time(*sources, tolerance), stream=True)
 
 
 def _with_counts(
-    places: _Places, left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
+    told: tuple[Any, ...], left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
 ) -> Recorded:
     times = [None if left.times is None else float(left.times[first]) for first, _ in found]
 
@@ -128,10 +119,10 @@ def _with_counts(
         first, second = found[number]
         name = left.names[first]
         about = name if left.names is right.names else f"{name} and {right.names[second]}"
-        shots, origin = ((left.read(first), 1), (right.read(second), 1)), (_read_in_worker, (places, number))
-        return fitted_pair(shots, places.sizes, about, name, origin=origin, time=times[number])
+        shots, origin = ((left.read(first), 1), (right.read(second), 1)), (_read_in_worker, (told, number))
+        return fitted_pair(shots, told[-1], about, name, origin=origin, time=times[number])
 
-    frames = [_Frame(places, number, read) for number in range(len(found))]
+    frames = [_Frame(told, number, read) for number in range(len(found))]
     pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)
     return Recorded(pairs, _alone(left, right, found), stream)
 
@@ -162,25 +153,25 @@ def _alone(left: FrameSource, right: FrameSource, found: list[tuple[int, int]]) 
     return tuple(name for one, paired in sides for index, name in enumerate(one.names) if index not in paired)
 
 
-def _read_in_worker(places: _Places, number: int) -> Pair:
-    """A pair in another process, which is handed pair after pair and opens their video once."""
-    return _opened_once(places).pairs[number]
-
-
 _opened_once = lru_cache(maxsize=2)(_opened)
+
+
+def _read_in_worker(told: tuple[Any, ...], number: int) -> Pair:
+    """A pair in another process, which is handed pair after pair and opens their video once."""
+    return _opened_once(*told).pairs[number]
 
 
 class _Frame:
     """A function that reads a pair from what is open here; in another process it opens that again."""
 
-    def __init__(self, places: _Places, number: int, read: Callable[[int], Pair]):
-        self._places, self._number, self._read = places, number, read
+    def __init__(self, told: tuple[Any, ...], number: int, read: Callable[[int], Pair]):
+        self._told, self._number, self._read = told, number, read
 
     def __call__(self) -> Pair:
         return self._read(self._number)
 
     def __reduce__(self):
-        return partial, (_read_in_worker, self._places, self._number)
+        return partial, (_read_in_worker, self._told, self._number)
 
 
 def _times_alone_tell(left: Path, right: Path) -> bool:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import jax
 import numpy as np
-from jaxtyping import Shaped
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
@@ -16,6 +15,7 @@ from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats.text._document import Syntax, read_document
+from stereorecal.io.images._frame_source import FrameSource, pairs_by_time
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
@@ -154,7 +154,8 @@ _RAW = ("*_drive_*", (("image_00", "image_01"), ("image_02", "image_03")))
 _OF_DAY, _TIMES, _RECTIFIED, _AS_TAKEN = "calib_cam_to_cam.txt", "timestamps.txt", "_sync", "_extract"
 # The cameras are triggered together ten times a second (KITTI's raw data paper): images less than half a period apart
 # are of the same trigger.
-_SAME_SHOT = np.timedelta64(50, "ms")
+_SAME_SHOT = 0.05  # seconds
+_BEFORE = np.datetime64("2011-01-01")  # all drives: fewer digits than since 1970
 
 
 def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
@@ -183,27 +184,20 @@ def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
 
 
 def _match_by_time(left: Path, right: Path) -> Matched:
-    (left_files, left_times), (right_files, right_times) = _shots(left), _shots(right)
-    matched: list[tuple[Path, Path]] = []
-    for path, time in zip(left_files, left_times, strict=True):
-        gaps = np.abs(right_times - time)
-        if gaps.min() < _SAME_SHOT:
-            matched.append((path, right_files[int(gaps.argmin())]))
-    if not matched:
-        raise InputError(f"{left}: no image in there was taken together with one of {right.name}; check {_TIMES}.")
-    return matched
+    sides = left_shots, right_shots = _shots(left), _shots(right)
+    return [(left_shots.read(one), right_shots.read(other)) for one, other in pairs_by_time(*sides, _SAME_SHOT)]
 
 
 def _seconds(camera: Path, matched: Matched) -> list[float] | None:
     """When the left images were taken; None if the file of their times is missing."""
     if not (camera / _TIMES).is_file():
         return None
-    files, times = _shots(camera)
-    of_file = dict(zip(files, (times - times[0]) / np.timedelta64(1, "s"), strict=True))
-    return [float(of_file[path]) for path, _ in matched]
+    shots = _shots(camera)
+    known = dict(zip(shots.names, np.asarray(shots.times) - np.asarray(shots.times)[0], strict=True))
+    return [float(known[path.name]) for path, _ in matched]
 
 
-def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
+def _shots(camera: Path) -> FrameSource:
     """The images of a camera and their times: the number in an image's name is its line in timestamps.txt, from 0."""
     files, path = by_stem(camera / "data"), camera / _TIMES
     lines = read_text(path).split("\n")
@@ -213,7 +207,9 @@ def _shots(camera: Path) -> tuple[list[Path], Shaped[np.ndarray, "n"]]:
         times = np.array(["NaT"], "datetime64[ns]")
     if np.isnat(times).any():
         raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
-    return list(files.values()), times
+    paths = list(files.values())
+    names = tuple(path.name for path in paths)
+    return FrameSource(str(path), names, (times - _BEFORE) / np.timedelta64(1, "s"), paths.__getitem__)
 
 
 KITTI_RAW = _DataSet(
