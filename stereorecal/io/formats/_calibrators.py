@@ -11,8 +11,9 @@ from stereorecal._arrays import Mat3
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Motion, inverse, pose, rig_of
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints
 from stereorecal.io.formats._numbers import image_size, numbers, pinhole_matrix, unsupported, value
+from stereorecal.io.formats._poses import Motion, inverse, pose, rig_of
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document
 

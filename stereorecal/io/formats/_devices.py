@@ -1,7 +1,7 @@
 """Factory calibrations of devices: DepthAI's EEPROM as JSON (OAK cameras); and, at each of their resolutions, ZED's
 SN….conf, an INI file, and what RealSense's `rs-enumerate-devices -c` prints, saved as a text."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,20 +12,9 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import (
-    JSON,
-    Documents,
-    Format,
-    Hints,
-    Motion,
-    Syntax,
-    Target,
-    inverse,
-    left_to_right,
-    pose,
-    rig_of,
-)
+from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._poses import Link, inverse, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._nodes import Keys, Values, at
 
@@ -34,37 +23,62 @@ from stereorecal.io.formats.text._nodes import Keys, Values, at
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-_PERSPECTIVE, _FISHEYE = 0, 1  # cameraType; a fisheye is OpenCV's, and uses the first four coefficients
-_ZERO = {"x": 0.0, "y": 0.0, "z": 0.0}
+_MODELS = (Camera.model, "equidistant")  # by cameraType; a fisheye is OpenCV's, and uses the first four coefficients
 _WORDS = ("batchName", "boardConf", "boardCustom", "boardName", "boardRev", "deviceName", "hardwareConf", "productName")
 
 
 def _cameras_of_depthai(documents: Documents) -> tuple[str, ...]:
     """The numbers of the sockets, those of the stereo pair first."""
     content = documents[0].content
-    pair = _sockets(content, Hints())
     sockets = (entry[0] for entry in content["cameraData"] if isinstance(entry, list) and entry)
-    return tuple(map(str, (*pair, *(socket for socket in sockets if socket not in pair))))
+    return tuple(dict.fromkeys(map(str, (*_sockets(content, Hints()), *sockets))))
 
 
 def _read_depthai(documents: Documents, hints: Hints) -> StereoRig:
     """The rig by its calibrated translations, never those of the drawing (`specTranslation`). Images
     of another size are taken for those of a mode of the sensor: scaled, or cut above and below, or both."""
     content = documents[0].content
-    left, right = (_camera_of_depthai(content, socket, hints) for socket in _sockets(content, hints))
-    return rig_of(left, right, _relation(content, hints)[0])
+    sockets = one, other = _sockets(content, hints)
+    left, right = (_camera_of_depthai(content, socket, hints) for socket in sockets)
+    motion = motions_from(str(one), _links(content, sockets)).get(str(other))
+    if motion is None:
+        raise InputError(
+            f"the extrinsics of sockets {one} and {other} do not lead to each other; calibrate the device again."
+        )
+    return rig_of(left, right, motion)
 
 
 def _blank_depthai(rig: StereoRig, syntax: Syntax) -> tuple[str]:
-    """A device of two cameras and no name."""
-    nominal = {"x": -float(rig.baseline), "y": 0.0, "z": 0.0}
+    """A device of two cameras and no name, the left one of which stands on the right one."""
+
+    def standing(on: int = _NOWHERE, x: float = 0.0) -> dict[str, Any]:
+        zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+        return {"rotationMatrix": _EYE, "specTranslation": {**zero, "x": x}, "toCameraSocket": on, "translation": zero}
+
+    def new_camera(camera: Camera, extrinsics: dict[str, Any]) -> dict[str, Any]:
+        width, height = camera.size
+        return {
+            "cameraType": int(camera.model == "equidistant"),
+            "distortionCoeff": [0.0] * 14,
+            "extrinsics": extrinsics,
+            "height": height,
+            "intrinsicMatrix": _EYE,
+            "lensPosition": 0,
+            "specHfovDeg": float(np.degrees(2.0 * np.arctan(0.5 * width / camera.matrix[0, 0]))),
+            "width": width,
+        }
+
+    left, right = _SOCKETS.values()
     content = {
         **dict.fromkeys(_WORDS, ""),
         "batchTime": 0,
         "boardOptions": 0,
-        "cameraData": [[1, _blank_camera(rig.left, 2, nominal)], [2, _blank_camera(rig.right, _NOWHERE, _ZERO)]],
-        "housingExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
-        "imuExtrinsics": _blank_extrinsics(_NOWHERE, _ZERO),
+        "cameraData": [
+            [left, new_camera(rig.left, standing(right, -float(rig.baseline)))],
+            [right, new_camera(rig.right, standing())],
+        ],
+        "housingExtrinsics": standing(),
+        "imuExtrinsics": standing(),
         "miscellaneousData": [],
         _STEREO: {**_SOCKETS, "rectifiedRotationLeft": _EYE, "rectifiedRotationRight": _EYE},
         "stereoEnableDistortionCorrection": False,
@@ -75,33 +89,14 @@ def _blank_depthai(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     return (strict_json_text(content),)
 
 
-def _blank_camera(camera: Camera, to_socket: int, nominal: Mapping[str, float]) -> dict[str, Any]:
-    return {
-        "cameraType": _FISHEYE if camera.model == "equidistant" else _PERSPECTIVE,
-        "distortionCoeff": [0.0] * 14,
-        "extrinsics": _blank_extrinsics(to_socket, nominal),
-        "height": camera.size[1],
-        "intrinsicMatrix": _EYE,
-        "lensPosition": 0,
-        "specHfovDeg": float(np.degrees(2.0 * np.arctan(0.5 * camera.size[0] / camera.matrix[0, 0]))),
-        "width": camera.size[0],
-    }
-
-
-def _blank_extrinsics(to_socket: int, nominal: Mapping[str, float]) -> dict[str, Any]:
-    place = {"specTranslation": dict(nominal), "toCameraSocket": to_socket, "translation": dict(_ZERO)}
-    return {"rotationMatrix": _EYE, **place}
-
-
 def _write_depthai(rig: StereoRig, target: Target) -> list[Values]:
     """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
-    content = target.documents[0].content
-    sockets = _sockets(content, target.hints)
-    _, socket, stated_pose = _relation(content, target.hints)
-    moved = stated_pose(left_to_right(rig))
-    place = (*_data(content, socket)[0], "extrinsics")
-    values: dict[Keys, Any] = {(*place, "rotationMatrix"): moved[:3, :3].tolist()}
-    values |= {(*place, "translation", axis): float(moved[row, 3]) for row, axis in enumerate("xyz")}
+    content, values = target.documents[0].content, dict[Keys, Any]()
+    sockets = one, other = _sockets(content, target.hints)
+    for link, motion in moved(_links(content, sockets), str(one), str(other), left_to_right(rig)):
+        place = (*_data(content, int(link.camera))[0], "extrinsics")
+        values[(*place, "rotationMatrix")] = motion[:3, :3].tolist()
+        values |= {(*place, "translation", axis): float(motion[row, 3]) for row, axis in enumerate("xyz")}
     if sockets == _sockets(content, Hints()) and at(content, (_STEREO, "rectifiedRotationLeft")):
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
@@ -133,20 +128,29 @@ def _data(content: Mapping[str, Any], socket: int) -> tuple[Keys, Mapping[str, A
     raise InputError(f"cameraData has no camera in socket {socket}; give the file of a calibrated stereo device.")
 
 
+def _links(content: Mapping[str, Any], sockets: tuple[int, int]) -> list[Link]:
+    """How the two cameras stand: on each other, or both on a third one."""
+    links = []
+    for socket in sockets:
+        stated = value(_data(content, socket)[1], "extrinsics")
+        shift, on = scalars(value(stated, "translation"), "xyz"), stated.get("toCameraSocket")
+        motion = pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
+        links += [Link(str(socket), str(on), motion, inverted=True)] if isinstance(on, int) and on >= 0 else []
+    return links
+
+
 def _camera_of_depthai(content: Mapping[str, Any], socket: int, hints: Hints) -> Camera:
     _, data = _data(content, socket)
     with about(f"socket {socket}"):
-        kind = data.get("cameraType", _PERSPECTIVE)
-        if kind not in (_PERSPECTIVE, _FISHEYE):
+        kind = data.get("cameraType", 0)
+        if kind not in (0, 1):
             raise UnsupportedModelError(
                 "the camera is neither of the perspective model (cameraType 0) nor a fisheye (1); undistort the "
                 "images, or calibrate it as such."
             )
-        size = image_size(data, "width", "height")
-        matrix = numbers(data, "intrinsicMatrix", (3, 3))
+        size, matrix = image_size(data, "width", "height"), numbers(data, "intrinsicMatrix", (3, 3))
         lens = numbers(data, "distortionCoeff", (-1,))
-        fisheye = kind == _FISHEYE
-        camera = Camera(size, matrix, lens[:4] if fisheye else lens, model="equidistant" if fisheye else Camera.model)
+        camera = Camera(size, matrix, lens[:4] if kind else lens, model=_MODELS[kind])
     scaled_size = _before_the_cut(size, hints.size or size)
     return camera if scaled_size is None else camera.resized(scaled_size).cropped(hints.size or size)
 
@@ -168,29 +172,6 @@ def _uncut(camera: Camera, whole: tuple[int, int]) -> Camera:
     matrix = np.array(camera.matrix, float)
     matrix[1, 2] += (before[1] - camera.size[1]) // 2
     return replace(camera, size=before, matrix=matrix).resized(whole)
-
-
-def _link(content: Mapping[str, Any], socket: int) -> tuple[int, Motion]:
-    """To which camera the pose of a camera leads, and the pose."""
-    stated = value(_data(content, socket)[1], "extrinsics")
-    shift = scalars(value(stated, "translation"), "xyz")
-    to = stated.get("toCameraSocket")
-    return to if isinstance(to, int) else _NOWHERE, pose(numbers(stated, "rotationMatrix", (3, 3)), shift)
-
-
-def _relation(content: Mapping[str, Any], hints: Hints) -> tuple[Motion, int, Callable[[Motion], Motion]]:
-    """Left to right; the socket of the camera whose stated pose says so, and what makes that pose of left to right."""
-    left, right = _sockets(content, hints)
-    (from_left, left_pose), (from_right, right_pose) = _link(content, left), _link(content, right)
-    if from_left == right:
-        return left_pose, left, lambda motion: motion
-    if from_right == left:
-        return inverse(right_pose), right, inverse
-    if from_left == from_right and from_left >= 0:
-        return inverse(right_pose) @ left_pose, right, lambda motion: left_pose @ inverse(motion)
-    raise InputError(
-        f"the extrinsics of sockets {left} and {right} do not lead to each other; calibrate the device again."
-    )
 
 
 DEPTHAI = Format(

@@ -3,12 +3,8 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from jaxtyping import Float
-
-from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
-from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
+from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._nodes import Values
 
@@ -95,32 +91,3 @@ class Format:
         if self.looks_together is not None:
             return self.looks_together(documents)
         return len(documents) == self.files and all(map(self.looks, documents))
-
-
-Motion = Float[np.ndarray, "4 4"]
-
-
-def pose(rotation: Mat3, translation: Vec3) -> Motion:
-    """The rigid motion x -> R x + T as a matrix (4, 4)."""
-    made = np.eye(4)
-    made[:3, :3], made[:3, 3] = rotation, translation
-    return made
-
-
-def inverse(motion: Motion) -> Motion:
-    """The inverse of a rigid motion (4, 4)."""
-    try:
-        return np.linalg.inv(motion)
-    except np.linalg.LinAlgError:
-        raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
-
-
-def left_to_right(rig: StereoRig) -> Motion:
-    """The pose that takes points of the left camera's frame to the right one's."""
-    return pose(np.asarray(rig.rotation), np.asarray(rig.translation))
-
-
-def rig_of(left: Camera, right: Camera, motion: Motion) -> StereoRig:
-    """The rig of the first and the second camera of a file, and the motion from the first frame to the second one:
-    `_read_rig.py` says which is the left one."""
-    return StereoRig(left, right, extrinsics_of(motion[:3, :3], motion[:3, 3]), source=AS_IN_FILE)

@@ -2,8 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import reduce
-from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -11,19 +9,9 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import (
-    YAML,
-    Documents,
-    Format,
-    Hints,
-    Motion,
-    Syntax,
-    Target,
-    inverse,
-    left_to_right,
-    rig_of,
-)
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
+from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, rig_of
 from stereorecal.io.formats._table import Lens, Table, yaml_text
 from stereorecal.io.formats.text._nodes import Keys, Values
 
@@ -55,49 +43,40 @@ def _cameras(documents: Documents) -> tuple[str, ...]:
     return tuple(sorted(named, key=lambda name: int(name[3:])))
 
 
+def _links(content: Mapping[str, Any], chain: Sequence[str], *keys: str) -> list[Link]:
+    """The poses under some keys of cameras that stand in a row: on the camera before, or on the IMU."""
+    return [
+        Link(name, before if key == _FROM_LAST else "imu", _pose(content, name, key), key == _TO_IMU, key)
+        for key in keys
+        for before, name in zip(("", *chain), chain, strict=False)
+        if key in content[name] and (before or key != _FROM_LAST)
+    ]
+
+
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig; T_cn_cnm1 takes points of the camera before to this one, and where the file has none, the poses of both
-    cameras on the IMU tell."""
+    """The rig; where the chain between its cameras has a gap, their poses on the IMU tell."""
     content, chain, names = documents[0].content, _cameras(documents), hints.cameras or _TABLE.names
     for key in names:
         if key not in chain:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
-    motion = _motion(content, first, last, chain[chain.index(first) + 1 : chain.index(last) + 1])
-    return rig_of(left, right, motion if first == names[0] else inverse(motion))
-
-
-def _motion(content: Mapping[str, Any], first: str, last: str, links: Sequence[str]) -> Motion:
-    """What takes points of one camera to a later one of the chain, over the cameras after it."""
-    if all(_FROM_LAST in content[name] for name in links):
-        return _along(content, links)
-    stated = [
-        _from_imu(content, last, key) @ inverse(_from_imu(content, first, key))
-        for key in (_FROM_IMU, _TO_IMU)
-        if key in content[first] and key in content[last]
-    ]
-    if not stated:
-        with about(last):
-            optional(content[last], _FROM_LAST)  # refuses one that is misspelt
-        raise InputError(
-            f"nothing says how {first} and {last} stand to each other, neither {_FROM_LAST} of {last} nor {_FROM_IMU} "
-            f"or {_TO_IMU} of both; give the result of a calibration of both."
-        )
-    if not np.allclose(stated[0], stated[-1], rtol=0.0, atol=_ROUNDING):
-        raise InputError(f"{_FROM_IMU} and {_TO_IMU} contradict each other; remove the one that is wrong.")
-    return stated[0]
-
-
-def _along(content: Mapping[str, Any], links: Sequence[str]) -> Motion:
-    """What takes points of the camera before these links to the last one."""
-    return reduce(lambda motion, name: _pose(content, name, _FROM_LAST) @ motion, links, np.eye(4))
-
-
-def _from_imu(content: Mapping[str, Any], name: str, key: str) -> Motion:
-    """What takes points of the IMU to a camera."""
-    stated = _pose(content, name, key)
-    return stated if key == _FROM_IMU else inverse(stated)
+    along = _links(content, chain[chain.index(first) : chain.index(last) + 1], _FROM_LAST)
+    motion = motions_from(names[0], along).get(names[1])
+    if motion is None:
+        ways = (_links(content, (last, first), key) for key in (_FROM_IMU, _TO_IMU))
+        stated = [motions_from(names[0], links)[names[1]] for links in ways if len(links) == 2]
+        if not stated:
+            with about(last):
+                optional(content[last], _FROM_LAST)  # refuses one that is misspelt
+            raise InputError(
+                f"nothing says how {first} and {last} stand to each other, neither {_FROM_LAST} of {last} nor "
+                f"{_FROM_IMU} or {_TO_IMU} of both; give the result of a calibration of both."
+            )
+        if not np.allclose(stated[0], stated[-1], rtol=0.0, atol=_ROUNDING):
+            raise InputError(f"{_FROM_IMU} and {_TO_IMU} contradict each other; remove the one that is wrong.")
+        motion = stated[0]
+    return rig_of(left, right, motion)
 
 
 def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
@@ -122,27 +101,16 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
 
 
 def _write(rig: StereoRig, target: Target) -> list[Values]:
-    """The later one of the two cameras moves, and with it what follows it in the chain: its T_cn_cnm1, and the poses of
-    all these on the IMU."""
+    """What stands on the camera that moves follows it: its T_cn_cnm1, and the poses of all these on the IMU."""
     content, chain, values = target.documents[0].content, _cameras(target.documents), dict[Keys, Any]()
-    names, motion = target.hints.cameras or _TABLE.names, left_to_right(rig)
-    first, last = sorted(names, key=chain.index)
-    motion = motion if first == names[0] else inverse(motion)
-    links = chain[chain.index(first) + 1 : chain.index(last) + 1]
-    if all(_FROM_LAST in content[name] for name in links):
-        values |= matrix_values(content, (last, _FROM_LAST), motion @ inverse(_along(content, links[:-1])))
-    moved = [last, *takewhile(lambda name: _FROM_LAST in content[name], chain[chain.index(last) + 1 :])]
-    for key in (_FROM_IMU, _TO_IMU):
-        stated = [name for name in moved if key in content[name]]
-        if stated and key not in content[first]:
+    names = target.hints.cameras or _TABLE.names
+    first = min(names, key=chain.index)
+    for link, motion in moved(_links(content, chain, _FROM_LAST, _FROM_IMU, _TO_IMU), *names, left_to_right(rig)):
+        if link.key != _FROM_LAST and link.key not in content[first]:
             raise InputError(
-                f"{stated[0]} has {key} and {first} has none; remove it, since it would not fit the new rig."
+                f"{link.camera} has {link.key} and {first} has none; remove it, since it would not fit the new rig."
             )
-        to_camera = _from_imu(content, first, key) if stated else np.eye(4)
-        for name in moved:
-            to_camera = (motion if name == last else _pose(content, name, _FROM_LAST)) @ to_camera
-            if name in stated:
-                values |= matrix_values(content, (name, key), to_camera if key == _FROM_IMU else inverse(to_camera))
+        values |= matrix_values(content, (link.camera, link.key), motion)
     for side, camera in target.cameras(rig):
         values |= _TABLE.values(content, names[side], camera)
     return [values]

@@ -12,8 +12,9 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._numbers import check_straight, image_size, numbers
+from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats._table import Lens, Pose, Table
 from stereorecal.io.formats.text._document import Document

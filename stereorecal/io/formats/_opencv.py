@@ -11,7 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._matrix_search import MATRICES, Matrices, matrices_in
 from stereorecal.io.formats._numbers import (
     OF_OPENCV,
@@ -25,6 +25,7 @@ from stereorecal.io.formats._numbers import (
     rotation_matrix,
     size_of,
 )
+from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
     essential,

@@ -7,8 +7,9 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._numbers import ROUNDING, check_straight, image_size, numbers
+from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 _CAMERAS = ("cam0", "cam1")

@@ -12,7 +12,7 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
     OF_OPENCV,
@@ -25,6 +25,7 @@ from stereorecal.io.formats._numbers import (
     unsupported,
     value,
 )
+from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document

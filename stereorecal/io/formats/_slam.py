@@ -11,8 +11,9 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Target, inverse, pose, rig_of
+from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Target
 from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
+from stereorecal.io.formats._poses import inverse, pose, rig_of
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document, read_document
 from stereorecal.io.formats.text._nodes import Values

@@ -9,9 +9,10 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target, pose, rig_of
+from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
 from stereorecal.io.formats._matrix_search import has_cameras
 from stereorecal.io.formats._numbers import image_size, model_named, numbers, optional, value
+from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Values
 

@@ -12,7 +12,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import Documents, Hints, Motion, Target, inverse, left_to_right, pose, rig_of
+from stereorecal.io.formats._format import Documents, Hints, Target
 from stereorecal.io.formats._numbers import (
     Array,
     check_held,
@@ -30,6 +30,7 @@ from stereorecal.io.formats._numbers import (
     unsupported,
     value,
 )
+from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._nodes import Keys, at, leaves
 
@@ -99,29 +100,37 @@ class Table:
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""
-        cameras, motions = [], []
-        for side, name in enumerate(hints.cameras or self.names):
-            document = documents[min(side, len(documents) - 1)]
-            with about(document.name) if len(documents) > 1 else nullcontext():
-                cameras.append(self.camera(document.content, name))
-                motions.append(self.motion(document.content, name, side))
+        names, cameras = hints.cameras or self.names, []
+        for side, name in enumerate(names):
+            with about(documents[side].name) if len(documents) > 1 else nullcontext():
+                cameras.append(self.camera(documents[side % len(documents)].content, name))
+        links = self._links(documents, names)
         assert self.pose is not None
         where = " and ".join(document.name for document in documents)
         with about(where) if len(documents) > 1 else _about_place(self.pose.rotation if self.pose.between else "", ""):
-            (left, right), (first, second) = cameras, motions
-            return rig_of(left, right, inverse(second) @ first if self.pose.inverted else second @ inverse(first))
+            return rig_of(*cameras, motions_from(names[0], links)[names[1]])
 
     def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""
         assert self.pose is not None
         names, contents = target.hints.cameras or self.names, [document.content for document in target.documents]
-        found, motion = [dict[Keys, Any]() for _ in contents], left_to_right(rig)
-        first = self.motion(contents[0], names[0], 0)
-        second = first @ inverse(motion) if self.pose.inverted else motion @ first
-        found[-1] |= self.pose.values(contents[-1], names[1], second)
+        found = [dict[Keys, Any]() for _ in contents]
+        for link, motion in moved(self._links(target.documents, names), *names, left_to_right(rig)):
+            found[-1] |= self.pose.values(contents[-1], link.camera, motion)
         for side, camera in target.cameras(rig):
             found[-side] |= self.values(contents[-side], names[side], camera)
         return found
+
+    def _links(self, documents: Documents, names: tuple[str, str]) -> list[Link]:
+        """How the cameras stand: both on a body, or the right one on the left one."""
+        assert self.pose is not None
+        links = []
+        for side, name in enumerate(names):
+            if side or not self.pose.between:
+                with about(documents[side].name) if len(documents) > 1 else nullcontext():
+                    motion = self.pose.read(documents[side % len(documents)].content, name)
+                links.append(Link(name, names[0] if self.pose.between else "", motion, self.pose.inverted))
+        return links
 
     def blank(self, rig: StereoRig, syntax: Syntax) -> list[str]:
         """The texts of new files: the words and sizes of a rig, no numbers, and both cameras where the body is."""
@@ -152,11 +161,6 @@ class Table:
                         inside = inside.setdefault(key, {})
                     inside[last] = part
         return [_with_lists(content) for content in found]
-
-    def motion(self, content: Any, name: str, side: int) -> Motion:
-        """The motion of the left (0) or the right camera (1), as the file has it."""
-        assert self.pose is not None
-        return np.eye(4) if self.pose.between and not side else self.pose.read(content, name)
 
     def lens(self, content: Any, name: str) -> Lens:
         """What the file says that a lens is."""
