@@ -15,7 +15,7 @@ from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files, warn_of_file
 from stereorecal.io.formats._numbers import image_size
-from stereorecal.io.formats._read_rig import checked_cameras, named, rig_in
+from stereorecal.io.formats._read_rig import at_common_size, checked_cameras, named, rig_in
 from stereorecal.io.formats._rig_file import KEY, file_of
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
@@ -148,7 +148,10 @@ def _assembled(
     except InputError:  # which is said below
         sizes = None
     read = pairs(sizes)
-    found = load(replace(hints, size=read[0].size if read else None, common_size=True))
+    found = load(replace(hints, size=read[0].size if read else None))
+    if found.rig is not None:
+        rig = at_common_size(found.rig)
+        found = replace(found, size=rig.sizes_taken[0], rig=rig)
     with about(where):
         if found.rig is not None and not read:
             check_pairs(found.rig, read)  # says that there is none

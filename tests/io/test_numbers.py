@@ -85,6 +85,12 @@ def test_what_is_refused(content, shape: tuple[int, ...], words: str):
     refused(lambda: numbers({"K": content}, "K", shape), words)
 
 
+def test_rows_may_be_one_list():
+    np.testing.assert_array_equal(numbers({"K": [1, 2, 3, 4, 5, 6]}, "K", (2, 3)), [[1, 2, 3], [4, 5, 6]])
+    stated = {"rows": 3, "cols": 3, "data": [1, 2, 3, 4, 5, 6]}  # which says otherwise
+    refused(lambda: numbers({"K": stated}, "K", (2, 3)), "K must hold 2x3 numbers, not 6")
+
+
 def test_a_missing_key():
     for read in (value, image_size, lambda content, key: numbers(content, key, (3,))):
         refused(lambda read=read: read({"k": 1}, "K"), "the key 'K' is missing")

@@ -12,7 +12,7 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._poses import Link, inverse, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
@@ -89,10 +89,10 @@ def _blank_depthai(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     return (strict_json_text(content),)
 
 
-def _write_depthai(rig: StereoRig, target: Target) -> list[Values]:
+def _write_depthai(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
     """The pose that links the two cameras, and the rectifying rotations (as `cv2.stereoRectify`)."""
-    content, values = target.documents[0].content, dict[Keys, Any]()
-    sockets = one, other = _sockets(content, target.hints)
+    content, values = documents[0].content, dict[Keys, Any]()
+    sockets = one, other = _sockets(content, hints)
     for link, motion in moved(_links(content, sockets), str(one), str(other), left_to_right(rig)):
         place = (*_data(content, int(link.camera))[0], "extrinsics")
         values[(*place, "rotationMatrix")] = motion[:3, :3].tolist()
@@ -101,7 +101,7 @@ def _write_depthai(rig: StereoRig, target: Target) -> list[Values]:
         made = rectification_of(rig, _RECTIFY)
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
-    for side, camera in target.cameras(rig):
+    for side, camera in changed.items():
         data, stated = _data(content, sockets[side])
         size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
         counts = [count for count in (4, 5, 8, 12, 14) if count >= least]

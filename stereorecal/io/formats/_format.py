@@ -1,6 +1,6 @@
 """What a calibration format is, and what its reader and its writer work with."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from stereorecal._errors import InputError
@@ -9,6 +9,7 @@ from stereorecal.io.formats.text._document import Document, Syntax
 from stereorecal.io.formats.text._nodes import Values
 
 Documents = tuple[Document, ...]  # one, or those of the left and of the right camera
+Cameras = Mapping[int, Camera]  # by side: 0 the left one, 1 the right one
 YAML, JSON, COLONS = {".yaml": Syntax.YAML, ".yml": Syntax.YAML}, {".json": Syntax.JSON}, {".txt": Syntax.COLONS}
 
 
@@ -20,13 +21,11 @@ class Hints:
         size: (width, height) of the images in pixels.
         cameras: the names of the left and the right camera, as `_read_rig.py` has them.
         rectified: of a file of cameras and of their rectified images, which of these the images are.
-        common_size: whether cameras of two sizes are read at the smaller one.
     """
 
     size: tuple[int, int] | None = None
     cameras: tuple[str, str] | None = None
     rectified: bool | None = None
-    common_size: bool = False
 
     def needed_size(self, lack: str) -> tuple[int, int]:
         """The size of the images, where the file says none; `lack`: what it has not, for the message."""
@@ -51,21 +50,6 @@ class Hints:
 
 
 @dataclass(frozen=True)
-class Target:
-    """Where a rig is to be written."""
-
-    documents: Documents  # the file that it came from, or one without numbers of its own
-    left: bool = True  # whether the intrinsics of the left camera are to be written; else those in the file stay
-    right: bool = True  # the same of the right one
-    hints: Hints = field(default_factory=Hints)  # with which the documents were read
-
-    def cameras(self, rig: StereoRig) -> Iterator[tuple[int, Camera]]:
-        """Those of the rig whose intrinsics are to be written: 0 and the left one, 1 and the right one."""
-        every = zip((0, 1), (rig.left, rig.right), (self.left, self.right), strict=True)
-        return ((side, camera) for side, camera, wanted in every if wanted)
-
-
-@dataclass(frozen=True)
 class Format:
     """One format, with lengths in the file's own unit on both ways. What is wrong with a document is for `read` to say,
     in an InputError, which names the file, if there are two; what the format cannot hold, for `blank` and `write`, in
@@ -83,8 +67,9 @@ class Format:
     # Endings of file names, and what is written into such a file; the first is usual. None: read only.
     syntax: Mapping[str, Syntax] = field(default_factory=dict)
     blank: Callable[[StereoRig, Syntax], Sequence[str]] = lambda rig, syntax: ()  # new files: all keys, any numbers
-    # What to write into each document: the extrinsics, the intrinsics that the target asks for, and what is derived.
-    write: Callable[[StereoRig, Target], Sequence[Values]] = lambda rig, target: ()
+    # What to write into each document, which was read with these hints: the extrinsics, the intrinsics of the cameras
+    # that have changed, and what is derived.
+    write: Callable[[StereoRig, Documents, Hints, Cameras], Sequence[Values]] = lambda *_: ()
 
     def can_read(self, documents: Documents) -> bool:
         """Whether documents look like this format."""

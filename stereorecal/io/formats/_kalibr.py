@@ -9,8 +9,8 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
-from stereorecal.io.formats._numbers import matrix_values, numbers, optional, unpacked, value
+from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
+from stereorecal.io.formats._numbers import matrix_values, numbers, optional
 from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, rig_of
 from stereorecal.io.formats._table import Lens, Table, yaml_text
 from stereorecal.io.formats.text._nodes import Keys, Values
@@ -82,9 +82,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
     """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
-        stated = unpacked(value(content[name], key))
-        flat = isinstance(stated, list) and len(stated) == 16
-        motion = numbers(content[name], key, (16,) if flat else (4, 4)).reshape(4, 4)
+        motion = numbers(content[name], key, (4, 4))
         turn = motion[:3, :3]
         if not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=_ROUNDING) or np.linalg.det(turn) < 0.0:
             raise InputError(f"{key} is not a rotation (orthonormal, determinant +1) beside a translation; correct it.")
@@ -100,10 +98,10 @@ def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
     return [yaml_text({"cam0": left, "cam1": {_FROM_LAST: np.eye(4).tolist(), **right}})]
 
 
-def _write(rig: StereoRig, target: Target) -> list[Values]:
+def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
     """What stands on the camera that moves follows it: its T_cn_cnm1, and the poses of all these on the IMU."""
-    content, chain, values = target.documents[0].content, _cameras(target.documents), dict[Keys, Any]()
-    names = target.hints.cameras or _TABLE.names
+    content, chain, values = documents[0].content, _cameras(documents), dict[Keys, Any]()
+    names = hints.cameras or _TABLE.names
     first = min(names, key=chain.index)
     for link, motion in moved(_links(content, chain, _FROM_LAST, _FROM_IMU, _TO_IMU), *names, left_to_right(rig)):
         if link.key != _FROM_LAST and link.key not in content[first]:
@@ -111,7 +109,7 @@ def _write(rig: StereoRig, target: Target) -> list[Values]:
                 f"{link.camera} has {link.key} and {first} has none; remove it, since it would not fit the new rig."
             )
         values |= matrix_values(content, (link.camera, link.key), motion)
-    for side, camera in target.cameras(rig):
+    for side, camera in changed.items():
         values |= _TABLE.values(content, names[side], camera)
     return [values]
 

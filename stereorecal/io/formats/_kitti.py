@@ -12,7 +12,7 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import COLONS, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import COLONS, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._numbers import check_straight, image_size, numbers
 from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
@@ -53,7 +53,7 @@ def in_projection(projection: Float[np.ndarray, "3 4"], size: tuple[int, int]) -
 
 def _camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int]) -> tuple[Camera, Vec3]:
     """The camera of P, and the position t of camera 00 in its frame."""
-    projection = numbers(content, key, (12,)).reshape(3, 4)
+    projection = numbers(content, key, (3, 4))
     with about(key):
         return in_projection(projection, size)
 
@@ -73,14 +73,14 @@ def _read_odometry(documents: Documents, hints: Hints) -> StereoRig:
     return _rectified_rig(documents[0].content, hints.cameras or _GREY, size)
 
 
-def _write_odometry(rig: StereoRig, target: Target) -> Sequence[Values]:
+def _write_odometry(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """The projection matrix of the right camera changes."""
     check_straight(rig, "KITTI's calib.txt")
-    content, keys = target.documents[0].content, target.hints.cameras or _GREY
-    fresh = target.left and target.right and not any(np.any(content[key]) for key in keys)
+    content, keys = documents[0].content, hints.cameras or _GREY
+    fresh = len(changed) == 2 and not any(np.any(content[key]) for key in keys)
     place = np.zeros(3) if fresh else _camera_and_place(content, keys[0], rig.left.size)[1]
     sides = [(keys[1], rig.right, place + np.asarray(rig.translation))]
-    sides += [(keys[0], rig.left, place)] if target.left else []
+    sides += [(keys[0], rig.left, place)] if 0 in changed else []
     return [
         {
             (key,): np.column_stack([camera.matrix, np.asarray(camera.matrix) @ shift]).ravel().tolist()
@@ -119,10 +119,10 @@ def _read_raw(documents: Documents, hints: Hints) -> StereoRig:
     return _TABLE.read(documents, replace(hints, cameras=cameras))
 
 
-def _write_raw(rig: StereoRig, target: Target) -> Sequence[Values]:
+def _write_raw(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """R and T of the right camera; R_rect and P_rect (alpha 0) of both, where the file has those of no other camera."""
-    content, cameras = target.documents[0].content, target.hints.cameras or _pair(target.documents[0])
-    if _is_rectified(content, cameras, target.hints):
+    content, cameras = documents[0].content, hints.cameras or _pair(documents[0])
+    if _is_rectified(content, cameras, hints):
         raise InputError(
             "the rig is that of KITTI's rectified images, and the file has no place for a rotation between those; "
             "write it as opencv, kalibr or stereorecal instead."
@@ -133,7 +133,7 @@ def _write_raw(rig: StereoRig, target: Target) -> Sequence[Values]:
             "the file has one rectification of four cameras, which would not fit the new rig; write it as opencv, "
             "kalibr or stereorecal instead."
         )
-    (values,) = _TABLE.write(rig, replace(target, hints=replace(target.hints, cameras=cameras)))
+    (values,) = _TABLE.write(rig, documents, replace(hints, cameras=cameras), changed)
     made = rectification_of(rig, _RECTIFY)
     derived = {
         (f"{key}_rect_{name}",): made[f"{key}{side}"].ravel().tolist()

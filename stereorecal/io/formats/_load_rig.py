@@ -232,12 +232,11 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     found = _documents_in(folder, format)
     single = [(document,) for document in found if _is_whole((document,), format, hints)]
     parts = [document for document in found if (document,) not in single][:_MOST_FILES]
-    pairs = {
-        frozenset(document.name for document in pair): pair
-        for pair in reversed(list(permutations(parts, 2)))
-        if _is_whole(pair, format, hints)
-    }
-    whole = [*single, *reversed(pairs.values())]
+    pairs = dict[frozenset[str], Documents]()
+    for pair in permutations(parts, 2):
+        if _is_whole(pair, format, hints):
+            pairs.setdefault(frozenset(document.name for document in pair), pair)
+    whole = [*single, *pairs.values()]
     if not whole and 2 < len(found) <= _MOST_TOGETHER and _is_whole(found, format, hints):
         return found
     if len(whole) == 1:

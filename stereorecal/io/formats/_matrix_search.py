@@ -268,21 +268,20 @@ def _between(
 def _size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     """The (width, height) of the images, under any name that says so."""
     found: dict[str, tuple[int, int]] = {}
-    sides: dict[str, dict[tuple[str, ...], int]] = {"width": {}, "height": {}}
+    sides: dict[tuple[str, ...], dict[str, int]] = {}
     for entry in entries:
-        words = set(entry.words)
-        if entry.array is None or _BESIDE_SIZE & words or not 0 < entry.array.size <= 2:
+        words, numbers = set(entry.words), [] if entry.array is None else entry.array.ravel().tolist()
+        if _BESIDE_SIZE & words or len(numbers) not in (1, 2) or any(n < _SMALLEST or n % 1 for n in numbers):
             continue
-        if entry.array.min() < _SMALLEST or np.any(entry.array % 1):
-            continue
-        if entry.array.shape == (2,) and words & {"size", "resolution", "imagesize", "imgsize"}:
-            found[entry.name] = (int(entry.array[0]), int(entry.array[1]))
+        first, last = int(numbers[0]), int(numbers[-1])
+        if entry.shape == (2,) and words & {"size", "resolution", "imagesize", "imgsize"}:
+            found[entry.name] = first, last
         for side, names in (("width", {"width", "w", "cols"}), ("height", {"height", "h", "rows"})):
-            if entry.array.size == 1 and words & names:
-                sides[side][tuple(word for word in entry.words if word not in names)] = int(entry.array.ravel()[0])
-    for of, width in sides["width"].items():
-        if of in sides["height"]:
-            found[" ".join((*of, "width and height"))] = (width, sides["height"][of])
+            if len(numbers) == 1 and words & names:
+                sides.setdefault(tuple(word for word in entry.words if word not in names), {})[side] = first
+    for of, both in sides.items():
+        if len(both) == 2:
+            found[" ".join((*of, "width and height"))] = (both["width"], both["height"])
     if len(set(found.values())) > 1:
         raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
     return next(iter(found.values()), None)

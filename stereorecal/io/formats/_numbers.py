@@ -22,11 +22,14 @@ _WIDEST = 1 << 20
 
 def numbers(content: Mapping[str, Any], key: str | Keys, shape: tuple[int, ...]) -> Array:
     """The finite float64 array under a key, which holds a number, nested lists of numbers, or `rows cols data`, of this
-    shape; (-1,) is any length. Axes of length one are dropped: (1, 5) and (5, 1) become (5,)."""
+    shape; (-1,) is any length. Axes of length one are dropped: (1, 5) and (5, 1) become (5,). A matrix may be one
+    list, row by row."""
     stated, key = value(content, key), key_name(key)
     array = _array(unpacked(stated), key).squeeze()
     if len(shape) == 1:
         array = np.atleast_1d(array)
+    if len(shape) == 2 and array.shape == (shape[0] * shape[1],) and isinstance(stated, list):
+        array = array.reshape(shape)
     if shape not in (array.shape, (-1,) * array.ndim):
         wanted, found = ("x".join(map(str, each)) for each in (shape, array.shape))
         expected = "one number" if shape == () else "a list of numbers" if -1 in shape else f"{wanted} numbers"
@@ -179,27 +182,22 @@ def matrix_values(content: Mapping[str, Any], keys: Keys, array: Array) -> dict[
         except ValueError:  # rows of different lengths
             raise _no_array(keys[-1]) from None
         return {keys: np.reshape(flat, shape).tolist() if np.prod(shape) == len(flat) else flat}
-    values: dict[Keys, Any] = {(*keys, "data"): flat}
-    if stated.get("dt", "d") != "d":  # single precision would lose digits
-        values[(*keys, "dt")] = "d"
-    if len(flat) <= len(stated["data"]):
-        return values
-    if isinstance(sizes := stated.get("sizes"), list):
-        return values | {(*keys, "sizes"): [len(flat) if size == max(sizes) else size for size in sizes]}
-    if sizes is not None:
-        return values | {(*keys, "sizes"): len(flat)}
-    if not stated["data"]:
-        return values | {(*keys, "rows"): 1, (*keys, "cols"): len(flat)}
-    return values | {(*keys, "cols" if stated["rows"] == 1 else "rows"): len(flat)}
+    values: dict[str, Any] = {"data": flat} | ({"dt": "d"} if "dt" in stated else {})  # more would be lost in "f"
+    if len(flat) > len(stated["data"]):
+        sizes, count = stated.get("sizes"), len(flat)
+        if isinstance(sizes, list):
+            values["sizes"] = [count if size == max(sizes) else size for size in sizes]
+        elif sizes is not None:
+            values["sizes"] = count
+        else:
+            values |= {"rows": 1, "cols": count} if stated["rows"] in (0, 1) else {"rows": count, "cols": 1}
+    return {(*keys, key): value for key, value in values.items()}
 
 
 def size_of(content: Mapping[str, Any], keys: Keys) -> int:
     """How many numbers stand under a key; 0 if there is none, or they are no array."""
-    stated = unpacked(at(content, keys))
-    try:
-        return int(np.size(stated)) if stated is not None else 0
-    except ValueError:  # rows of different lengths, which the reader of numbers names
-        return 0
+    array = array_or_none(at(content, keys))
+    return 0 if array is None else array.size
 
 
 OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has

@@ -11,7 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._matrix_search import MATRICES, Matrices, matrices_in
 from stereorecal.io.formats._numbers import (
     OF_OPENCV,
@@ -104,36 +104,39 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     return (storage.releaseAndGetString(),)
 
 
-def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
+def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
-    matrices, values = matrices_in(target.documents), dict[Keys, Any]()
-    for side, camera in target.cameras(rig):
+    matrices, values = matrices_in(documents), dict[Keys, Any]()
+    for side, camera in changed.items():
         matrix, lens = ((matrices.names[f"{role}{side + 1}"],) for role in "KD")
         counts = [count for count in _COUNTS if count >= size_of(matrices.content, lens)]
         values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
         values |= matrix_values(matrices.content, lens, coefficients(camera, counts, "OpenCV", "", OF_OPENCV))
-    made = rectification_of(rig, _rectify_options(target, matrices)) | {"E": essential(rig), "F": fundamental(rig)}
+    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | {
+        "E": essential(rig),
+        "F": fundamental(rig),
+    }
     regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     for key, array in arrays.items():
         name = matrices.own_name(key) or key
         if name in matrices.content:
             values |= matrix_values(matrices.content, (name,), array)
-    placed = [dict[Keys, Any]() for _ in target.documents]
+    placed = [dict[Keys, Any]() for _ in documents]
     for (name, *rest), value in values.items():
         document, *place = matrices.places[str(name)]
         placed[int(document)][(*place, *rest)] = value
     return placed
 
 
-def _rectify_options(target: Target, matrices: Matrices) -> RectifyOptions:
+def _rectify_options(documents: Documents, hints: Hints, matrices: Matrices) -> RectifyOptions:
     try:
         P1, P2 = (numbers(matrices.content, matrices.own_name(key) or key, (3, 4)) for key in ("P1", "P2"))
     except InputError:  # missing, or no matrix: it is written anew in any case
         return _RECTIFY
-    return options_of(lambda: _read(target.documents, target.hints), P1, P2, _RECTIFY)
+    return options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
 
 
 def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Array, Array]:

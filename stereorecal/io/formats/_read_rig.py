@@ -87,7 +87,6 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
                 f"{_way(hints, format.files)}"
             )
         rig = replace(rig, source=None)
-        rig = at_common_size(rig) if hints.common_size else rig
         if format.name in _STATED and unit not in (None, format.unit):
             raise InputError(
                 f"lengths of a {format.name} file are in the unit that it states ({_STATED[format.name]}), not in "

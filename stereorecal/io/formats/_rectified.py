@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io.formats._format import Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._numbers import ROUNDING, check_straight, image_size, numbers
 from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats.text._nodes import Keys, Values
@@ -25,13 +25,13 @@ def _read_middlebury(documents: Documents, hints: Hints) -> StereoRig:
     return rig_of(left, right, pose(np.eye(3), np.array([-float(numbers(content, "baseline", ())), 0.0, 0.0])))
 
 
-def _write_middlebury(rig: StereoRig, target: Target) -> list[Values]:
+def _write_middlebury(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
     """The baseline, and doffs; nothing else can change in rectified images."""
     aside = np.abs(np.asarray(rig.translation)[1:]).max() > ROUNDING * float(rig.baseline)
     check_straight(rig, "Middlebury's calib.txt", off_line=aside or rig.left.size != rig.right.size)
     values: dict[Keys, Any] = {("baseline",): [float(np.copysign(rig.baseline, -rig.translation[0]))]}
-    values |= {(_CAMERAS[side],): np.asarray(camera.matrix).tolist() for side, camera in target.cameras(rig)}
-    if (target.left or target.right) and "doffs" in target.documents[0].content:
+    values |= {(_CAMERAS[side],): np.asarray(camera.matrix).tolist() for side, camera in changed.items()}
+    if changed and "doffs" in documents[0].content:
         values[("doffs",)] = [float(rig.right.matrix[0, 2] - rig.left.matrix[0, 2])]
     return [values]
 

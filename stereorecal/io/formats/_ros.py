@@ -12,7 +12,7 @@ from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import YAML, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
     OF_OPENCV,
@@ -61,12 +61,6 @@ class _Part:
     def said(self) -> list[Any]:
         """What is equal for messages of one calibration."""
         return [self.content.get(key) for key in ("distortion_model", *self.keys.values())]
-
-    def matrix(self, role: str, shape: tuple[int, int]) -> Array:
-        """A matrix, whose rows may stand one after the other."""
-        stated = self.content.get(self.keys[role])
-        flat = isinstance(stated, list) and not any(isinstance(item, list) for item in stated)
-        return numbers(self.content, self.keys[role], (shape[0] * shape[1],) if flat else shape).reshape(shape)
 
 
 def _parts_of(document: Document) -> list[_Part]:
@@ -165,8 +159,8 @@ def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:
             raise unsupported(stated)
         check_no_lens(stated, lens)
         model = "equidistant" if stated in _EQUIDISTANT else Camera.model
-        matrix, rotation = (part.matrix(role, (3, 3)) for role in ("matrix", "rotation"))
-        projection = part.matrix("projection", (3, 4))
+        matrix, rotation = (numbers(content, names[role], (3, 3)) for role in ("matrix", "rotation"))
+        projection = numbers(content, names["projection"], (3, 4))
         if not np.any(matrix):
             raise InputError(f"{names['matrix']} is 0: this camera is not calibrated; calibrate it.")
         if not np.any(rotation):  # as ZED's driver leaves it for its rectified images
@@ -199,14 +193,14 @@ def _filled(rows: int, columns: int, number: float) -> dict[str, Any]:
     return {"rows": rows, "cols": columns, "data": [float(number)] * rows * columns}
 
 
-def _write(rig: StereoRig, target: Target) -> Sequence[Values]:
+def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """What to write for each camera, everywhere where it is printed: rectification and projection matrices, with the
-    files' own options; intrinsics of the cameras of the target."""
-    parts = _chosen(target.documents, target.hints)
-    P1, P2 = (part.matrix("projection", (3, 4)) for part in parts)
-    options = options_of(lambda: _read(target.documents, target.hints), P1, P2, _RECTIFY)
-    made, wanted = rectification_of(rig, options), dict(target.cameras(rig))
-    found = [dict[Keys, Any]() for _ in target.documents]
+    files' own options; intrinsics of cameras that have changed."""
+    parts = _chosen(documents, hints)
+    P1, P2 = (numbers(part.content, part.keys["projection"], (3, 4)) for part in parts)
+    options = options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
+    made, wanted = rectification_of(rig, options), changed
+    found = [dict[Keys, Any]() for _ in documents]
     for side, part in enumerate(parts):
         content, names, values = part.content, part.keys, dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}

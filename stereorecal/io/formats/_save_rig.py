@@ -25,7 +25,7 @@ from stereorecal.io._atomic import write_bytes, write_files
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _opencv, _stereorecal
-from stereorecal.io.formats._format import Format, Hints, Target
+from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
 from stereorecal.io.formats._matrix_search import calibration_template
 from stereorecal.io.formats._read_rig import as_in_file, at_common_size, chosen_cameras, named, rig_in, scaled
@@ -199,8 +199,7 @@ def _texts_of(
     """
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)
-    if source is not None and source.hints.common_size:
-        source = replace(source, hints=replace(source.hints, common_size=False))
+    if source is not None:
         own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
         rig = _at_own_sizes(rig, own_sizes.turned(rig.turns))
     own = source if source is not None and source.format == chosen.name else None
@@ -214,15 +213,15 @@ def _texts_of(
             return _into(rig, chosen, into)
         taken = as_in_file(rig, exchanged=False)
         blanks = tuple(document("a new file", text, syntax) for text in chosen.blank(taken, syntax))
-        target = Target(blanks, hints=Hints(size=taken.left.size, rectified=False))
-        return _checked(rig, chosen, target, stated or unit or (own.unit if own is not None else "m"))
+        hints = Hints(size=taken.left.size, rectified=False)
+        return _checked(rig, chosen, blanks, hints, stated or unit or (own.unit if own is not None else "m"))
 
 
 def _at_own_sizes(rig: StereoRig, own: StereoRig) -> StereoRig:
-    """A rig at its common size, with the sizes of `own`, which it was; a camera that has not changed is the same."""
-    if rig.left.size != rig.right.size:
-        return rig
+    """A rig at the common size of cameras of two sizes, with these; a camera that has not changed is the same."""
     seen = at_common_size(own)
+    if seen is own or not rig.left.size == rig.right.size == seen.left.size:
+        return rig
     left, right = (
         before if same_camera(at_common, now) else now.resized(before.size)
         for before, at_common, now in ((own.left, seen.left, rig.left), (own.right, seen.right, rig.right))
@@ -290,21 +289,23 @@ def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
                 f"the file has a lens of the model {old.model!r}, and the rig one of {new.model!r}; write a new file: "
                 "`dataclasses.replace(rig, source=None)`, no template."
             )
-    left, right = (not same_camera(old, new) for old, new in cameras)
-    if not (left or right) and np.array_equal(before.extrinsics, rig.extrinsics):
+    sides = [side for side, (old, new) in enumerate(cameras) if not same_camera(old, new)]
+    if not sides and np.array_equal(before.extrinsics, rig.extrinsics):
         return tuple(document.text for document in source.documents)
-    return _checked(rig, format, Target(source.documents, left, right, source.hints), source.unit)
+    return _checked(rig, format, source.documents, source.hints, source.unit, sides)
 
 
-def _checked(rig: StereoRig, format: Format, target: Target, unit: str) -> tuple[str, ...]:
-    """The texts of a target with the numbers of a rig, which were read again."""
-    old = target.documents
-    asked, exchanged = chosen_cameras(format, old, target.hints)
-    left, right = (target.right, target.left) if exchanged else (target.left, target.right)
-    values = format.write(as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged), Target(old, left, right, asked))
+def _checked(
+    rig: StereoRig, format: Format, old: Documents, hints: Hints, unit: str, sides: Sequence[int] = (0, 1)
+) -> tuple[str, ...]:
+    """The texts of documents with the numbers of a rig, and of the cameras of these sides, which were read again."""
+    asked, exchanged = chosen_cameras(format, old, hints)
+    taken = as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged)
+    changed = {side: (taken.left, taken.right)[side] for side in (1 - side if exchanged else side for side in sides)}
+    values = format.write(taken, old, asked, changed)
     texts = tuple(document.with_values(new) for document, new in zip(old, values, strict=True))
     written = tuple(document(o.name, text, o.syntax) for o, text in zip(old, texts, strict=True))
-    if not same_rig(rig, rig_in(written, format, unit, target.hints)):
+    if not same_rig(rig, rig_in(written, format, unit, hints)):
         raise InputError(
             f"the {format.name} file cannot take this rig without a loss; write it in another format, such as opencv."
         )

@@ -11,7 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
-from stereorecal.io.formats._format import JSON, YAML, Documents, Format, Hints, Target
+from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints
 from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
 from stereorecal.io.formats._poses import inverse, pose, rig_of
 from stereorecal.io.formats._table import Lens, Pose, Table, places
@@ -96,13 +96,13 @@ def _cameras_of_basalt(documents: Documents) -> tuple[str, ...]:
     return tuple(map(str, range(len(poses)))) if isinstance(poses, list) else _BASALT.names
 
 
-def _write_basalt(rig: StereoRig, target: Target) -> Sequence[Values]:
+def _write_basalt(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """The numbers of the table, and how far a rational lens holds."""
-    (values,), content = _BASALT.write(rig, target), target.documents[0].content["value0"]
-    chosen = [*map(int, target.hints.cameras or _BASALT.names)]
+    (values,), content = _BASALT.write(rig, documents, hints, changed), documents[0].content["value0"]
+    chosen = [*map(int, hints.cameras or _BASALT.names)]
     limits = {
         ("value0", "intrinsics", chosen[side], "intrinsics", "rpmax"): float(camera.lens_radius)
-        for side, camera in target.cameras(rig)
+        for side, camera in changed.items()
         if content["intrinsics"][chosen[side]]["camera_type"] == _RADTAN8
     }
     return [values | limits]

@@ -9,7 +9,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import JSON, Documents, Format, Hints, Syntax, Target
+from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._matrix_search import has_cameras
 from stereorecal.io.formats._numbers import image_size, model_named, numbers, optional, value
 from stereorecal.io.formats._poses import pose, rig_of
@@ -45,16 +45,16 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
     return rig_of(left, right, pose(numbers(content, "R", (3, 3)), numbers(content, "T", (3,))))
 
 
-def _write(rig: StereoRig, target: Target) -> list[Values]:
-    """R, T and the baseline, and the intrinsics of the cameras of the target; a changed rig is no ground truth."""
+def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
+    """R, T and the baseline, and the intrinsics of cameras that have changed; a changed rig is no ground truth."""
     if rig.left.size != rig.right.size:
         one, other = (f"{width}x{height}" for width, height in (rig.left.size, rig.right.size))
         raise InputError(
             f"the cameras have images of {one} and {other}, but a calib.json has one size for "
             "both; write the rig as kalibr or ros, or resize the images of one and its camera with `Camera.resized`."
         )
-    content = target.documents[0].content
-    keep = {f"{key}_{side}" for side in _SIDES if not getattr(target, side) for key in ("K", "D")}
+    content = documents[0].content
+    keep = {f"{key}_{side}" for number, side in enumerate(_SIDES) if number not in changed for key in ("K", "D")}
     keep |= {"image_size", "distortion_model"} & content.keys()
     changed = {key: item for key, item in calibration_of(rig, rig.left.size).items() if key not in keep}
     changed |= {"reference": "stored"} if "reference" in content else {}

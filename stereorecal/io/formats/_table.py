@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
-from stereorecal.io.formats._format import Documents, Hints, Target
+from stereorecal.io.formats._format import Cameras, Documents, Hints
 from stereorecal.io.formats._numbers import (
     Array,
     check_held,
@@ -32,7 +33,7 @@ from stereorecal.io.formats._numbers import (
 )
 from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats.text._document import Syntax
-from stereorecal.io.formats.text._nodes import Keys, at, leaves
+from stereorecal.io.formats.text._nodes import Keys, at
 
 Places = str | tuple[str, ...]
 """Where an array stands, or each of its numbers: keys with `/` between them, and `{}` for a camera's name."""
@@ -52,7 +53,7 @@ class Pose:
     inverted: bool = False  # whether the file has the motion from the camera to the body
     between: bool = False  # whether the body is the left camera
     # Where the rotation is no matrix: the matrix of its numbers, and the numbers of a matrix.
-    decode: Callable[[Array], Array] = lambda turn: turn.reshape(3, 3)
+    decode: Callable[[Array], Array] = lambda turn: turn
     encode: Callable[[Array], Array] = lambda turn: turn
 
     def read(self, content: Any, name: str) -> Motion:
@@ -60,7 +61,7 @@ class Pose:
         with _about_place(self.rotation, name):
             if not self.translation:
                 return stated(content, self.rotation, name, (4, 4))
-            turn = self.decode(stated(content, self.rotation, name, (self.encode(np.eye(3)).size,)))
+            turn = self.decode(stated(content, self.rotation, name, self.encode(np.eye(3)).shape))
             return pose(turn, stated(content, self.translation, name, (3,)))
 
     def values(self, content: Any, name: str, motion: Motion) -> dict[Keys, Any]:
@@ -69,6 +70,12 @@ class Pose:
             return to_write(content, self.rotation, name, motion)
         turn = self.encode(motion[:3, :3])
         return to_write(content, self.rotation, name, turn) | to_write(content, self.translation, name, motion[:3, 3])
+
+    def blank(self) -> dict[Places, Any]:
+        """What new files have of a camera where the body is."""
+        if not self.translation:
+            return {self.rotation: {"rows": 4, "cols": 4, "data": np.eye(4).ravel().tolist()}}
+        return {self.rotation: self.encode(np.eye(3)).ravel().tolist(), self.translation: [0.0] * 3}
 
 
 @dataclass(frozen=True)
@@ -110,14 +117,14 @@ class Table:
         with about(where) if len(documents) > 1 else _about_place(self.pose.rotation if self.pose.between else "", ""):
             return rig_of(*cameras, motions_from(names[0], links)[names[1]])
 
-    def write(self, rig: StereoRig, target: Target) -> list[dict[Keys, Any]]:
+    def write(self, rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""
         assert self.pose is not None
-        names, contents = target.hints.cameras or self.names, [document.content for document in target.documents]
+        names, contents = hints.cameras or self.names, [document.content for document in documents]
         found = [dict[Keys, Any]() for _ in contents]
-        for link, motion in moved(self._links(target.documents, names), *names, left_to_right(rig)):
+        for link, motion in moved(self._links(documents, names), *names, left_to_right(rig)):
             found[-1] |= self.pose.values(contents[-1], link.camera, motion)
-        for side, camera in target.cameras(rig):
+        for side, camera in changed.items():
             found[-side] |= self.values(contents[-side], names[side], camera)
         return found
 
@@ -145,21 +152,14 @@ class Table:
             if not said:
                 check_held(camera, (), self.holder)
             lens = self.lenses[said[0]]
-            new: list[tuple[Places, Any]] = [*self.fixed.items(), *zip(self.words, said[0].split(), strict=True)]
-            new += [(self.size, list(camera.size)), (self.matrix, [0.0] * (9 if self.square else 4 + lens.before))]
-            new += [(lens.terms, [0.0] * (lens.counts[-1] if isinstance(lens.terms, str) else len(lens.terms)))]
-            if self.pose is not None and self.pose.translation:
-                turn = self.pose.encode(np.eye(3)).ravel().tolist()
-                new += [(self.pose.rotation, turn), (self.pose.translation, [0.0] * 3)]
-            elif self.pose is not None:
-                new += [(self.pose.rotation, {"rows": 4, "cols": 4, "data": np.eye(4).ravel().tolist()})]
-            for place, item in new:
+            new: dict[Places, Any] = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
+            new[self.size] = list(camera.size)
+            for place, count in ((self.matrix, 9 if self.square else 4 + lens.before), (lens.terms, lens.counts[-1])):
+                new[place] = [0.0] * (count if isinstance(place, str) else len(place))
+            for place, item in (new | (self.pose.blank() if self.pose is not None else {})).items():
                 for one, part in ((place, item),) if isinstance(place, str) else zip(place, item, strict=True):
                     *above, last = one.format(name).split("/")
-                    inside = content
-                    for key in above:
-                        inside = inside.setdefault(key, {})
-                    inside[last] = part
+                    reduce(lambda inside, key: inside.setdefault(key, {}), above, content)[last] = part
         return [_with_lists(content) for content in found]
 
     def lens(self, content: Any, name: str) -> Lens:
@@ -174,8 +174,8 @@ class Table:
         """The camera of a name."""
         with about(self.where.format(name)) if self.where else _about_place(self.matrix, name):
             lens = self.lens(content, name)
-            shape = (9,) if self.square else (4 + lens.before,)
-            first, matrix = np.split(stated(content, self.matrix, name, shape), [lens.before])
+            found = stated(content, self.matrix, name, (3, 3) if self.square else (4 + lens.before,))
+            first, matrix = (np.zeros(0), found) if self.square else np.split(found, [lens.before])
             terms = stated(content, lens.terms, name, (-1,)) if lens.terms else np.zeros(0)
             terms = _with_radial(content, lens.radial, name, terms) if lens.radial else terms
             if lens.becomes:
@@ -183,7 +183,7 @@ class Table:
                 terms = np.zeros(4) if lens.before else terms
             sizes = (self.size,) if isinstance(self.size, str) else self.size
             size = image_size(content, *(keys_of(content, place, name) for place in sizes))
-            matrix = matrix.reshape(3, 3) if self.square else pinhole_matrix(matrix)
+            matrix = matrix if self.square else pinhole_matrix(matrix)
             return Camera(size, matrix, np.concatenate([first, terms]), model=lens.model)
 
     def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
@@ -258,13 +258,10 @@ def keys_of(content: Any, place: str, name: str) -> Keys:
 
 
 def stated(content: Any, place: Places, name: str, shape: tuple[int, ...]) -> Array:
-    """The array at a place; nine numbers may stand in rows."""
+    """The array at a place."""
     if not isinstance(place, str):
         return scalars(content, [keys_of(content, one, name) for one in place])
-    keys = keys_of(content, place, name)
-    if shape == (9,) and isinstance(rows := at(content, keys), list):
-        content, keys = {keys[-1]: [*leaves(rows)]}, keys[-1:]
-    return numbers(content, keys, shape)
+    return numbers(content, keys_of(content, place, name), shape)
 
 
 def to_write(content: Any, place: Places, name: str, array: Array) -> dict[Keys, Any]:

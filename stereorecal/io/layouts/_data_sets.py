@@ -14,6 +14,7 @@ from stereorecal.io._read_files import read_text
 from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
+from stereorecal.io.formats._read_rig import at_common_size
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._frame_source import FrameSource, pairs_by_time
 from stereorecal.io.images._image_files import natural_order
@@ -106,7 +107,7 @@ def _euroc(folder: Path, limit: int | None) -> Iterator[Sequence]:
     sizes = rig.sizes_taken
     pairs = load_matched(matched, limit, sizes=sizes)
     if sizes[0] != sizes[1]:
-        rig = read_files([left / _SENSOR, right / _SENSOR], "euroc", hints=Hints(common_size=True))
+        rig = at_common_size(rig)
         remark_sizes(str(folder), sizes)
     yield folder, rig, pairs
 

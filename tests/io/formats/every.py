@@ -13,7 +13,7 @@ from lenses import WIDE_LENSES
 
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io import load_rig
-from stereorecal.io.formats._format import Target
+from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._read_rig import as_in_file, named, scaled
 from stereorecal.io.formats.text._document import document
 
@@ -171,7 +171,8 @@ def write_exchanged(rig: StereoRig, name: str, paths: list[Path]) -> None:
     format, turned = named(name), as_in_file(rig, exchanged=True)
     syntax = next(iter(format.syntax.values()))
     blank = tuple(document("new", text, syntax) for text in format.blank(turned, syntax))
-    values = format.write(scaled(turned, 1.0 / METRES[format.unit or "m"]), Target(blank))
+    cameras = {0: turned.left, 1: turned.right}
+    values = format.write(scaled(turned, 1.0 / METRES[format.unit or "m"]), blank, Hints(), cameras)
     for path, new, numbers in zip(paths, blank, values, strict=True):
         path.write_text(new.with_values(numbers))
 
