@@ -59,13 +59,13 @@ class Pair:
         if self.time is not None and not (_is_number(self.time) and np.isfinite(self.time)):
             raise InputError(f"{self.name}: a time of {self.time!r} s makes no sense; leave it out if it is not known.")
         for side in ("left", "right"):
-            object.__setattr__(self, side, _float32(getattr(self, side), f"{self.name}, {side}"))
-        for image in (self.left, self.right):
-            if np.ndim(image) != 2:
+            image = _float32(getattr(self, side), f"{self.name}, {side}")
+            if image.ndim != 2:
                 raise InputError(
-                    f"{self.name}: an image of shape {np.shape(image)} is not grey; write sr.make_pair(left, right), "
+                    f"{self.name}: an image of shape {image.shape} is not grey; write sr.make_pair(left, right), "
                     "which takes colour and up to 16 bit."
                 )
+            object.__setattr__(self, side, image)
         if self.left.shape != self.right.shape:
             raise InputError(
                 f"{self.name}: the left image is {_size_text(self.left)} and the right one {_size_text(self.right)}; "
@@ -93,31 +93,6 @@ class Pair:
         """(width, height) in pixels."""
         return self.left.shape[1], self.left.shape[0]
 
-    @staticmethod
-    def from_arrays(
-        left: Num[np.ndarray, "..."] | Any,
-        right: Num[np.ndarray, "..."] | Any,
-        *,
-        channels: str = "rgb",
-        name: str = "pair",
-    ) -> "Pair":
-        """A pair from two images as `cv2.imread`, imageio or a camera's driver give them: `make_pair`.
-
-        Args:
-            left, right: grey (h, w) or colour (h, w, 3 or 4), of 8 to 16 bit or floating point; None, which
-                `cv2.imread` returns for what it cannot read, is refused.
-            channels: "rgb" or "bgr" (as OpenCV's), the order of the first three channels of colour images.
-
-        Raises:
-            InputError: as `make_pair`, or if an image is None.
-        """
-        if left is None or right is None:
-            raise InputError(
-                f"{'left' if left is None else 'right'} is None: cv2.imread returns None for a file that it cannot "
-                "read; check the path."
-            )
-        return make_pair(left, right, channels=channels, name=name)
-
     def resized(self, size: tuple[int, int]) -> "Pair":
         """The pair resampled to `size` (width, height), whole pixels, by area averaging."""
         size = whole_size(size)
@@ -128,8 +103,7 @@ class Pair:
 
     def read_out(self, seconds: float) -> "Pair":
         """The pair as rolling shutters took it that take so many seconds from the first row to the last."""
-        origin = self._origin_of("read_out", seconds)
-        return replace(self, origin=origin, readout=seconds)
+        return self._but("read_out", seconds, readout=seconds)
 
     def turned(self, turns: Turns) -> "Pair":
         """The pair with its left and right image turned counter-clockwise by so many quarters more.
@@ -139,11 +113,12 @@ class Pair:
         """
         if turns == UPRIGHT:
             return self
-        left, right = (np.rot90(image, turn) for image, turn in zip((self.left, self.right), turns, strict=True))
-        origin = self._origin_of("turned", turns)
+        left, right = (
+            np.ascontiguousarray(np.rot90(image, turn))
+            for image, turn in zip((self.left, self.right), turns, strict=True)
+        )
         now = (self.turns[0] + turns[0]) % 4, (self.turns[1] + turns[1]) % 4
-        both = np.ascontiguousarray(left), np.ascontiguousarray(right)
-        return replace(self, left=both[0], right=both[1], origin=origin, turns=now)
+        return self._but("turned", turns, left=left, right=right, turns=now)
 
     def as_taken(self) -> "Pair":
         """The pair as it was taken."""
@@ -151,11 +126,12 @@ class Pair:
 
     def named(self, name: str) -> "Pair":
         """The pair under another name."""
-        return replace(self, name=name, origin=self._origin_of("named", name))
+        return self._but("named", name, name=name)
 
-    def _origin_of(self, method: str, argument: Any) -> tuple[Callable[..., "Pair"], tuple[Any, ...]] | None:
-        """Of what a method makes of the pair; None if it has none itself."""
-        return None if self.origin is None else (_again, (self.origin, method, argument))
+    def _but(self, method: str, argument: Any, **changes: Any) -> "Pair":
+        """The pair with what a method of it changes, which does so again where the pair arrives."""
+        origin = None if self.origin is None else (_again, (self.origin, method, argument))
+        return replace(self, origin=origin, **changes)
 
     def __reduce__(self):
         if self.origin is not None:
@@ -178,7 +154,8 @@ def make_pair(
     origin: tuple[Callable[..., Pair], tuple[Any, ...]] | None = None,
     time: float | None = None,
 ) -> Pair:
-    """A Pair from grey (h, w) or colour (h, w, 3 or 4) images of 8 to 16 bit or floating point.
+    """A pair of two images as `cv2.imread`, imageio or a camera's driver give them: grey (h, w) or colour (h, w, 3 or
+    4), of 8 to 16 bit or floating point.
 
     8-bit values stay as they are. Anything wider is scaled once for both images, so that their common maximum is 255;
     of integers, single pixels (one of 10 000) that are more than twice as bright as all others, hot ones, do not count.
@@ -188,7 +165,7 @@ def make_pair(
         time: when it was taken, in seconds, if that is known: consecutive pairs then tell depth.
 
     Raises:
-        InputError: if sizes or depths differ, values are NaN, infinite or negative, or an image is constant.
+        InputError: if sizes or depths differ, values are NaN, infinite or negative, or an image is constant or None.
     """
     if channels not in _LUMA:
         raise InputError(f"unknown channel order {channels!r}; use 'rgb' or 'bgr'.")
@@ -223,6 +200,8 @@ def _is_number(value: Any) -> bool:
 
 def _numbers(image: Any, name: str) -> np.ndarray:
     """An image as an array of numbers."""
+    if image is None:
+        raise InputError(f"{name}: None is no image; cv2.imread returns it where it cannot read: check the path.")
     if isinstance(image, np.ma.MaskedArray):
         raise InputError(f"{name}: the image is a masked array; give a plain one, without NaN: image.filled(0).")
     try:

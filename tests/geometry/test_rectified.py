@@ -112,21 +112,14 @@ def test_disparities_that_are_none():
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_pairs_from_arrays(dtype: type):
+def test_pairs_of_arrays(dtype: type):
     rng = np.random.default_rng(1)
     left, right = (rng.integers(0, np.iinfo(dtype).max, (*SIZE[::-1], 3), dtype=dtype) for _ in range(2))
-    grey, colour = sr.Pair.from_arrays(left[..., 0], right[..., 0]), sr.Pair.from_arrays(left, right, channels="bgr")
+    grey, colour = sr.make_pair(left[..., 0], right[..., 0]), sr.make_pair(left, right, channels="bgr")
     assert grey.size == colour.size == SIZE
     scale = 1.0 if dtype is np.uint8 else 255.0 / max(left[..., 0].max(), right[..., 0].max())
     np.testing.assert_allclose(grey.left, left[..., 0] * scale, rtol=1e-6)
-    other = sr.Pair.from_arrays(left[..., ::-1], right[..., ::-1], channels="rgb")
+    other = sr.make_pair(left[..., ::-1], right[..., ::-1], channels="rgb")
     np.testing.assert_allclose(colour.left, other.left, rtol=1e-5)
     with pytest.raises(sr.InputError, match="channel order"):
-        sr.Pair.from_arrays(left, right, channels="gbr")
-
-
-def test_an_image_that_was_not_read():
-    image = np.zeros(SIZE, np.uint8)
-    for images, side in (((None, image), "left"), ((image, None), "right")):
-        with pytest.raises(sr.InputError, match=f"{side} is None: cv2.imread returns None"):
-            sr.Pair.from_arrays(*images)
+        sr.make_pair(left, right, channels="gbr")

@@ -107,7 +107,7 @@ def test_a_pair_is_of_grey_levels_up_to_255(scale, words):
     [
         (np.ma.masked_invalid(np.ones((16, 24))), "masked array"),
         ([["a", "b"]], "a list is no image"),
-        (None, "a NoneType is no image"),
+        (None, "None is no image; cv2.imread returns it where it cannot"),
         (np.zeros((16, 24), complex), "an array of complex128 is no image"),
     ],
 )
