@@ -1,7 +1,7 @@
 """The options of the commands about calibration files."""
 
 from stereorecal.cli._options import READS, RUNNING, WRITES, argument, option, option_group
-from stereorecal.cli._places import check_calibration, one_file
+from stereorecal.cli._places import check_calibration
 from stereorecal.cli._shared_options import FORMATS, CalibrationSizeOptions, ReportOptions
 
 
@@ -20,7 +20,7 @@ class DiffOptions(ReportOptions, CalibrationSizeOptions):
     before: str = argument(READS, "calibration file, LEFT,RIGHT if each camera has its own, or a folder", metavar="A")
     after: str = argument(READS, "likewise", metavar="B")
     json: str | None = option(
-        WRITES, "everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=one_file
+        WRITES, "everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=True
     )
 
     def check(self) -> None:

@@ -7,7 +7,6 @@ from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import MATCHER_NAMES
 from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
 from stereorecal.cli._options import READS, RIG, RUNNING, SEARCH, WRITES, CommonOptions, argument, option, option_group
-from stereorecal.cli._places import one_file
 from stereorecal.cli._shared_options import FREE, MatcherOptions, ReportOptions, WorkerOptions
 
 _Kind = Literal["harbour", "coast", "open-sea", "street"]
@@ -21,8 +20,8 @@ class CompareOptions(ReportOptions, MatcherOptions, WorkerOptions):
     summary = "decalibrate rigs, and compare how strategies repair them"
     module = "stereorecal.cli._compare"
 
-    json: str | None = option(WRITES, "the results, as JSON, after each trial", metavar="FILE|-", writes=one_file)
-    html: str | None = option(WRITES, "one page with tables and figures", metavar="FILE", writes=one_file)
+    json: str | None = option(WRITES, "the results, as JSON, after each trial", metavar="FILE|-", writes=True)
+    html: str | None = option(WRITES, "one page with tables and figures", metavar="FILE", writes=True)
     scene: tuple[str, ...] = option(READS, "scene folder (repeatable)", (), metavar="PATH")
     synthetic: _Kind | None = option(READS, f"render a scene: {', '.join(get_args(_Kind))}", metavar="KIND")
     frames: str | None = option(

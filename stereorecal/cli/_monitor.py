@@ -3,7 +3,7 @@
 import json
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -22,6 +22,7 @@ from stereorecal.io import calibration_json, check_savable, files_read, json_lin
 from stereorecal.matching import as_matcher
 from stereorecal.online import (
     EVENTS_SCHEMA,
+    Advice,
     Config,
     Reading,
     State,
@@ -233,11 +234,8 @@ def _opened(target: str, appended: bool, force: bool) -> IO[str]:
     return file
 
 
-@contextmanager
-def _shown_steps(options: MonitorOptions, scene: Scene):
+def _shown_steps(options: MonitorOptions, scene: Scene) -> AbstractContextManager[Callable[[Stepped, Advice], None]]:
     """What is called with each step: a live view in a terminal, else events as lines."""
     if not options.prints:
-        yield lambda stepped, found: None
-        return
-    with ExitStack() as stack:
-        yield stack.enter_context(live(scene.name)) if sys.stdout.isatty() else Lines()
+        return nullcontext(lambda stepped, found: None)
+    return live(scene.name) if sys.stdout.isatty() else nullcontext(Lines())

@@ -10,12 +10,11 @@ from dataclasses import MISSING, Field, dataclass, field
 from difflib import get_close_matches
 from importlib import import_module
 from inspect import get_annotations
-from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 from stereorecal._errors import InputError
-from stereorecal.cli._places import Place
+from stereorecal.cli._places import Place, paths
 from stereorecal.cli._signals import BAD_INPUT
 
 _Group = TypeVar("_Group")
@@ -54,7 +53,7 @@ def option(
     flag: str = "",
     reads: Callable[[Any, str], Any] | None = None,
     loads: str = "",
-    writes: Callable[[str, str], list[Path]] | None = None,
+    writes: bool = False,
 ) -> Any:
     """A field that is an option: a bool is a switch, a Literal a choice; a tuple takes several words, or may be given
     several times if it is `()` by default.
@@ -66,8 +65,8 @@ def option(
         reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
             does not import JAX, nor what needs it: mistakes are refused at once.
         loads: "module:function" that does so for the name of a file.
-        writes: makes of the words, and the flag, the files that the command writes; `CommonOptions.places` has them.
-            Only where the metavar says so, "-" is stdout.
+        writes: names what the command writes; `CommonOptions.places` has it. Only where the metavar says so, "-" is
+            stdout.
     """
     told = {"heading": heading, "help": help, "metavar": metavar, "flag": flag}
     return field(default=default, metadata={**told, "reads": reads, "loads": loads, "writes": writes})
@@ -106,12 +105,9 @@ class CommonOptions:
     @property
     def places(self) -> list[Place]:
         """The files that are to be written."""
-        found = []
-        for one in self.__dataclass_fields__.values():
-            files, words = one.metadata.get("writes"), getattr(self, one.name)
-            if files and words not in (None, "-"):
-                found += [Place(_flag(one), path) for path in files(words, _flag(one))]
-        return found
+        written = (one for one in self.__dataclass_fields__.values() if one.metadata.get("writes"))
+        named = (one for one in written if getattr(self, one.name) not in (None, "-"))
+        return [Place(_flag(one), path) for one in named for path in paths(value_of(self, one.name))]
 
     def check_words(self) -> None:
         """Refuse words that make no sense."""

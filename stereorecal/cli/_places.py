@@ -24,24 +24,14 @@ def calibration_path(words: str | Sequence[str], option: str) -> CalibrationPath
     return Path(words[0]) if len(words) == 1 else (Path(words[0]), Path(words[1]))
 
 
-def paths(where: CalibrationPath) -> list[Path]:
+def paths(where: CalibrationPath | str) -> list[Path]:
     """One or two paths."""
-    return list(where) if isinstance(where, tuple) else [where]
-
-
-def one_file(words: str, option: str) -> list[Path]:
-    """The file that an option names."""
-    return [Path(words)]
-
-
-def calibration_paths(words: str | Sequence[str], option: str) -> list[Path]:
-    """The files of the calibration that an option names."""
-    return paths(calibration_path(words, option))
+    return list(where) if isinstance(where, tuple) else [Path(where)]
 
 
 def check_calibration(words: str | Sequence[str], option: str) -> None:
     """Refuse files that are not there."""
-    for path in calibration_paths(words, option):
+    for path in paths(calibration_path(words, option)):
         check_exists(path, "file")
 
 

@@ -16,7 +16,7 @@ from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_extra, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
-from stereorecal.cli._recordings import left_out_pairs, recordings
+from stereorecal.cli._recordings import recordings
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
@@ -57,9 +57,9 @@ def run(options: RecalibrateOptions) -> int:
     output = output_of(options, found.scenes, settings.free.names, read)
     settings = replace(settings, free=what_it_holds(output, found.scenes[0].rig, settings))
     scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
-    absent = found.absent + left_out_pairs(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+    found.leave_out(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+    found.scenes.clear()  # with pairs that are not looked at
     pairing = {"pairing": found.pairing} if found.pairing else {}
-    del found
     with executor(options.executor) as pool, progress_bar(options.quiet) as progress:
         common = {**settings.options, "ranges": ranges, "executor": pool}
         repairs, interrupted = _recalibrated_all(scenes, progress, common)
@@ -67,7 +67,7 @@ def run(options: RecalibrateOptions) -> int:
         prior = options.prior or (SAVED if any(priors) else DEFAULT)
         prior = {"prior": prior if settings.prior is options.prior else "given"}
         content = _content(scenes, repairs, {**_settings_as_json(options, settings), **prior}, interrupted=interrupted)
-        about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": absent}
+        about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
         first = repairs[0].solution
         files = (
             []

@@ -1,7 +1,7 @@
 """What a command reads: scene folders, images, videos and bags from anywhere, or cameras that run."""
 
 from collections.abc import Callable, Iterable, Sequence, Sized
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain, islice
 from pathlib import Path
@@ -20,14 +20,13 @@ from stereorecal.recordings import Images, LazyPairs, Pair, PairSequence, Scene
 _LONG = 100  # pairs; of a longer recording not all are looked at, as of a video
 _FEW = 10  # frames without partner that are named; of more, their number is stated
 _BY_ORDER = "in order, since no name on the left has a partner on the right"
-
-_Select = Callable[..., tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]]  # as `_selected`
-
 _DARK = 100  # pairs that cannot be used, at most, before the first that can: a camera that is switched on
 _OTHERS = ("left", "right", "side_by_side", "bag", "limit")
 
+_Choose = Callable[..., tuple[Pair, ...]]  # of pairs that are not read yet, a stream or not, and what to call them
 
-@dataclass(frozen=True)
+
+@dataclass
 class Recordings:
     """The recordings of a command.
 
@@ -37,18 +36,34 @@ class Recordings:
         pairing: how images were paired, if not by their names or times.
     """
 
-    scenes: list[Scene]
-    absent: tuple[tuple[str, str], ...]
+    scenes: list[Scene] = field(default_factory=list)
+    absent: list[tuple[str, str]] = field(default_factory=list)
     pairing: str | None = None
+
+    def leave_out(self, found: Sized, used: Sized, why: str) -> None:
+        """Note the pairs that are not used."""
+        number = len(found) - len(used)
+        if number > 0:
+            self.absent.append((f"{number} other {'pair' if number == 1 else 'pairs'}", why))
 
 
 def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False) -> Recordings:
     """The scenes of the command line; frames without partner are named on stderr. `few`: of many frames keep only those
     with the most texture."""
-    found = _recordings(options, partial(_selected, few=few))
+    found = Recordings()
+
+    def choose(pairs: LazyPairs, *, stream: bool = False, about: str) -> tuple[Pair, ...]:
+        wanted = _wanted(pairs, options, about)
+        limit = value_of(options, "limit", MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
+        chosen = _limited(wanted, limit)
+        found.leave_out(pairs, wanted, "outside of --pairs")
+        why = f"of {limit} stretches of equal length, the pair with the most texture is used"
+        found.leave_out(wanted, chosen, why)
+        return chosen
+
+    _read(options, choose, found)
     if options.fix is not None:
-        (scene,) = found.scenes
-        found = replace(found, scenes=[_fixed(scene, options.fix)])
+        found.scenes = [_fixed(scene, options.fix) for scene in found.scenes]
     return found
 
 
@@ -57,11 +72,14 @@ def _fixed(scene: Scene, cause: str) -> Scene:
     with about(scene.name):
         rig, pairs = fixed(scene.rig, scene.pairs, cause)
     ratio = float(rig.left.focal[0] / scene.rig.left.focal[0])
-    done = f"K scaled by {ratio:.3g}" if cause == "scaled" else "left and right exchanged"
-    done = "both images turned by 180 degrees" if cause == "turned" else done
-    if cause in ("late", "early"):
-        done = f"right images paired one frame {'earlier' if cause == 'late' else 'later'}"
-    say(f"{scene.name}: {done} (--fix {cause})")
+    done = {
+        "scaled": f"K scaled by {ratio:.3g}",
+        "exchanged": "left and right exchanged",
+        "turned": "both images turned by 180 degrees",
+        "late": "right images paired one frame earlier",
+        "early": "right images paired one frame later",
+    }
+    say(f"{scene.name}: {done[cause]} (--fix {cause})")
     return replace(scene, rig=rig, pairs=pairs)
 
 
@@ -69,75 +87,44 @@ def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
     """The one scene of the command line, with its first pair only; and all its pairs, which are read one by one."""
     every: list[PairSequence] = []
 
-    def first(pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str):
-        if options.limit in (None, "all"):
-            every.append(_wanted(pairs, options, about))
-        else:
-            every.append(_selected(pairs, options, stream=stream, about=about)[0])
-        return tuple(every[-1][:1]), ()
+    def first(pairs: LazyPairs, *, stream: bool = False, about: str) -> tuple[Pair, ...]:
+        wanted, limit = _wanted(pairs, options, about), value_of(options, "limit")
+        every.append(wanted if limit is None else _limited(wanted, limit))
+        return tuple(every[-1][:1])
 
-    scenes = _recordings(options, first).scenes
-    if len(scenes) != 1:
+    found = Recordings()
+    _read(options, first, found)
+    if len(found.scenes) != 1:
         raise InputError("one rig is watched at a time; give one scene.")
     if len(every) != 1:
         raise InputError("folders are watched one after the other; give one, and the next with the same --state.")
-    return scenes[0], every[0]
+    return found.scenes[0], every[0]
 
 
-def _recordings(options: RecordingOptions, select: _Select) -> Recordings:
-    found = _scenes(options, select) if options.scenes else _images_elsewhere(options, select)
+def _read(options: RecordingOptions, choose: _Choose, found: Recordings) -> None:
+    """Add the recordings of the command line, with the pairs that are chosen."""
+    how = {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
+    for name in options.scenes:
+        found.scenes.append(_joined(name, [_scene(folder, options, choose, how) for folder in folders_of(name)]))
+    if not options.scenes:
+        found.scenes.append(_scene_of_images(options, choose, how, found))
     for scene in found.scenes:
         if scene.rig is None:
             raise InputError(f"{scene.name}: the scene has no calibration; give one with --calibration.")
     if len({scene.name for scene in found.scenes}) < len(found.scenes):
-        named = [replace(scene, name=path) for scene, path in zip(found.scenes, options.scenes, strict=True)]
-        return replace(found, scenes=named)
-    return found
+        found.scenes = [replace(one, name=path) for one, path in zip(found.scenes, options.scenes, strict=True)]
 
 
-def left_out_pairs(found: Sized, used: Sized, why: str) -> tuple[tuple[str, str], ...]:
-    """(frames, reason) of the pairs that are left out."""
-    number = len(found) - len(used)
-    return ((f"{number} other {'pair' if number == 1 else 'pairs'}", why),) if number > 0 else ()
-
-
-def _scenes(options: RecordingOptions, select: _Select) -> Recordings:
-    if options.calibration is None and (options.format or options.cameras or options.unit):
-        raise InputError("--format, --unit and --cameras belong to --calibration; leave them out.")
-    if options.tolerance is not None:
-        raise InputError(
-            "--tolerance belongs to --left and --right, or --bag; a scene folder pairs by names: leave it out."
-        )
-    absent: list[tuple[str, str]] = []
-
-    def chosen(pairs: LazyPairs, path: str) -> tuple[Pair, ...]:
-        found, left_out = select(pairs, options, stream=False, about=path)
-        absent.extend(left_out)
-        return found
-
-    found = []
-    for scene in options.scenes:
-        parts = [load_scene(Path(path), choose=partial(chosen, path=path)) for path in folders_of(scene)]
-        found.append(_as_one(scene, [_with_calibration(part, options) for part in parts]))
-    return Recordings(found, tuple(absent))
-
-
-def _with_calibration(scene: Scene, options: RecordingOptions) -> Scene:
-    """The scene with the calibration of --calibration, if there is one."""
+def _scene(folder: str, options: RecordingOptions, choose: _Choose, how: dict[str, Any]) -> Scene:
+    """The scene of a folder, with the calibration of --calibration, if there is one."""
+    scene = load_scene(Path(folder), choose=partial(choose, about=folder))
     if options.calibration is None:
         return scene
-    return replace(
-        scene, rig=load_rig(value_of(options, "calibration"), size=scene.pairs[0].size, **_how_read(options))
-    )
+    return replace(scene, rig=load_rig(value_of(options, "calibration"), size=scene.pairs[0].size, **how))
 
 
-def _how_read(options: RecordingOptions) -> dict[str, Any]:
-    """How a calibration is read, as `load_rig` takes it."""
-    return {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
-
-
-def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
-    """One scene of all folders of a recording."""
+def _joined(name: str, parts: Sequence[Scene]) -> Scene:
+    """One scene of all folders of a recording, which have one calibration."""
     first = parts[0]
     if len(parts) == 1:
         return first
@@ -148,45 +135,26 @@ def _as_one(name: str, parts: Sequence[Scene]) -> Scene:
     return replace(first, name=name, pairs=pairs)
 
 
-def _images_elsewhere(options: RecordingOptions, select: _Select) -> Recordings:
+def _scene_of_images(options: RecordingOptions, choose: _Choose, how: dict[str, Any], found: Recordings) -> Scene:
     place = next(one for one in (options.bag, options.left, options.side_by_side) if one is not None)
     right = None if options.bag else options.right
     topics = {"left_topic": options.left, "right_topic": options.right} if options.bag else {}
-    absent: list[tuple[str, str]] = []
-    pairing: list[str] = []
 
     def pairs(sizes: tuple[tuple[int, int], tuple[int, int]] | None) -> tuple[Pair, ...]:
         recorded = open_pairs(place, right, tolerance=options.tolerance, sizes=sizes, **topics)
-        absent.extend(_unpaired_frames(recorded.unpaired))
-        pairing.extend([_BY_ORDER] * recorded.by_order)
-        chosen, left_out = select(recorded.pairs, options, stream=recorded.stream, about=place)
-        absent.extend(left_out)
-        return chosen
+        found.absent += _unpaired_frames(recorded.unpaired)
+        found.pairing = _BY_ORDER if recorded.by_order else None
+        return choose(recorded.pairs, stream=recorded.stream, about=place)
 
-    if options.calibration is None:
-        assert options.left is not None
-        assert options.right is not None
-        if options.format or options.cameras:
-            raise InputError("--format and --cameras belong to --calibration; leave them out.")
-        scene = bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
-        return Recordings([scene], tuple(absent), *pairing)
-    scene = calibrated_scene(str(place), pairs, value_of(options, "calibration"), **_how_read(options))
-    return Recordings([scene], tuple(absent), *pairing)
+    if options.calibration is not None:
+        return calibrated_scene(str(place), pairs, value_of(options, "calibration"), **how)
+    assert options.left is not None
+    assert options.right is not None
+    return bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
 
 
-def _selected(
-    pairs: LazyPairs, options: RecordingOptions, *, stream: bool, about: str, few: bool = False
-) -> tuple[tuple[Pair, ...], tuple[tuple[str, str], ...]]:
-    """The pairs that --pairs and --limit select, read; and (frames, reason) of the others."""
-    wanted = _wanted(pairs, options, about)
-    limit = value_of(options, "limit", MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
-    chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
-    return chosen, (
-        *left_out_pairs(pairs, wanted, "outside of --pairs"),
-        *left_out_pairs(
-            wanted, chosen, f"of {limit} stretches of equal length, the pair with the most texture is used"
-        ),
-    )
+def _limited(wanted: LazyPairs, limit: int | None) -> tuple[Pair, ...]:
+    return tuple(wanted) if limit is None else chosen_frames(wanted, limit)
 
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:
@@ -231,7 +199,8 @@ def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Ima
         raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
 
     name, calibration = f"camera {' and '.join(names)}", value_of(options, "calibration")
-    scene = calibrated_scene(name, first, calibration, **_how_read(options))
+    how = {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
+    scene = calibrated_scene(name, first, calibration, **how)
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
     return scene, islice(chain(before, coming), wanted.start, wanted.stop, wanted.step)

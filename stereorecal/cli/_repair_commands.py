@@ -7,7 +7,7 @@ from typing import Any
 from stereorecal._errors import InputError
 from stereorecal.cli._option_values import camera_names, parameter_names, schedule_name
 from stereorecal.cli._options import DEPTH, READS, RIG, RUNNING, SEARCH, TWO_FILES, WRITES, option, option_group
-from stereorecal.cli._places import calibration_path, calibration_paths, check_places, one_file
+from stereorecal.cli._places import calibration_path, check_places
 from stereorecal.cli._shared_options import (
     FREE,
     ExecutorOptions,
@@ -41,7 +41,7 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
         "each camera has a file); if it is that file, --force is needed, and the old one is kept as NAME.bak",
         metavar="FILE",
         reads=calibration_path,
-        writes=calibration_paths,
+        writes=True,
     )
     force: bool = option(
         WRITES, "replace existing files; of those that are read only the calibration, by --output", False
@@ -50,10 +50,10 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
         WRITES,
         "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
         metavar="FILE.npz",
-        writes=one_file,
+        writes=True,
     )
-    html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=one_file)
-    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=one_file)
+    html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=True)
+    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=True)
     free: str | None = option(
         RIG, f"{FREE} (default: all that the calibration file can hold)", metavar="NAME,…", reads=parameter_names
     )
@@ -133,18 +133,18 @@ class MonitorOptions(ReportOptions, RecordingOptions, JudgingOptions):
         WRITES,
         "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
         metavar="FILE",
-        writes=one_file,
+        writes=True,
     )
-    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=one_file)
+    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=True)
     show: bool = option(WRITES, "open the pictures in Rerun's viewer", False)
     json: str | None = option(
         WRITES,
         "events and readings, as JSON lines; appended if --state continues a watch",
         metavar="FILE|-",
-        writes=one_file,
+        writes=True,
     )
     state: str | None = option(
-        WRITES, "the state of the watch; a file that exists is continued", metavar="FILE", writes=one_file
+        WRITES, "the state of the watch; a file that exists is continued", metavar="FILE", writes=True
     )
     force: bool = option(
         WRITES, "replace existing files of --output, --rrd and --json (not a log that is continued)", False

@@ -34,7 +34,7 @@ from stereorecal.cli._options import (
     option_group,
     value_of,
 )
-from stereorecal.cli._places import calibration_path, check_calibration, check_places, named_inputs, one_file
+from stereorecal.cli._places import calibration_path, check_calibration, check_places, named_inputs
 
 FREE = "what may move: rotation, extrinsics, intrinsics, or names such as pitch,left.k1"
 FORMATS = (
@@ -48,7 +48,7 @@ _LAYOUTS = "scene folder, plain log, KITTI raw, KITTI odometry, KITTI stereo, Eu
 class ReportOptions(CommonOptions):
     """What a command reports, and where."""
 
-    json: str | None = option(WRITES, "everything, as JSON", metavar="FILE|-", writes=one_file)
+    json: str | None = option(WRITES, "everything, as JSON", metavar="FILE|-", writes=True)
     force: bool = option(WRITES, "replace existing files, but none that is read", False)
     quiet: bool = option(WRITES, "no progress and no report", False)
 
@@ -176,6 +176,13 @@ class RecordingOptions(CalibrationOptions):
         if begun and missing:
             needs, add = ("needs", "need")[len(given) > 1], ("it", "them")[len(missing) > 1]
             raise InputError(f"{' and '.join(given)} {needs} {' and '.join(missing)}; add {add}.")
+        if self.calibration is None and (self.format or self.cameras or (self.unit and not self.bag)):
+            names = "--format and --cameras" if self.bag else "--format, --unit and --cameras"
+            raise InputError(f"{names} belong to --calibration; leave them out.")
+        if self.scenes and self.tolerance is not None:
+            raise InputError(
+                "--tolerance belongs to --left and --right, or --bag; a scene folder pairs by names: leave it out."
+            )
         for folder in (folder for scene in self.scenes for folder in folders_of(scene)):
             existing_folder(folder)
         for place in (self.bag,) if self.bag else (self.left, self.right, self.side_by_side):
