@@ -3,7 +3,7 @@
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from itertools import zip_longest
 from typing import Any
@@ -36,7 +36,6 @@ from stereorecal.recalibration import (
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
-from stereorecal.strategies import origin_of
 
 SCHEMA = "stereorecal.solution/2"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
@@ -66,7 +65,8 @@ def run(options: RecalibrateOptions) -> int:
     if any(repair.solution for repair in repairs):
         prior = options.prior or (SAVED if any(priors) else DEFAULT)
         prior = {"prior": prior if settings.prior is options.prior else "given"}
-        content = _content(scenes, repairs, {**_settings_as_json(options, settings), **prior}, interrupted=interrupted)
+        told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
+        content = _content(scenes, repairs, told, interrupted=interrupted)
         about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
         first = repairs[0].solution
         files = (
@@ -110,28 +110,6 @@ def _recalibrated_all(
             say("interrupted; what recordings share was not solved.")
         return tuple(finished), True
     return found, False
-
-
-def _settings_as_json(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
-    """What was asked for and computed with."""
-    stages = [
-        {
-            "score": stage.score.name.lower(),
-            "scale": stage.scale,
-            "strategy": stage.solver,
-            "origin": None if stage.strategy is None else origin_of(stage.strategy),
-            "options": {} if stage.strategy is None else asdict(stage.strategy),
-        }
-        for stage in settings.schedule.stages
-    ]
-    return {
-        **settings_as_json(options, settings, settings.options),
-        "schedule": settings.schedule.name,
-        "stages": stages,
-        "free": ("everything",) if settings.free.everything else settings.free.names,
-        "pairs": options.pairs,
-        "fix": options.fix,
-    }
 
 
 def _page_settings(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:

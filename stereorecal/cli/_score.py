@@ -92,9 +92,7 @@ def _row(scene: Scene, found: Solution | InputError) -> dict[str, Any]:
 
 def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:
     said = {
-        **settings_as_json(options, settings, HealthOptions.__optional_keys__ - {"tolerances"}),
-        "pairs": options.pairs,
-        "fix": options.fix,
+        **settings_as_json(options, settings, (HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"}),
         "thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)},
     }
     return {"schema": SCHEMA, "versions": versions(), "settings": said}

@@ -51,6 +51,7 @@ from stereorecal.recalibration._settings import (
     RepairOptions as RepairOptions,
     Settings as Settings,
     as_settings as as_settings,
+    settings_as_data as settings_as_data,
 )
 from stereorecal.recalibration._solution import Solution as Solution
 from stereorecal.recalibration._stages import Cost as Cost, Waypoint as Waypoint

@@ -1,6 +1,7 @@
 """A solution as the plain data of its page."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from functools import lru_cache
 from typing import Any
 
@@ -21,7 +22,7 @@ from stereorecal.recalibration._facts import (
 )
 from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._schedule import ScoreKind
-from stereorecal.recalibration._settings import matcher_as_text, settings_as_text
+from stereorecal.recalibration._settings import settings_as_data
 from stereorecal.recalibration._stages import StageRun, Waypoint
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pair
@@ -29,7 +30,6 @@ from stereorecal.report.number_text import count, percent
 from stereorecal.report.repair_report import Climb, Conclusion, Depth, RepairReport, Rows, Sight
 from stereorecal.scoring import Correspondences, median_row_error, row_differences, with_rays_of
 from stereorecal.scoring.host import disparity, rectify
-from stereorecal.strategies import origin_of
 
 _CELLS = (24, 18)  # columns and rows of the field over the view
 _FEWEST = 3  # matches in a cell
@@ -236,21 +236,17 @@ def _not_matched(solution: AbstractResult, given: int) -> Iterator[tuple[str, st
 
 
 def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
-    """Of a solution that was asked for, and what the run made of it."""
-    settings = solution.settings
-    origins = sorted({origin_of(one.strategy) for one in settings.schedule.stages if one.strategy is not None})
+    """What was asked for, and what the run made of it."""
+    settings = settings_as_data(solution.settings)
     stages = [f"{run.stage.solver} at scale {run.scale:.3g}" for run in solution.stages]
-    return json_data(
-        {
-            **settings_as_text(settings),
-            "reach": f"{settings.reach.degrees:g}°, {settings.reach.baseline_fraction:g} of the baseline",
-            "view": str(solution.view),
-            "matcher, with the range that was measured": matcher_as_text(solution.matcher),
-            "stages that ran": "; ".join(stages) or "none",
-            "cost": f"{solution.cost.total:.1f} units",
-            "versions": {**versions(), "plug-ins": ", ".join(origins) or "none"},
-        }
-    )
+    outcome = {
+        "view": str(solution.view),
+        "matcher": settings["matcher"] | asdict(solution.matcher),  # with the range that was measured
+        "stages that ran": "; ".join(stages) or "none",
+        "cost": f"{solution.cost.total:.1f} units",
+        "versions": versions(),
+    }
+    return json_data(settings | outcome)
 
 
 def _calibration(rig: StereoRig) -> dict[str, Any]:

@@ -9,15 +9,13 @@ from stereorecal._errors import InputError
 from stereorecal.decision import Tolerances, as_tolerances
 from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import AnyView, checked_view_arguments
-from stereorecal.matching import AbstractMatcher, as_matcher
+from stereorecal.matching import AbstractMatcher, as_matcher, name_of
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._expected import Distance, as_distances, distance_text
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, Stage, as_schedule
+from stereorecal.recalibration._schedule import Schedule, as_schedule
 from stereorecal.recordings import Odometer, Range
-from stereorecal.strategies import Budget, as_budget
-
-_UNLIMITED = "no limit"
+from stereorecal.strategies import Budget, as_budget, origin_of
 
 
 class HealthOptions(TypedDict, total=False):
@@ -153,35 +151,24 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
     return replace(found, free=with_ranges(found.free, found.ranges, found.odometer))
 
 
-def settings_as_text(settings: Settings) -> dict[str, Any]:
-    """By name; a disparity range that is to be measured is None."""
-    limits = {
-        name: _UNLIMITED if limit is None else f"{limit:g}"
-        for name, limit in (("units", settings.budget.evaluations), ("seconds", settings.budget.seconds))
-    }
+def settings_as_data(settings: Settings) -> dict[str, Any]:
+    """What a repair computes with, as plain data of the JSON and of a page; a limit that is None is none, a disparity
+    range that is None is to be measured."""
+    stages = [
+        {
+            "score": stage.score.name.lower(),
+            "scale": stage.scale,
+            "strategy": stage.solver,
+            "origin": None if stage.strategy is None else origin_of(stage.strategy),
+            "options": {} if stage.strategy is None else asdict(stage.strategy),
+        }
+        for stage in settings.schedule.stages
+    ]
     return {
-        "free": ", ".join(settings.free.names),
-        "matcher": matcher_as_text(settings.matcher),
+        "free": ("everything",) if settings.free.everything else settings.free.names,
+        "matcher": {"name": name_of(settings.matcher), **asdict(settings.matcher)},
         "schedule": settings.schedule.name,
-        "stage": {str(number): _stage(stage) for number, stage in enumerate(settings.schedule.stages, 1)},
-        "budget": limits,
+        "stages": stages,
         "seed": settings.seed,
-        "tolerances": ", ".join(f"{name} {value}" for name, value in asdict(settings.tolerances).items()),
+        **{name: asdict(getattr(settings, name)) for name in ("reach", "budget", "tolerances")},
     }
-
-
-def matcher_as_text(matcher: AbstractMatcher) -> str:
-    """As it can be made again: SAD(num_disparities=96, …); a range that is to be measured is None."""
-    return f"{type(matcher).__name__}({_options(matcher)})"
-
-
-def _stage(stage: Stage) -> str:
-    kind = f"{stage.score.name.lower()} at scale {stage.scale:g}"
-    others = {"rounds": stage.rounds, "frames": stage.frames, "rows": stage.rows, "pixels": stage.pixels}
-    more = ", ".join(f"{name} {value}" for name, value in others.items() if value is not None)
-    how = stage.solver if stage.strategy is None else f"{stage.solver}({_options(stage.strategy)})"
-    return f"{kind}, {more}, by {how}"
-
-
-def _options(some: Any) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in asdict(some).items())

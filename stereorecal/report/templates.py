@@ -29,5 +29,9 @@ def flat_settings(settings: Mapping[str, Any], above: str = "") -> Iterator[tupl
         if isinstance(value, Mapping):
             yield from flat_settings(value, f"{above}{key} ")
         else:
-            text = "; ".join(map(str, value)) if isinstance(value, list) else "-" if value is None else str(value)
-            yield above + key, text
+            parts = value if isinstance(value, list) else ["-" if value is None else value]
+            yield above + key, "; ".join(_inline(part) if isinstance(part, Mapping) else str(part) for part in parts)
+
+
+def _inline(settings: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} {value}" for name, value in flat_settings(settings))

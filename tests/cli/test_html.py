@@ -64,6 +64,6 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
     (shown,) = re.findall(r'<pre class="command"[^>]*>(.*?)</pre>', page, flags=re.DOTALL)
     assert shlex.split(html.unescape(shown)) == ["python", "-m", "stereorecal", *map(str, words)]
     rows = dict(re.findall(r'<tr><td class="name">([^<]*)</td><td class="name">([^<]*)</td></tr>', page))
-    assert (rows["seed"], rows["reach"]) == ("0", "2°, 0.02 of the baseline")
+    assert (rows["seed"], rows["reach degrees"], rows["reach baseline_fraction"]) == ("0", "2.0", "0.02")
     assert (rows["ranges"], rows["free"]) == ("none", "everything")
-    assert "stereorecal-compass" in rows["versions plug-ins"]
+    assert "stereorecal-compass" in rows["stages"]
