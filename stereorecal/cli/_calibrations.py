@@ -26,7 +26,7 @@ from stereorecal.io import (
     unit_read,
     unsaid_unit,
 )
-from stereorecal.recalibration import Difference, difference
+from stereorecal.recalibration import difference
 
 SCHEMA = "stereorecal.difference/1"
 
@@ -65,14 +65,10 @@ def diff(options: DiffOptions) -> int:
     refuse_replacing_inputs(options.places, read)
     names = {"before": options.before, "after": options.after}
     content = {"schema": SCHEMA, "versions": versions(), **names, **found.as_dict()}
-    deliver(lambda: _show_difference(found, options), lambda: write_json(content, options.json, force=options.force))
+    meaning = "epipolar error over the view, depth straight ahead: how wrong the first is if the second is right"
+    report = f"{found}\n{meaning}"
+    deliver(lambda: options.tell(report), lambda: write_json(content, options.json, force=options.force))
     return 0
-
-
-def _show_difference(found: Difference, options: DiffOptions) -> None:
-    if options.prints:
-        print(found)
-        print("epipolar error over the view, depth straight ahead: how wrong the first is if the second is right")
 
 
 def convert(options: ConvertOptions) -> int:

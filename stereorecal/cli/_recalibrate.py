@@ -68,25 +68,15 @@ def run(options: RecalibrateOptions) -> int:
         told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
         content = _content(scenes, repairs, told, interrupted=interrupted)
         about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
-        first = repairs[0].solution
-        files = (
-            []
-            if first is None
-            else [
+        steps = [partial(_show, repairs, options), partial(write_json, content, options.json, force=options.force)]
+        if (first := repairs[0].solution) is not None:
+            steps += [
                 partial(_save_calibration, options, first, scenes[0], output),
                 partial(_save_maps, options, first),
-            ]
-        )
-        views = (
-            []
-            if first is None
-            else [
                 partial(_save_page, options, first, scenes[0], about),
                 partial(_save_recording, options, first, scenes[0]),
             ]
-        )
-        write = partial(write_json, content, options.json, force=options.force)
-        deliver(partial(_show, repairs, options), *files, write, *views)
+        deliver(*steps)
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:
@@ -145,7 +135,7 @@ def _save_maps(options: RecalibrateOptions, found: Solution) -> None:
             lambda: calibration_json(found.rig, found.prior),
             to_stdout=options.json != "-",
         )
-        options.tell(f"{maps}: written" + ("" if found.accepted else " for the initial calibration"))
+        options.tell(f"{maps}: written{'' if found.accepted else ' for the initial calibration'}")
     elif maps is not None:
         options.tell(f"{maps}: not written, since the initial calibration stays")
 

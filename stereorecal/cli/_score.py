@@ -15,7 +15,7 @@ from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.io import about, files_read
-from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, Settings, Solution, as_settings, health
+from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, Solution, as_settings, health
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
@@ -49,7 +49,15 @@ def run(options: ScoreOptions) -> int:
     told = zip(scenes, looked, strict=False) if options.json or len(looked) > 1 else ()  # a text needs no data
     rows = [_row(scene, found) for scene, found in told]
     if any(isinstance(found, Solution) for found in looked):
-        content = {**_about_all(options, settings), "interrupted": interrupted, "scenes": rows}
+        names = (HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"}
+        limits = {"thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)}}
+        content = {
+            "schema": SCHEMA,
+            "versions": versions(),
+            "settings": settings_as_json(options, settings, names) | limits,
+            "interrupted": interrupted,
+            "scenes": rows,
+        }
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for found in looked:
         if isinstance(found, InputError):
@@ -88,11 +96,3 @@ def _row(scene: Scene, found: Solution | InputError) -> dict[str, Any]:
     if isinstance(found, InputError):
         return {**about_it, "error": str(found)}
     return {**about_it, "error": None, **found.to_dict()}
-
-
-def _about_all(options: ScoreOptions, settings: Settings) -> dict[str, Any]:
-    said = {
-        **settings_as_json(options, settings, (HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"}),
-        "thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)},
-    }
-    return {"schema": SCHEMA, "versions": versions(), "settings": said}
