@@ -31,13 +31,12 @@ _COLOURS = {Condition.HEALTHY: "green", Condition.REPAIR: "red", Condition.CANNO
 _BARS = "▁▂▃▄▅▆▇█"
 _LONG = 72  # readings in the curves
 _EVENTS = 8
-_AXIS_UNITS = {"pitch": "deg", "yaw": "deg", "roll": "deg", "y": "% of B", "z": "% of B"}
-
-_CURVES = {
-    **{axis: f"{axis} [{unit}]" for axis, unit in _AXIS_UNITS.items()},
-    "epipolar_error": "epipolar error [px]",
-    "depth_error": f"depth error at {FAR} baselines [%]",
-    "delay": "right shutter late by [frames]",
+_CURVES = {  # what is shown over time: title, format and unit
+    **{axis: (axis, "+.3f", "deg") for axis in ("pitch", "yaw", "roll")},
+    **{axis: (axis, "+.3f", "% of B") for axis in ("y", "z")},
+    "epipolar_error": ("epipolar error", ".3f", "px"),
+    "depth_error": ("depth at {far}", "+.1f", "%"),
+    "delay": ("right late by", "+.2f", "frames"),
 }
 
 
@@ -139,16 +138,11 @@ def view(name: str, state: State, history: list[Reading], found: Advice, happene
     table = Table(box=None, padding=(0, 2))
     for title in ("", "estimate", "95 % interval", "over time"):
         table.add_column(title, justify="left" if title in ("", "over time") else "right")
-    shown = {
-        **{axis: (axis, "+.3f", unit) for axis, unit in _AXIS_UNITS.items()},
-        "epipolar_error": ("epipolar error", ".3f", "px"),
-        "depth_error": (f"depth at {distance(FAR * baseline)}", "+.1f", "%"),
-        "delay": ("late by", "+.2f", "frames"),
-    }
     curves = list(map(_curves, history))
-    for entity, (title, digits, unit) in shown.items():
+    far = distance(FAR * baseline)
+    for entity, (title, digits, unit) in _CURVES.items():
         now = curves[-1][entity]
-        cells = (title, f"{now.value:{digits}} {unit}", f"{now.low:+.3f} … {now.high:+.3f}")
+        cells = (title.format(far=far), f"{now.value:{digits}} {unit}", f"{now.low:+.3f} … {now.high:+.3f}")
         table.add_row(*cells, _bars([one[entity] for one in curves]), style="yellow" if entity in found.axes else "")
     verdict = Text(
         f"{state.frame} pair{'s' * (state.frame > 1)}: {last.condition.value}", style=f"bold {_COLOURS[last.condition]}"
@@ -200,7 +194,10 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
     from stereorecal.report.rerun_streams import NoViewer, memory_stream, viewer_stream
     from stereorecal.report.watch_recording import log_curve_styles, log_reading, watch_layout
 
-    layout = watch_layout(_CURVES)
+    titles = {
+        entity: f"{title.format(far=f'{FAR} baselines')} [{unit}]" for entity, (title, _, unit) in _CURVES.items()
+    }
+    layout = watch_layout(titles)
     memory, streams = None, []
     if options.rrd is not None:
         stream, memory = memory_stream(layout, name)
@@ -209,7 +206,7 @@ def rerun_watch(options: MonitorOptions, name: str) -> tuple[Callable[[Stepped],
         with as_input_error(NoViewer):
             streams.append(viewer_stream(layout, name))
     for stream in streams:
-        log_curve_styles(stream, _CURVES)
+        log_curve_styles(stream, titles)
 
     def log(stepped: Stepped) -> None:
         found, events = _curves(reading(stepped.state)), [str(event) for event in stepped.events]
