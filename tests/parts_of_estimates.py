@@ -29,6 +29,7 @@ from stereorecal.estimation._losses import (
     errors_near as errors_near,
     points_shown as points_shown,
 )
+from stereorecal.estimation._mixture import merged as merged
 from stereorecal.estimation._motion_residuals import (
     Motion as Motion,
     by_theta as by_theta,
@@ -41,7 +42,6 @@ from stereorecal.estimation._outlines import (
     _sums as _sums,
     outlines as outlines,
 )
-from stereorecal.estimation._posterior import merged as merged
 from stereorecal.estimation._prior_choice import updated as updated
 from stereorecal.estimation._rig_parameters import within_field as within_field
 from stereorecal.online._filter import (

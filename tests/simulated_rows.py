@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.estimation import CalibrationPrior, calibration_prior, rig_parameters
+from stereorecal.estimation import Mixture, calibration_prior, rig_parameters
 from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
@@ -26,7 +26,7 @@ def chart(rig: sr.StereoRig) -> RigChart:
 
 
 @pytest.fixture(scope="session")
-def prior(chart: RigChart) -> CalibrationPrior:
+def prior(chart: RigChart) -> Mixture:
     return calibration_prior(chart)
 
 

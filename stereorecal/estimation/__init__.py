@@ -5,13 +5,12 @@ squares; `docs/estimate.md` explains it.
 instead, and what the next call begins with. `_groups` has the rows as data, `_linear_groups` their misfit,
 `_matched_ranges` measured ranges, `_motion` the rig's own motion (`_motion_residuals`: what tracks should do),
 `_confounders` (`_outlines`: of regions) and `_late_shutter` what else may be behind rows. `_evidence` integrates in
-closed form, `_explanations` compares, `_least_squares` solves one recording or several of one rig; `_posterior` is the
+closed form, `_explanations` compares, `_least_squares` solves one recording or several of one rig; `_mixture` is the
 answer, `_consequences` what errors of a rig do to rows and depth, `_losses` what they cost, and the rigs that may be
 written.
 """
 
 from stereorecal.estimation._calibration_prior import (
-    CalibrationPrior as CalibrationPrior,
     calibration_covariances as calibration_covariances,
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
@@ -48,6 +47,11 @@ from stereorecal.estimation._losses import (
     points_shown as points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES as NO_RANGES, MatchedRanges as MatchedRanges
+from stereorecal.estimation._mixture import (
+    Mixture as Mixture,
+    median_and_interval as median_and_interval,
+    root as root,
+)
 from stereorecal.estimation._motion import (
     NO_WINDOWS as NO_WINDOWS,
     Windows as Windows,
@@ -55,11 +59,6 @@ from stereorecal.estimation._motion import (
     window as window,
 )
 from stereorecal.estimation._one_thread import one_blas_thread as one_blas_thread
-from stereorecal.estimation._posterior import (
-    Posterior as Posterior,
-    median_and_interval as median_and_interval,
-    root as root,
-)
 from stereorecal.estimation._prior_choice import (
     DEFAULT as DEFAULT,
     EXACT as EXACT,
@@ -68,7 +67,6 @@ from stereorecal.estimation._prior_choice import (
     Earlier as Earlier,
     Prior as Prior,
     SavedPrior as SavedPrior,
-    as_mixture as as_mixture,
     as_prior as as_prior,
     check_prior as check_prior,
     is_exact as is_exact,

@@ -10,7 +10,7 @@ for sure, say how far yaw, which they do not, has probably moved.
 """
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._consequences import AHEAD
-from stereorecal.estimation._posterior import root
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import pixels_of, slopes_by_point, slopes_of
 from stereorecal.geometry import Camera, StereoRig, rotation_between, rotation_from_vector
 from stereorecal.objectives import BASELINE, ROTATION, SIDES, RigChart
@@ -94,30 +94,6 @@ SQUARES = 0.15  # percent: printed squares are off by so much, and the baseline'
 _SCALED, _SCALED_PROBABILITY = 3.0, 0.1
 
 
-@dataclass(frozen=True, eq=False)
-class CalibrationPrior:
-    """What may be wrong with the given calibration before any drift: one of a few normal distributions of θ.
-
-    Attributes:
-        roots: (j, n, n) S of the covariances S Sᵀ of θ.
-        weights: (j,) probabilities of each.
-        means: (j, n); 0 where the given rig is the most probable one.
-    """
-
-    roots: Float[np.ndarray, "j n n"]
-    weights: Float[np.ndarray, "j"]
-    means: Float[np.ndarray, "j n"] = field(kw_only=True)
-
-    @classmethod
-    def around_given(cls, roots: Float[np.ndarray, "j n n"], weights: Float[np.ndarray, "j"]) -> "CalibrationPrior":
-        """With the given rig as the most probable one."""
-        return cls(roots, weights, means=np.zeros(roots.shape[:2]))
-
-    def beside(self, other: Float[np.ndarray, "n n"]) -> "CalibrationPrior":
-        """With another error of this covariance, independent of it."""
-        return replace(self, roots=np.stack([root(one @ one.T + other) for one in self.roots]))
-
-
 @dataclass(frozen=True)
 class _ChartKey:
     """A chart, equal to another one of the same numbers."""
@@ -126,7 +102,7 @@ class _ChartKey:
     chart: RigChart = field(compare=False)
 
 
-def calibration_prior(chart: RigChart) -> CalibrationPrior:
+def calibration_prior(chart: RigChart) -> Mixture:
     """What a chessboard calibration of the rig at θ = 0 leaves; read-only, since others are given the same."""
     leaves, structure = jax.tree.flatten(chart.rig)
     numbers = tuple(np.asarray(leaf).tobytes() for leaf in leaves)
@@ -134,13 +110,12 @@ def calibration_prior(chart: RigChart) -> CalibrationPrior:
 
 
 @lru_cache(maxsize=8)  # a repair asks several times, and so does who looks at one pair after the other
-def _calibration_prior(key: _ChartKey) -> CalibrationPrior:
-    chart = key.chart
-    plain = calibration_covariances(chart)
-    both = np.concatenate([plain, [_with_pair(chart, covariance) for covariance in plain]])
+def _calibration_prior(key: _ChartKey) -> Mixture:
+    plain = calibration_covariances(key.chart)
+    both = np.concatenate([plain, [_with_pair(key.chart, covariance) for covariance in plain]])
     weights = np.repeat([1.0 - _PAIR_PROBABILITY, _PAIR_PROBABILITY], len(plain)) / len(plain)
-    prior = CalibrationPrior.around_given(np.stack([root(covariance) for covariance in both]), weights)
-    for values in (prior.roots, prior.weights, prior.means):
+    prior = Mixture(weights, np.zeros((len(both), key.chart.dim)), both)
+    for values in (prior.weights, prior.means, prior.covariances):
         values.flags.writeable = False
     return prior
 
@@ -152,28 +127,28 @@ def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[n
     return covariance + (_PAIR_WORSE**2 - 1.0) * np.outer(follows, follows) / (follows[right] - follows[left])
 
 
-def with_scaled_boards(prior: CalibrationPrior, chart: RigChart) -> CalibrationPrior:
+def with_scaled_boards(prior: Mixture, chart: RigChart) -> Mixture:
     """The same, but the squares of the boards may have been of another size than was said, and the baseline of another
     length: no image shows it."""
-    longer = np.diag([_SCALED * (name == BASELINE) for name in chart.names])
-    return CalibrationPrior(
-        np.concatenate([prior.roots, prior.beside(longer**2).roots]),
+    longer = prior.beside(np.diag([_SCALED**2 * (name == BASELINE) for name in chart.names]))
+    return Mixture(
         np.concatenate([(1.0 - _SCALED_PROBABILITY) * prior.weights, _SCALED_PROBABILITY * prior.weights]),
-        means=np.concatenate([prior.means, prior.means]),
+        np.concatenate([prior.means, prior.means]),
+        np.concatenate([prior.covariances, longer.covariances]),
     )
 
 
-def exact_prior(chart: RigChart) -> CalibrationPrior:
+def exact_prior(chart: RigChart) -> Mixture:
     """Nothing is wrong but what has drifted: the paper's assumption."""
-    return CalibrationPrior.around_given(np.zeros((1, chart.dim, chart.dim)), np.ones(1))
+    return Mixture.around_given(np.zeros((1, chart.dim, chart.dim)))
 
 
-def physical_prior(chart: RigChart, squares: float = SQUARES) -> CalibrationPrior:
+def physical_prior(chart: RigChart, squares: float = SQUARES) -> Mixture:
     """No more than what is physical: where the boards of the calibration are at hand, they tell what it left, and the
     same boards must not count again as a simulated calibration. Their squares have lengths of this standard deviation,
     percent."""
     of_squares = np.array([squares * (name == BASELINE) for name in chart.names])
-    return CalibrationPrior.around_given(np.diag(np.hypot(widest(chart), of_squares))[None], np.ones(1))
+    return Mixture.around_given(np.diag(widest(chart) ** 2 + of_squares**2)[None])
 
 
 def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:

@@ -31,9 +31,9 @@ from stereorecal.estimation._losses import (
     points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
+from stereorecal.estimation._mixture import Mixture, median_and_interval
 from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._posterior import Posterior, median_and_interval
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
@@ -76,7 +76,7 @@ def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
         yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, some)
 
 
-def rests(groups: Groups, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
+def rests(groups: Groups, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Mixture]]:
     """Each part that shows enough, and what the rest knows of θ."""
     likely = np.flatnonzero(hypotheses[0].rows.model.prior.weights > 0.0).tolist()
     for name, inside in parts_of(groups):
@@ -112,7 +112,7 @@ class Estimate:
     """
 
     chart: RigChart
-    posterior: Posterior
+    posterior: Mixture
     misfit: tuple[float, float]
     groups: int
     residual_px: float
@@ -240,7 +240,7 @@ class Estimate:
         near, before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
         rows, slopes = near.differences[0], near.jacobian[:, 0].T
 
-        def under(posterior: Posterior) -> Float[np.ndarray, "g"]:
+        def under(posterior: Mixture) -> Float[np.ndarray, "g"]:
             known, shared = PointwiseLoss(self._errors, posterior), np.zeros_like(free)
             (theta,) = least_loss([known], free, shared, linear=True)
             if share < 1.0:
@@ -257,7 +257,7 @@ class Estimate:
         return found
 
     @cached_property
-    def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Posterior]]:
+    def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Mixture]]:
         """Parts of the images, and what the rest knows."""
         return list(rests(self.shown, self.hypotheses)) if self.shown is not None and self.hypotheses else []
 

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING
 
 _DRIFTING = len(DRIFTING)
@@ -183,7 +183,7 @@ class Explanation:
 
 def all_explained(
     told: Sequence[tuple[tuple[float, float], int, float, Normal]],
-    prior: CalibrationPrior,
+    prior: Mixture,
     nuisances: Nuisances,
     drifts: tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, "k"]],
 ) -> list[Explanation]:

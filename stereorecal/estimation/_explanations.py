@@ -12,7 +12,7 @@ from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisances, all_explained, marginal
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import LinearGroups, Model, correlation
-from stereorecal.estimation._posterior import Posterior, merged, root
+from stereorecal.estimation._mixture import Mixture, merged, root
 
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
 _MOST = 32  # explanations: an estimate travels between processes
@@ -89,7 +89,7 @@ def evidence_of(several: Sequence[Explanation]) -> float:
     return float(np.logaddexp.reduce(np.concatenate([one.log_evidence for one in several])))
 
 
-def mixture(several: Sequence[Explanation]) -> Posterior:
+def mixture(several: Sequence[Explanation]) -> Mixture:
     """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
     evidence = np.stack([one.log_evidence for one in several])
     weights = np.exp(evidence - evidence.max())
@@ -99,4 +99,4 @@ def mixture(several: Sequence[Explanation]) -> Posterior:
     kinds = [(several[i], significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
     means = np.concatenate([one.means[which] for one, which in kinds])
     covariances = np.concatenate([one.covariances(which) for one, which in kinds])
-    return merged(Posterior(some / some.sum(), means, covariances), _MOST)
+    return merged(Mixture(some / some.sum(), means, covariances), _MOST)

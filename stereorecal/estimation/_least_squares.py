@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Explanation, Normal, marginal
@@ -41,6 +40,7 @@ from stereorecal.estimation._linear_groups import (
     other_rigs,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._prior_choice import Prior, as_prior, updated
@@ -69,7 +69,7 @@ class Recording:
 
     found: Correspondences
     rig: StereoRig
-    prior: CalibrationPrior
+    prior: Mixture
     start: Float[np.ndarray, "n"] | None = None
     ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
@@ -198,11 +198,11 @@ def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypoth
     return Hypothesis(rows, several, best_of(several).misfit)
 
 
-def _prior_variance(several: Sequence[Explanation], prior: CalibrationPrior) -> Float[np.ndarray, "n"]:
+def _prior_variance(several: Sequence[Explanation], prior: Mixture) -> Float[np.ndarray, "n"]:
     """Of the calibration's error before any image was seen, by the weights that its covariances have after."""
     evidence = np.array([evidence_of([one]) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-    return weights @ np.stack([np.sum(prior.roots[one.prior] ** 2, axis=1) for one in several])
+    return weights @ np.stack([np.diag(prior.covariances[one.prior]) for one in several])
 
 
 def _settled(
@@ -297,10 +297,9 @@ def of_calibration(best: Explanation) -> Normal:
     return marginal(both, np.diag(sizes))
 
 
-def after(prior: CalibrationPrior, known: Normal) -> CalibrationPrior:
+def after(prior: Mixture, known: Normal) -> Mixture:
     """What is known of the calibration's error after something else has told of it."""
     every = updated(prior, known)
     likely = every.weights > _LEAST_WEIGHT
-    return CalibrationPrior(
-        every.roots[likely], every.weights[likely] / every.weights[likely].sum(), means=every.means[likely]
-    )
+    weights = every.weights[likely] / every.weights[likely].sum()
+    return Mixture(weights, every.means[likely], every.covariances[likely])

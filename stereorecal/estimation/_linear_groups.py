@@ -14,10 +14,10 @@ from statistics import NormalDist
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior
 from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import LinearRows, RigChart
@@ -78,7 +78,7 @@ class Model:
     """
 
     chart: RigChart
-    prior: CalibrationPrior
+    prior: Mixture
     ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
 

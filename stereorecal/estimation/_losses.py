@@ -21,7 +21,7 @@ from stereorecal.estimation._consequences import (
     within_lens,
 )
 from stereorecal.estimation._groups import PLACES, Groups
-from stereorecal.estimation._posterior import Posterior, merged
+from stereorecal.estimation._mixture import Mixture, merged
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import View, reread
 from stereorecal.objectives import RigChart
@@ -200,7 +200,7 @@ class PointwiseLoss:
     """
 
     errors: Errors
-    posterior: Posterior
+    posterior: Mixture
 
     @cached_property
     def centres(self) -> Float[np.ndarray, "k q"]:

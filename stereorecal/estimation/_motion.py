@@ -17,9 +17,10 @@ from operator import add
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.estimation._calibration_prior import CalibrationPrior, drift_sizes
+from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import Normal, marginal
 from stereorecal.estimation._groups import PLACES
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion_residuals import (
     MOVES,
     PER_TRACK,
@@ -341,9 +342,7 @@ class Windows:
     def __bool__(self) -> bool:
         return any(len(one) for one in self.tracks)
 
-    def likelihoods(
-        self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: CalibrationPrior
-    ) -> list[tuple[float, Normal]]:
+    def likelihoods(self, chart: RigChart, theta: Float[np.ndarray, "n"], prior: Mixture) -> list[tuple[float, Normal]]:
         """What the windows may tell of θ, near a θ, as `MatchedRanges.likelihoods`: all of it, or all but depth."""
         if not self:
             return [(0.0, Normal.flat(chart.dim))]
@@ -371,12 +370,12 @@ class Windows:
 NO_WINDOWS = Windows()
 
 
-def root_and_mean(prior: CalibrationPrior) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
+def root_and_mean(prior: Mixture) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
     """All calibrations and drifts as one normal distribution of θ: a root of its covariance, and its mean."""
     drifts, weights = drift_sizes()
-    covariance = np.einsum("m,mik,mjk->ij", prior.weights, prior.roots, prior.roots)
+    covariance = np.einsum("m,mij->ij", prior.weights, prior.covariances)
     covariance[: len(DRIFTING), : len(DRIFTING)] += np.diag(weights @ drifts**2)
-    return np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance))), prior.weights @ prior.means
+    return np.linalg.cholesky(covariance + 1e-18 * np.eye(len(covariance))), prior.mean
 
 
 def together(several: Sequence[Normal], root: Float[np.ndarray, "n n"], mean: Float[np.ndarray, "n"]) -> Normal:

@@ -15,19 +15,13 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.estimation._calibration_prior import (
-    CalibrationPrior,
-    calibration_prior,
-    exact_prior,
-    with_scaled_boards,
-)
+from stereorecal.estimation._calibration_prior import calibration_prior, exact_prior, with_scaled_boards
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._posterior import Posterior, root
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig
 from stereorecal.objectives import BASELINE, RigChart
 
-_NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 SCHEMA = "stereorecal.prior/1"
 _DAMAGED = "this is no prior that stereorecal has written, or it is damaged"
 _INSTEAD = 'copy it again, or go on without it: prior="default" (--prior default)'
@@ -35,50 +29,6 @@ _YAW_UNKNOWN = 1.0  # degrees: what a repair that takes the intrinsics as exact 
 DEFAULT, EXACT, SAVED = "default", "exact", "saved"
 _TINY = 1e-300
 _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
-
-
-def components_of(known: Posterior) -> list[dict[str, Any]]:
-    """Of each its weight, its mean, and the rows of its covariance up to the diagonal."""
-    return [
-        {
-            "weight": float(weight),
-            "mean": mean.tolist(),
-            "covariance": [row[: end + 1].tolist() for end, row in enumerate(covariance)],
-        }
-        for weight, mean, covariance in zip(known.weights, known.means, known.covariances, strict=True)
-    ]
-
-
-def mixture_from(components: Any, dim: int) -> Posterior:
-    """The inverse, of `dim` parameters.
-
-    Raises:
-        KeyError, TypeError, ValueError: if these are none.
-    """
-    weights = np.array([one["weight"] for one in components], float)
-    means = np.array([one["mean"] for one in components], float)
-    covariances = np.stack([_covariance(one["covariance"], dim) for one in components])
-    if means.shape != (len(weights), dim) or not (np.isfinite(means).all() and np.isfinite(weights).all()):
-        raise ValueError("means of another size, or not finite")
-    if weights.min() <= 0.0 or not np.isclose(weights.sum(), 1.0, rtol=0.0, atol=1e-9):
-        raise ValueError("weights do not sum to 1")
-    return Posterior(weights, means, covariances)
-
-
-def _covariance(rows: Any, dim: int) -> np.ndarray:
-    if [len(row) for row in rows] != list(range(1, dim + 1)):
-        raise ValueError("a covariance of another size")
-    half = np.zeros((dim, dim))
-    half[np.tril_indices(dim)] = np.concatenate(rows)
-    covariance = half + np.tril(half, -1).T
-    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(scale > 0.0, scale, 1.0)
-    if not np.isfinite(covariance).all() or np.diag(covariance).min() < 0.0:
-        raise ValueError("a matrix that is no covariance")
-    values = np.linalg.eigvalsh(covariance / safe[:, None] / safe)
-    if values.min() < -_NO_COVARIANCE * max(values.max(), 1.0):
-        raise ValueError("a covariance that is not positive")
-    return covariance
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +43,7 @@ class Earlier:
     """
 
     rig: StereoRig
-    prior: str | Mapping[str, Any] | Posterior | None
+    prior: str | Mapping[str, Any] | Mixture | None
     images: tuple[str, ...] = ()
 
 
@@ -112,7 +62,7 @@ class SavedPrior:
     """
 
     rig: StereoRig
-    known: Posterior | None
+    known: Mixture | None
     images: tuple[str, ...] = ()
     earlier: Earlier | None = None
 
@@ -133,7 +83,7 @@ class SavedPrior:
             "rig": rig_as_data(self.rig),
             "names": [parameter.name for parameter in parameters],
             "units": [parameter.unit for parameter in parameters],
-            "components": self.known and components_of(self.known),
+            "components": self.known and self.known.as_data(),
             "images": list(self.images),
             "earlier": earlier and _earlier_as_dict(earlier),
         }
@@ -153,7 +103,7 @@ class SavedPrior:
             names, components = rig_parameters(rig).names, content["components"]
             if tuple(content["names"]) != names:
                 raise InputError(f"it names other parameters than this version of stereorecal has; {_INSTEAD}.")
-            known = None if components is None else mixture_from(components, len(names))
+            known = None if components is None else Mixture.from_data(components, len(names))
             return SavedPrior(rig, known, _images(content), None if found is None else _earlier_from(found))
         except InputError as error:
             raise InputError(f"{_DAMAGED}: {error}") from None
@@ -163,8 +113,8 @@ class SavedPrior:
 
 def _earlier_as_dict(earlier: Earlier) -> dict[str, Any]:
     prior: Any = earlier.prior
-    if isinstance(prior, Posterior):
-        prior = components_of(prior)
+    if isinstance(prior, Mixture):
+        prior = prior.as_data()
     elif isinstance(prior, Mapping):
         prior = dict(prior)
     return {"rig": rig_as_data(earlier.rig), "prior": prior, "images": list(earlier.images)}
@@ -174,7 +124,7 @@ def _earlier_from(content: dict[str, Any]) -> Earlier:
     rig, prior = rig_from_data(content["rig"]), content["prior"]
     names = rig_parameters(rig).names
     if isinstance(prior, list):
-        prior = mixture_from(prior, len(names))
+        prior = Mixture.from_data(prior, len(names))
     elif isinstance(prior, dict):
         if not all(name in names and float(sigma) > 0.0 for name, sigma in prior.items()):
             raise ValueError("deviations that are none")
@@ -190,32 +140,25 @@ def _images(content: dict[str, Any]) -> tuple[str, ...]:
     return tuple(images)
 
 
-def recentred_posterior(posterior: Posterior, used: Float[np.ndarray, "n"]) -> Posterior:
+def recentred_posterior(posterior: Mixture, used: Float[np.ndarray, "n"]) -> Mixture:
     """What a posterior says of changes from the rig at θ = used: one normal distribution, since six hold the truth no
     more often (two repairs in turn of 180 simulated rigs)."""
     covariance = 0.5 * (posterior.covariance + posterior.covariance.T)
-    return Posterior(np.ones(1), (posterior.mean - used)[None], covariance[None])
+    return Mixture(np.ones(1), (posterior.mean - used)[None], covariance[None])
 
 
-def as_mixture(prior: CalibrationPrior) -> Posterior:
-    """A prior as a mixture of normal distributions."""
-    covariances = prior.roots @ prior.roots.swapaxes(1, 2)
-    return Posterior(prior.weights, prior.means, 0.5 * (covariances + covariances.swapaxes(1, 2)))
-
-
-def updated(prior: CalibrationPrior, normal: Normal) -> CalibrationPrior:
+def updated(prior: Mixture, normal: Normal) -> Mixture:
     """Each normal distribution given the likelihood, weighed by its evidence."""
-    roots, means, logs = [], [], []
+    halves, means, logs = [], [], []
     for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
         around = normal.around(mean)
         lower = np.linalg.cholesky(np.eye(len(mean)) + one.T @ around.a @ one)
-        pull = np.linalg.solve(lower, one.T @ around.b)
-        after = np.linalg.solve(lower, one.T).T
-        roots.append(after)
-        means.append(mean + after @ pull)
+        pull, after = np.linalg.solve(lower, one.T @ around.b), np.linalg.solve(lower, one.T)
+        halves.append(after)
+        means.append(mean + after.T @ pull)
         logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
     weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
-    return CalibrationPrior(np.stack(roots), weights, means=np.stack(means))
+    return Mixture(weights, np.stack(means), np.stack([half.T @ half for half in halves]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,10 +207,10 @@ class CalibrationCovariance:
         object.__setattr__(self, "mean", mean)
 
 
-Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | CalibrationPrior | None
+Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | Mixture | None
 
 
-def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False) -> CalibrationPrior:
+def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False) -> Mixture:
     """The prior itself, for the rig of a chart.
 
     Args:
@@ -282,18 +225,18 @@ def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False
     return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in named else found
 
 
-def with_deviations(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float]) -> CalibrationPrior:
+def with_deviations(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float]) -> Mixture:
     """The same with these standard deviations of some parameters: what was uncertain keeps its correlations, and what
     was as exact as given gets one of its own."""
-    exact = [name for name in sigmas if not prior.roots[:, chart.names.index(name)].any()]
+    exact = [name for name in sigmas if not prior.covariances[:, chart.names.index(name)].any()]
     found = _with_sigmas(prior, chart, {name: sigma for name, sigma in sigmas.items() if name not in exact})
     own = np.diag([sigmas[name] if name in exact else 0.0 for name in chart.names])
     return found.beside(own**2) if exact else found
 
 
-def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
+def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
     check_prior(prior, chart)
-    if isinstance(prior, CalibrationPrior):
+    if isinstance(prior, Mixture):
         return prior
     if isinstance(prior, SavedPrior):
         return _known(prior.known, chart)
@@ -311,18 +254,18 @@ def _as_prior(prior: Prior, chart: RigChart) -> CalibrationPrior:
         where = [chart.names.index(name) for name in prior.names]
         covariance, mean = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
         covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
-        return CalibrationPrior(root(covariance)[None], np.ones(1), means=mean[None])
+        return Mixture(np.ones(1), mean[None], covariance[None])
     return _with_sigmas(calibration_prior(chart), chart, prior)
 
 
-def _known(known: Posterior | None, chart: RigChart) -> CalibrationPrior:
+def _known(known: Mixture | None, chart: RigChart) -> Mixture:
     """A posterior as a prior; of a rig that was repaired, and nobody knows how well, that of a calibration with a yaw
     that may be off by any amount that is left."""
     if known is None:
         loose, yaw = np.zeros((chart.dim, chart.dim)), DRIFTING.index("yaw")
         loose[yaw, yaw] = _YAW_UNKNOWN**2
         return calibration_prior(chart).beside(loose)
-    return CalibrationPrior(np.stack([root(one) for one in known.covariances]), known.weights, means=known.means)
+    return known
 
 
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
@@ -333,11 +276,11 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
     """
     if isinstance(prior, SavedPrior) and chart is not None:
         prior.check(chart.rig)
-    if isinstance(prior, CalibrationPrior) and chart is not None and prior.means.shape[1] != chart.dim:
+    if isinstance(prior, Mixture) and chart is not None and prior.means.shape[1] != chart.dim:
         raise InputError(
             f"the prior is of {prior.means.shape[1]} parameters, and the rig has {chart.dim}; make it for this rig."
         )
-    if prior is None or isinstance(prior, CalibrationPrior | SavedPrior | Earlier):
+    if prior is None or isinstance(prior, Mixture | SavedPrior | Earlier):
         return
     if isinstance(prior, str):
         checked_choice(prior, [SAVED, DEFAULT, EXACT], "prior")
@@ -356,14 +299,14 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
 
 
-def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> CalibrationPrior:
+def _with_sigmas(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> Mixture:
     """The prior where these standard deviations are known: what is named keeps its correlations, and what is not
     follows it as it did before."""
     if not sigmas:
         return prior
     named = np.array([chart.names.index(name) for name in sigmas])
     others, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
-    roots = []
+    covariances = []
     for one in prior.roots:
         deviations = np.maximum(np.linalg.norm(one, axis=1), _TINY)  # of what is exact
         unit = one / deviations[:, None]
@@ -374,8 +317,8 @@ def _with_sigmas(prior: CalibrationPrior, chart: RigChart, sigmas: Mapping[str, 
         known[named, : len(named)] = scale[:, None] * np.linalg.cholesky(both)
         known[others, : len(named)] = follows @ known[named, : len(named)]
         known[others, len(named) :] = unit[others] - follows @ unit[named]
-        roots.append(root(deviations[:, None] * (known @ known.T) * deviations))
-    return CalibrationPrior(np.stack(roots), prior.weights, means=prior.means)
+        covariances.append(deviations[:, None] * (known @ known.T) * deviations)
+    return replace(prior, covariances=np.stack(covariances))
 
 
 def is_exact(prior: Prior) -> bool:

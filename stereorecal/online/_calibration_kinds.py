@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation import Posterior, as_prior, is_exact, rig_parameters, root
+from stereorecal.estimation import Mixture, as_prior, is_exact, rig_parameters, root
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import EXTRINSICS
 from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate
@@ -22,7 +22,7 @@ _NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 
 
 @lru_cache(maxsize=4)  # a step asks several times
-def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Posterior:
+def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Mixture:
     """Of θ, as one normal distribution: the mixture of all kinds, by their evidence."""
     mean, covariance = filtered.theta, filtered.of_theta
     if not is_exact(prior):
@@ -32,9 +32,9 @@ def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -
         pulls = -informations @ mean
         moves = np.einsum("kij,kj->ki", covariances, pulls)
         logs = np.log(weights) - 0.5 * (log_volumes + np.linalg.slogdet(ways)[1] - np.sum(pulls * (mean + moves), 1))
-        every = Posterior(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
+        every = Mixture(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
         mean, covariance = every.mean, every.covariance
-    return Posterior(np.ones(1), mean[None], covariance[None])
+    return Mixture(np.ones(1), mean[None], covariance[None])
 
 
 def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False) -> Float[np.ndarray, "n n"]:

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import json_data
 from stereorecal.decision import Decision, Tolerances, Verdict, decide
-from stereorecal.estimation import Consequences, Estimate, Posterior, consequences, points_of_view, rig_parameters
+from stereorecal.estimation import Consequences, Estimate, Mixture, consequences, points_of_view, rig_parameters
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._filter import SIZE
@@ -147,7 +147,7 @@ def reading(state: State) -> Reading:
 def _decided(
     initial: StereoRig,
     using: tuple[float, ...],
-    of_rig: Posterior,
+    of_rig: Mixture,
     view: View,
     coverage: bytes,
     free: tuple[str, ...],

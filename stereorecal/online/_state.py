@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from stereorecal.estimation import DEFAULT, Posterior, extrinsics_like, rig_parameters
+from stereorecal.estimation import DEFAULT, Mixture, extrinsics_like, rig_parameters
 from stereorecal.geometry import StereoRig, View, as_view
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import RigChart
@@ -127,7 +127,7 @@ class State:
         return theta_of(self.using, self.chart)
 
     @property
-    def posterior(self) -> Posterior:
+    def posterior(self) -> Mixture:
         """Of θ, under all kinds of calibration."""
         return posterior(self.initial, self.config.prior, self.estimate)
 

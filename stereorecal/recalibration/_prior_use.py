@@ -17,7 +17,6 @@ from stereorecal.estimation import (
     Estimate,
     Prior,
     SavedPrior,
-    as_mixture,
     as_prior,
     check_prior,
     is_exact,
@@ -148,7 +147,7 @@ def _before(use: PriorUse, initial: StereoRig) -> Earlier:
         return Earlier(initial, prior.known, prior.images)
     if prior is None or isinstance(prior, str | Mapping):
         return Earlier(initial, prior or DEFAULT)
-    return Earlier(initial, as_mixture(as_prior(prior, rig_parameters(initial))))
+    return Earlier(initial, as_prior(prior, rig_parameters(initial)))
 
 
 def saved_with(rig: StereoRig) -> tuple[SavedPrior | None, str | None]:

@@ -15,11 +15,11 @@ from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     NO_WINDOWS,
-    CalibrationPrior,
     Each,
     Earlier,
     Estimate,
     MatchedRanges,
+    Mixture,
     Recording,
     SavedPrior,
     Windows,
@@ -187,7 +187,7 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
     return [Member(r, data.found, estimated, decision) for r, data, estimated, decision in several]
 
 
-def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[CalibrationPrior]:
+def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[Mixture]:
     """The prior of each recording of a joint estimate: the saved one of its calibration, or the common one."""
     ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
     for repair in (recording.repair for recording in recordings):

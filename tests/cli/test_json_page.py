@@ -11,14 +11,14 @@ from simulated_tracks import tracks_of
 
 import stereorecal as sr
 from stereorecal.comparison import errors_by_truth
-from stereorecal.estimation import Estimate, Posterior, Windows, rig_parameters
+from stereorecal.estimation import Estimate, Mixture, Windows, rig_parameters
 from stereorecal.recalibration import Mismatch, RangesSeen
 
 RIG = sr.synthetic.default_rig()
 CHART = rig_parameters(RIG)
 MOVED = Estimate(
     CHART,
-    Posterior(np.ones(1), np.zeros((1, CHART.dim)), np.eye(CHART.dim)[None]),
+    Mixture(np.ones(1), np.zeros((1, CHART.dim)), np.eye(CHART.dim)[None]),
     (0.0, 0.0),
     1,
     0.0,

@@ -14,7 +14,7 @@ from stereorecal.estimation import (
     HeldOut,
     Losses,
     MatchedRanges,
-    Posterior,
+    Mixture,
     SavedPrior,
     Windows,
     estimate,
@@ -208,7 +208,7 @@ def known_length(chart, percent: float, deviation: float, matched_ranges: Matche
     """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
     length = np.eye(chart.dim)[chart.names.index(BASELINE)]
     covariance = np.diag(1e-12 + (deviation * length) ** 2)
-    posterior = Posterior(np.ones(1), percent * length[None], covariance[None])
+    posterior = Mixture(np.ones(1), percent * length[None], covariance[None])
     return Estimate(chart, posterior, (0.0, 0.0), 100, 0.0, np.diag(covariance), matched_ranges=matched_ranges)
 
 

@@ -166,7 +166,7 @@ def test_several_keep_their_correlations_and_what_follows_them(chart, prior):
 
 
 def test_a_prior_of_another_rig_is_refused(chart, prior):
-    other = type(prior)(prior.roots[:, 1:, 1:], prior.weights, means=prior.means[:, 1:])
+    other = type(prior)(prior.weights, prior.means[:, 1:], prior.covariances[:, 1:, 1:])
     with pytest.raises(sr.InputError, match="31 parameters"):
         as_prior(other, chart)
 

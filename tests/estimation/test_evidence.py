@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from parts_of_estimates import Explanation, Nuisances, all_explained, marginal, normal_of, updated
 
-from stereorecal.estimation import CalibrationPrior, Normal
+from stereorecal.estimation import Mixture, Normal
 
 ROWS, DRIFTING = 14, 5
 
@@ -17,7 +17,10 @@ def explained(problems: list["Problem"]) -> list[Explanation]:
     told = [((0.0, 0.0), index, 0.0, problem.normal) for index, problem in enumerate(problems)]
     drifts = first.sizes, np.exp(first.logs)
     return all_explained(
-        told, CalibrationPrior(calibrations, np.ones(number), means=given), Nuisances(first.nuisance, 0.0), drifts
+        told,
+        Mixture(np.ones(number), given, calibrations @ calibrations.swapaxes(1, 2)),
+        Nuisances(first.nuisance, 0.0),
+        drifts,
     )
 
 
@@ -123,12 +126,11 @@ def test_a_mixture_is_updated_as_each_of_its_parts_conditioned(seed, number):
     for part in parts:  # one likelihood for all of them
         part.columns, part.rows, part.noise = parts[0].columns, parts[0].rows, parts[0].noise
     weights = np.arange(1.0, number + 1.0) / np.arange(1.0, number + 1.0).sum()
-    prior = CalibrationPrior(
-        np.stack([part.calibration for part in parts]), weights, means=np.stack([part.given for part in parts])
-    )
+    calibrations = np.stack([part.calibration for part in parts])
+    prior = Mixture(weights, np.stack([part.given for part in parts]), calibrations @ calibrations.swapaxes(1, 2))
     found, dense = updated(prior, parts[0].normal), [part.dense(0) for part in parts]
     logs = np.log(weights) + [density for *_, density in dense]
     np.testing.assert_allclose(found.weights, np.exp(logs - np.logaddexp.reduce(logs)), rtol=1e-6, atol=1e-12)
-    for mean, root, (expected, covariance, _) in zip(found.means, found.roots, dense, strict=True):
+    for mean, covariance, (expected, of_dense, _) in zip(found.means, found.covariances, dense, strict=True):
         np.testing.assert_allclose(mean, expected, rtol=1e-6, atol=1e-8)
-        np.testing.assert_allclose(root @ root.T, covariance, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(covariance, of_dense, rtol=1e-6, atol=1e-8)

@@ -5,18 +5,18 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from parts_of_estimates import PointwiseLoss, errors_near, points_shown
 
-from stereorecal.estimation import Estimate, Matters, Posterior, estimate, points_of_view, readings
+from stereorecal.estimation import Estimate, Matters, Mixture, estimate, points_of_view, readings
 
 SIZES = {"deg": 0.05, "%": 0.3, "px": 2.0, "": 1e-3}
 
 
-def posterior_of(chart, seed: int, number: int = 3, spread: float = 1.0) -> Posterior:
+def posterior_of(chart, seed: int, number: int = 3, spread: float = 1.0) -> Mixture:
     """Explanations that differ by their deviations times a spread."""
     rng = np.random.default_rng(seed)
     sizes = np.array([SIZES[parameter.unit] for parameter in chart.parameters])
     roots = rng.normal(0, 0.3, (number, chart.dim, chart.dim)) * sizes[:, None]
     means = spread * rng.normal(0, 1, (number, chart.dim)) * sizes
-    return Posterior(rng.dirichlet(np.ones(number)), means, roots @ np.swapaxes(roots, 1, 2))
+    return Mixture(rng.dirichlet(np.ones(number)), means, roots @ np.swapaxes(roots, 1, 2))
 
 
 @settings(max_examples=10)
@@ -37,7 +37,7 @@ def test_it_is_the_mean_of_absolute_errors_of_many_rigs(chart, seed, spread):
 def test_a_quadratic_bound_touches_it_and_lies_above(chart, near, seed, step, exact):
     """Also at the centre of a distribution, and of one that is nearly a point."""
     known, rng = posterior_of(chart, seed), np.random.default_rng(seed)
-    known = Posterior(known.weights, known.means, known.covariances * (1e-12 if exact else 1.0))
+    known = Mixture(known.weights, known.means, known.covariances * (1e-12 if exact else 1.0))
     loss = PointwiseLoss(near, known)
     here = np.where(rng.random(loss.centres.shape[1]) < 0.2, loss.centres[0], 3.0 * rng.normal(size=len(near.weights)))
     curvature, slope = loss.quadratic(here)
@@ -70,7 +70,7 @@ def test_an_estimate_says_one_loss_on_average_and_of_each_rig(chart, found):
 def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     """Of one rig that is surely the true one: rows and depth as `readings` has them."""
     true = found.chart.rig_at(found.theta)
-    surely = Posterior(np.ones(1), found.theta[None], np.zeros((1, chart.dim, chart.dim)))
+    surely = Mixture(np.ones(1), found.theta[None], np.zeros((1, chart.dim, chart.dim)))
     alone = Estimate(chart, surely, (0.0, 0.0), 0, 0.0, np.zeros(chart.dim), shown=found.shown)
     losses = alone.losses(np.zeros(chart.dim))
     read = [readings(rig, true, points_of_view(true, distance)) for distance in alone.matters.distances]

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import CalibrationPrior, MatchedRanges, as_prior, estimate, points_of_view, readings
+from stereorecal.estimation import MatchedRanges, Mixture, as_prior, estimate, points_of_view, readings
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 
 
 @pytest.fixture(scope="module")
-def scaled(chart, prior) -> CalibrationPrior:
+def scaled(chart, prior) -> Mixture:
     """The prior where something tells the length of the baseline."""
     return as_prior(prior, chart, baseline_observable=True)
 

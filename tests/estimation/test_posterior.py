@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from parts_of_estimates import merged
 
-from stereorecal.estimation import Posterior
+from stereorecal.estimation import Mixture
 
 UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
 
@@ -16,9 +16,9 @@ def covariance(seed: int, rank: int) -> np.ndarray:
     return half @ half.T
 
 
-def mixture() -> Posterior:
+def mixture() -> Mixture:
     means = np.random.default_rng(1).normal(0, 2, (3, 4)) * UNITS
-    return Posterior(np.array([0.6, 0.3, 0.1]), means, np.stack([covariance(rank, rank) for rank in (4, 2, 0)]))
+    return Mixture(np.array([0.6, 0.3, 0.1]), means, np.stack([covariance(rank, rank) for rank in (4, 2, 0)]))
 
 
 def test_moments_are_those_of_many_samples():
@@ -35,12 +35,12 @@ def test_moments_are_those_of_many_samples():
 def test_samples_of_singular_covariances(seed, rank):
     """Those of the identity, turned and scaled: they say by which root of the covariance."""
     wanted = covariance(seed, rank)
-    white, drawn = (Posterior(np.ones(1), np.zeros((1, 4)), one[None]).samples(20, seed) for one in (np.eye(4), wanted))
+    white, drawn = (Mixture(np.ones(1), np.zeros((1, 4)), one[None]).samples(20, seed) for one in (np.eye(4), wanted))
     half = np.linalg.lstsq(white, drawn / UNITS, rcond=None)[0].T
     np.testing.assert_allclose(half @ half.T, wanted / np.outer(UNITS, UNITS), atol=1e-12)
 
 
-def many(seed: int, number: int = 60) -> Posterior:
+def many(seed: int, number: int = 60) -> Mixture:
     """Explanations of which some are alike, one parameter exact."""
     rng = np.random.default_rng(seed)
     weights = rng.dirichlet(np.full(number, 0.3))
@@ -49,7 +49,7 @@ def many(seed: int, number: int = 60) -> Posterior:
     kinds = [covariance(kind, 3) / np.outer(UNITS, UNITS) for kind in (1, 2)]
     exact = np.array([1.0, 1.0, 1.0, 0.0])
     covariances = scales * np.stack([kinds[index % 2] for index in range(number)]) * np.outer(exact, exact)
-    return Posterior(weights, means * exact * UNITS, covariances * np.outer(UNITS, UNITS))
+    return Mixture(weights, means * exact * UNITS, covariances * np.outer(UNITS, UNITS))
 
 
 @settings(max_examples=20)
@@ -78,6 +78,6 @@ def test_and_nearly_all_quantiles(seed):
 def test_each_explanation_has_its_share_of_the_samples():
     """To one draw: what is rare must not be rarer, or more frequent, by chance."""
     weights, means = np.array([0.9, 0.0945, 0.0055]), np.array([[0.0], [100.0], [200.0]])
-    found = Posterior(weights, means, np.full((3, 1, 1), 1e-6)).samples(2000)[:, 0]
+    found = Mixture(weights, means, np.full((3, 1, 1), 1e-6)).samples(2000)[:, 0]
     counts = [np.count_nonzero(np.abs(found - mean) < 1.0) for mean in (0.0, 100.0, 200.0)]
     np.testing.assert_allclose(counts, 2000 * weights, atol=1.0)

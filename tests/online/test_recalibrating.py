@@ -10,7 +10,7 @@ from rides import BEFORE, Ride, error
 from stereorecal.decision import decide
 from stereorecal.estimation import (
     Estimate,
-    Posterior,
+    Mixture,
     consequences,
     points_of_view,
     readings,
@@ -37,7 +37,7 @@ def test_a_knock(ride: Ride):
 @pytest.mark.parametrize("reason", Reason, ids=lambda reason: reason.name)
 def test_only_what_the_decision_accepts_is_in_use(ride: Ride, monkeypatch: pytest.MonkeyPatch, reason: Reason):
     chart = rig_parameters(ride.rig)
-    posterior = Posterior(np.ones(1), chart.coordinates_of(ride.knocked)[None], 1e-4 * np.eye(chart.dim)[None])
+    posterior = Mixture(np.ones(1), chart.coordinates_of(ride.knocked)[None], 1e-4 * np.eye(chart.dim)[None])
     estimate = Estimate(chart, posterior, (0.0, 0.0), 0, float("nan"), np.ones(chart.dim))
     found = SimpleNamespace(
         accepted=reason.accepted,

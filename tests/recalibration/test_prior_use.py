@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from parts_of_repairs import fingerprint, prior_use
 
 import stereorecal as sr
-from stereorecal.estimation import Earlier, Posterior, SavedPrior, rig_parameters
+from stereorecal.estimation import Earlier, Mixture, SavedPrior, rig_parameters
 from stereorecal.io import load_rig, save_rig
 from stereorecal.recalibration import Condition
 
@@ -25,7 +25,7 @@ PAIRS = [pair_of(seed) for seed in range(6)]
 PRINTS = [fingerprint(pair) for pair in PAIRS]
 RIG = sr.synthetic.default_rig().resized((160, 120))
 N = rig_parameters(RIG).dim
-KNOWN = Posterior(np.ones(1), np.zeros((1, N)), np.eye(N)[None])
+KNOWN = Mixture(np.ones(1), np.zeros((1, N)), np.eye(N)[None])
 
 
 def saved(images, earlier: Earlier | None = None, rig: sr.StereoRig = RIG) -> SavedPrior:

@@ -12,13 +12,11 @@ from jaxtyping import Float
 
 from stereorecal import CalibrationCovariance, InputError, StereoRig
 from stereorecal.estimation import (
-    CalibrationPrior,
+    Mixture,
     Normal,
-    as_mixture,
     as_prior,
     physical_prior,
     rig_parameters,
-    root,
     updated,
 )
 from stereorecal.geometry import turned_pixels
@@ -59,10 +57,10 @@ def covariance_of_boards(
     joint = _with_squares(known, chart, squares)
     normal = _likelihood(chart, _at_best_poses(chart, posed(rig, boards)), joint)
     several = [updated(joint, Normal(normal.a / k**2, normal.b / k**2, normal.c / k**2)) for k in _WORSE]
-    weights, roots, means = (
-        np.concatenate([getattr(one, name) for one in several]) for name in ("weights", "roots", "means")
+    weights, *parts = (
+        np.concatenate([getattr(one, name) for one in several]) for name in ("weights", "means", "covariances")
     )
-    all_of_x = as_mixture(CalibrationPrior(roots, weights / weights.sum(), means=means))
+    all_of_x = Mixture(weights / weights.sum(), *parts)
     told = np.flatnonzero(np.diag(all_of_x.covariance)[: chart.dim] > 0.0)
     names = [chart.names[index] for index in told]
     return CalibrationCovariance(names, all_of_x.covariance[np.ix_(told, told)], all_of_x.mean[told])
@@ -77,7 +75,7 @@ def _turned(rig: StereoRig, board: Board) -> Board:
     return replace(board, left=left, right=right)
 
 
-def _with_squares(prior: CalibrationPrior, chart: RigChart, squares: float) -> CalibrationPrior:
+def _with_squares(prior: Mixture, chart: RigChart, squares: float) -> Mixture:
     """Of x: θ and the error of the squares' length in percent. The calibration was made with these boards: what its
     baseline errs by for their sake is that error, so far as the prior lets it err."""
     length, (one,) = chart.names.index(BASELINE), prior.roots
@@ -88,7 +86,7 @@ def _with_squares(prior: CalibrationPrior, chart: RigChart, squares: float) -> C
     common = np.zeros((chart.dim, 1))
     common[length] = squares * min(squares, float(np.linalg.norm(alone)))
     covariance = np.block([[one @ one.T, common], [common.T, np.full((1, 1), squares**2)]])
-    return CalibrationPrior(root(covariance)[None], np.ones(1), means=np.column_stack([prior.means, np.zeros(1)]))
+    return Mixture(np.ones(1), np.column_stack([prior.means, np.zeros(1)]), covariance[None])
 
 
 def _at_best_poses(chart: RigChart, posed_boards: Posed) -> Posed:
@@ -105,7 +103,7 @@ def _at_best_poses(chart: RigChart, posed_boards: Posed) -> Posed:
     return posed_boards
 
 
-def _likelihood(chart: RigChart, posed_boards: Posed, prior: CalibrationPrior) -> Normal:
+def _likelihood(chart: RigChart, posed_boards: Posed, prior: Mixture) -> Normal:
     """Of x, linear where it is most probable.
 
     Raises:

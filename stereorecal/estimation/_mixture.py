@@ -1,17 +1,19 @@
-"""What is known of θ: a mixture of normal distributions, one for each explanation that the data leave."""
+"""What is known of θ, before images and after them: a mixture of normal distributions, one for each explanation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 _SINGULAR = 1e-12  # of the largest eigenvalue
 _ROUNDING = 1e-12  # of the squares whose difference is taken
+_NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 
 
 @dataclass(frozen=True, eq=False)
-class Posterior:
+class Mixture:
     """A mixture of m normal distributions of θ (n,).
 
     Attributes:
@@ -24,6 +26,16 @@ class Posterior:
     means: Float[np.ndarray, "m n"]
     covariances: Float[np.ndarray, "m n n"]
 
+    @classmethod
+    def around_given(cls, covariances: Float[np.ndarray, "m n n"]) -> "Mixture":
+        """As probable each, with the given rig as the most probable one."""
+        number, n, _ = covariances.shape
+        return cls(np.full(number, 1.0 / number), np.zeros((number, n)), covariances)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is derived stays behind."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     @cached_property
     def mean(self) -> Float[np.ndarray, "n"]:
         """Of θ."""
@@ -34,6 +46,17 @@ class Posterior:
         """Of θ, what the explanations differ by included."""
         deviations = self.means - self.mean
         return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * deviations.T) @ deviations
+
+    @cached_property
+    def roots(self) -> Float[np.ndarray, "m n n"]:
+        """Of the covariances, S Sᵀ; read-only."""
+        found = np.stack([root(one) for one in self.covariances])
+        found.flags.writeable = False
+        return found
+
+    def beside(self, other: Float[np.ndarray, "n n"]) -> "Mixture":
+        """With another error of this covariance, independent of it."""
+        return replace(self, covariances=self.covariances + other)
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
         """θ drawn at random, the same for a seed; each explanation has its share of them, to one draw."""
@@ -46,20 +69,60 @@ class Posterior:
             found[drawn] = self.means[index] + normal[drawn] @ root(self.covariances[index]).T
         return found
 
+    def as_data(self) -> list[dict[str, Any]]:
+        """Of each explanation its weight, its mean, and the rows of its covariance up to the diagonal."""
+        return [
+            {
+                "weight": float(weight),
+                "mean": mean.tolist(),
+                "covariance": [row[: end + 1].tolist() for end, row in enumerate(covariance)],
+            }
+            for weight, mean, covariance in zip(self.weights, self.means, self.covariances, strict=True)
+        ]
+
+    @staticmethod
+    def from_data(components: Any, dim: int) -> "Mixture":
+        """The inverse, of `dim` parameters.
+
+        Raises:
+            KeyError, TypeError, ValueError: if these are none.
+        """
+        weights, means = (np.array([one[name] for one in components], float) for name in ("weight", "mean"))
+        covariances = np.stack([_covariance(one["covariance"], dim) for one in components])
+        if means.shape != (len(weights), dim) or not (np.isfinite(means).all() and np.isfinite(weights).all()):
+            raise ValueError("means of another size, or not finite")
+        if weights.min() <= 0.0 or not np.isclose(weights.sum(), 1.0, rtol=0.0, atol=1e-9):
+            raise ValueError("weights do not sum to 1")
+        return Mixture(weights, means, covariances)
+
+
+def _covariance(rows: Any, dim: int) -> Float[np.ndarray, "n n"]:
+    if [len(row) for row in rows] != list(range(1, dim + 1)):
+        raise ValueError("a covariance of another size")
+    half = np.zeros((dim, dim))
+    half[np.tril_indices(dim)] = np.concatenate(rows)
+    covariance = half + np.tril(half, -1).T
+    if not np.isfinite(covariance).all() or np.diag(covariance).min() < 0.0:
+        raise ValueError("a matrix that is no covariance")
+    values = np.linalg.eigvalsh(_correlations(covariance)[0])
+    if values.min() < -_NO_COVARIANCE * max(values.max(), 1.0):
+        raise ValueError("a covariance that is not positive")
+    return covariance
+
 
 def median_and_interval(samples: Float[np.ndarray, "s *p"]) -> Float[np.ndarray, "3 *p"]:
     """Median, and the two ends of the 95 % interval."""
     return np.percentile(samples, [50.0, 2.5, 97.5], axis=0)
 
 
-def merged(posterior: Posterior, most: int) -> Posterior:
+def merged(posterior: Mixture, most: int) -> Mixture:
     """The posterior with so many explanations at most: those that are alike in all that is uncertain become one, which
     leaves mean and covariance as they are, and of all quantiles what samples tell."""
     w, means, covariances = posterior.weights, posterior.means, posterior.covariances
     if len(w) <= most:
         return posterior
     if most == 1:
-        return Posterior(np.ones(1), posterior.mean[None], posterior.covariance[None])
+        return Mixture(np.ones(1), posterior.mean[None], posterior.covariance[None])
     white = _whitening(posterior.covariance)
     shapes = (white @ covariances @ white.T).reshape(len(w), -1) / np.sqrt(2.0)
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)
@@ -83,14 +146,21 @@ def merged(posterior: Posterior, most: int) -> Posterior:
     centres = share @ means
     spread = means - centres[np.unique(group, return_inverse=True)[1]]
     whole = covariances + spread[:, :, None] * spread[:, None, :]
-    return Posterior(weights, centres, np.tensordot(share, whole, 1))
+    return Mixture(weights, centres, np.tensordot(share, whole, 1))
+
+
+def _correlations(covariance: Float[np.ndarray, "n n"]) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
+    """And standard deviations; 0 of what is exact."""
+    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    safe = np.where(scale > 0.0, scale, 1.0)
+    return covariance / safe[:, None] / safe, scale
 
 
 def _whitening(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "r n"]:
     """What makes a covariance the identity, in the directions that are uncertain."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    correlations, scale = _correlations(covariance)
     inverse = np.where(scale > 0.0, 1.0 / np.where(scale > 0.0, scale, 1.0), 0.0)
-    values, axes = np.linalg.eigh(covariance * inverse[:, None] * inverse)
+    values, axes = np.linalg.eigh(correlations)
     uncertain = values > _SINGULAR * max(values.max(initial=0.0), _SINGULAR)
     return (axes[:, uncertain] / np.sqrt(values[uncertain])).T * inverse
 
@@ -98,7 +168,6 @@ def _whitening(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "r n"]
 def root(covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
     """S with S Sᵀ = covariance, which may be singular; scaled first, since units differ by orders of magnitude. The
     symmetric one of what is scaled, since it is unique: samples do not change with the processor."""
-    scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    safe = np.where(scale > 0.0, scale, 1.0)
-    values, axes = np.linalg.eigh(covariance / safe[:, None] / safe)
+    correlations, scale = _correlations(covariance)
+    values, axes = np.linalg.eigh(correlations)
     return scale[:, None] * ((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
