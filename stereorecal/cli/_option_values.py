@@ -46,9 +46,9 @@ image_size = of_form(
     r"([1-9]\d{0,6})x([1-9]\d{0,6})", "width and height in pixels, such as 640x480", lambda *two: tuple(map(int, two))
 )
 parameter_names = of_form(
-    f"({_NAME}(?:,{_NAME})*)",
+    r"(\s*[^,\s]+\s*(?:,\s*[^,\s]+\s*)*)",  # one way to match: others would be tried one by one
     "names of parameters or groups, such as extrinsics,intrinsics",
-    lambda names, *_: [name.strip() for name in names.split(",")],
+    lambda names: [name.strip() for name in names.split(",")],
 )
 camera_pair = of_form(
     f"{_NAME},{_NAME}",

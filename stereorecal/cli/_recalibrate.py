@@ -37,7 +37,7 @@ from stereorecal.recalibration import (
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
 
-SCHEMA = "stereorecal.solution/2"
+SCHEMA = "stereorecal.solution/3"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
 
@@ -46,37 +46,39 @@ def run(options: RecalibrateOptions) -> int:
     settings = as_settings(library_options(options, RepairOptions.__optional_keys__))
     check_extra(options, "html", "figures", "stereorecal.report.repair_page")
     check_extra(options, "rrd", "rerun", "stereorecal.report.repair_recording")
-    with files_read() as read:
-        # Ranges name pairs of the whole recording: it is cut down once they are found.
-        few = settings.free.everything or bool(settings.free.shared)
-        found = recordings(options, few=few and not settings.ranges)
-        settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
-    read |= set(named_inputs(options.ranges, options.odometer))
-    priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
-    output = output_of(options, found.scenes, settings.free.names, read)
-    settings = replace(settings, free=what_it_holds(output, found.scenes[0].rig, settings))
-    scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
-    found.leave_out(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
-    found.scenes.clear()  # with pairs that are not looked at
-    pairing = {"pairing": found.pairing} if found.pairing else {}
-    with executor(options.executor) as pool, progress_bar(options.quiet) as progress:
+    with executor(options.executor) as pool:
+        with files_read() as read:
+            # Ranges name pairs of the whole recording: it is cut down once they are found.
+            few = settings.free.everything or bool(settings.free.shared)
+            found = recordings(options, few=few and not settings.ranges)
+            settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
+        read |= set(named_inputs(options.ranges, options.odometer))
+        priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
+        output = output_of(options, found.scenes, settings.free.names, read)
+        settings = replace(settings, free=what_it_holds(output, found.scenes[0].rig, settings))
+        scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
+        found.leave_out(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
+        found.scenes.clear()  # with pairs that are not looked at
+        pairing = {"pairing": found.pairing} if found.pairing else {}
         common = {**settings.options, "ranges": ranges, "executor": pool}
-        repairs, interrupted = _recalibrated_all(scenes, progress, common)
-    if any(repair.solution for repair in repairs):
-        prior = options.prior or (SAVED if any(priors) else DEFAULT)
-        prior = {"prior": prior if settings.prior is options.prior else "given"}
-        told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
-        content = _content(scenes, repairs, told, interrupted=interrupted)
-        about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
-        steps = [partial(_show, repairs, options), partial(write_json, content, options.json, force=options.force)]
-        if (first := repairs[0].solution) is not None:
-            steps += [
-                partial(_save_calibration, options, first, scenes[0], output),
-                partial(_save_maps, options, first),
-                partial(_save_page, options, first, scenes[0], about),
-                partial(_save_recording, options, first, scenes[0]),
-            ]
-        deliver(*steps)
+        with progress_bar(options.quiet) as progress:
+            repairs, interrupted = _recalibrated_all(scenes, progress, common)
+        # Before the workers are waited for: a second Ctrl-C must find everything saved.
+        if any(repair.solution for repair in repairs):
+            prior = options.prior or (SAVED if any(priors) else DEFAULT)
+            prior = {"prior": prior if settings.prior is options.prior else "given"}
+            told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
+            content = _content(scenes, repairs, told, interrupted=interrupted)
+            about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
+            steps = [partial(_show, repairs, options), partial(write_json, content, options.json, force=options.force)]
+            if (first := repairs[0].solution) is not None:
+                steps += [
+                    partial(_save_calibration, options, first, scenes[0], output),
+                    partial(_save_maps, options, first),
+                    partial(_save_page, options, first, scenes[0], about),
+                    partial(_save_recording, options, first, scenes[0]),
+                ]
+            deliver(*steps)
     for repair in repairs:
         if repair.error is not None:
             if options.traceback and repair.traceback is not None:

@@ -19,7 +19,7 @@ from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, S
 from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import scores_table
 
-SCHEMA = "stereorecal.health/3"
+SCHEMA = "stereorecal.health/4"
 _CODES = {  # the first that occurs
     Condition.WRONG_INPUT: WRONG_INPUT,
     Condition.REPAIR: REPAIR,

@@ -163,7 +163,8 @@ def _planned(
     matcher, drift, budget, free = as_matcher(matcher), drift or Drift(), as_budget(budget), as_parameters(free)
     if not free.axes:
         raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
-    reach = as_reach(reach or (max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction)))
+    usual = max(3.0, 1.2 * drift.degrees), max(0.03, 1.2 * drift.baseline_fraction)
+    reach = as_reach(usual if reach is None else reach)
     entrants = entrants_of(strategies, schedule, scale)
     made_with = versions() | {
         f"strategy {name}": origin_of(plugin) for entrant in entrants for name, plugin in entrant.running.items()

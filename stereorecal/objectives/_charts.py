@@ -150,10 +150,15 @@ class RigChart:
     def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
         """The point of the box with these extrinsics, beyond [-1, 1] where they lie outside of it, and intrinsics as
         they are at its centre."""
-        change = np.asarray(extrinsics, float) - np.asarray(self.rig.extrinsics, float)
-        outer = np.abs(self.extrinsic_slopes).sum(axis=1) > 0.0
-        found = np.zeros(self.dim)
-        found[outer] = np.linalg.lstsq(self.extrinsic_slopes[outer].T, change, rcond=None)[0]
+        start = np.asarray(self.rig.extrinsics, float)
+        change, found = np.asarray(extrinsics, float) - start, np.zeros(self.dim)
+        longer = change[3] / start[3] if BASELINE in self.names else 0.0  # only the length moves x
+        change[3:] -= longer * start[3:]
+        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
+            if parameter.name in EXTRINSICS:
+                found[index] = change[AXES.index(parameter.name)] / width
+            elif parameter.name == BASELINE:
+                found[index] = longer * float(self.rig.baseline) / width
         return found
 
 

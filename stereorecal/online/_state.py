@@ -194,7 +194,7 @@ class State:
         if config.synchronous != before.synchronous:
             state = state.standing_at(self.estimate.of_shutters(config.synchronous))
             state = replace(state, outlier=None, reported=None)
-        if as_matcher(config.matcher) != as_matcher(before.matcher):
+        if config.matcher is not before.matcher and as_matcher(config.matcher) != as_matcher(before.matcher):
             state = replace(state, matcher=known_matcher(config), job=None, unmatched_in_a_row=0, outlier=None)
         if (config.view, config.prior or DEFAULT) != (before.view, before.prior or DEFAULT):
             start = at_start(before_looks(self.initial, config.prior), config)

@@ -13,6 +13,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.matching import AbstractMatcher, as_matcher
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._case import Case
+from stereorecal.recalibration._schedule import HALF, Schedule
 from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pair
@@ -25,6 +26,7 @@ _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
 _SOME = 8  # pairs of which the one with most texture is tried
 _EVEN = 1.5  # times the median time between pairs: more, and one is missing
 _TWO_MOMENTS = "Give synchronised images: a frame is missing in one folder, or a camera is late."
+_LOOK = Schedule("look", (HALF,), survey=True)
 _FIELD = (10.0, 140.0)  # degrees that a lens without fisheye model sees from left to right
 _BASELINE = (0.002, 5.0)  # metres
 
@@ -107,13 +109,14 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
     if not images.enough or (enough and not ratios_of_sizes(images.rig)):
         return None
     motion, found = None if enough else host.refuse_swapped_images(images), Mismatch(covered)
+    own = _covered(images.rig, images.pairs, images, matcher)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
         scaled = cause.name == "scaled"
         if not scaled and (motion is None or motion.turned):
             continue
         share = _covered(rig, pairs, images, matcher)
-        if share > max((_ALSO_BETTER if scaled else _BETTER) * covered, found.covered_without, sparse):
-            found = Mismatch(covered, cause, share)
+        if share > max((_ALSO_BETTER if scaled else _BETTER) * own, found.covered_without, sparse):
+            found = Mismatch(own, cause, share)
     if found.cause is not None:
         return found
     if motion is None or motion.turned or not (motion.aside or covered < sparse):
@@ -146,16 +149,16 @@ def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig
 
 
 def _covered(rig: StereoRig, pairs: tuple[Pair, ...], given: Pyramid, matcher: AbstractMatcher) -> float:
-    """Share of the image that matches in one of the pairs after a look: a rig may have turned besides. 0 if the images
-    do not fit."""
-    settings = as_settings({"matcher": replace(matcher, num_disparities=None)})
+    """Share of the image that matches in one of the pairs after a look at half scale: a rig may have turned besides. 0
+    if the images do not fit."""
+    settings = as_settings({"matcher": replace(matcher, num_disparities=None), "schedule": _LOOK})
     some = select_frames(pairs[:: -(-len(pairs) // _SOME)], 1)
     try:
         images = pyramid(rig, some, given.view if rig is given.rig else None)
         case, start, cost = started(Case(images, settings, settings.matcher, Parameters()))
+        found = run_look(case, _LOOK.stages, start, cost)[0].found
     except InputError:
         return 0.0
-    found = run_look(case, settings.schedule.on_rows, start, cost)[0].found
     return 0.0 if found is None else found.covered
 
 
@@ -192,7 +195,7 @@ def ratios_of_sizes(rig: StereoRig) -> tuple[float, ...]:
     half = 0.5 * np.array(rig.left.size)
     middle = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
     nearest = dict.fromkeys(min(_RATIOS, key=lambda one: abs(np.log(one / each))) for each in half / middle)
-    return tuple(ratio for ratio in nearest if np.abs(np.log(ratio * middle / half)).min() < _NEAR_RATIO)
+    return tuple(ratio for ratio in nearest if np.abs(np.log(ratio * middle / half)).max() < _NEAR_RATIO)
 
 
 def _consecutive(pairs: tuple[Pair, ...]) -> bool:

@@ -65,6 +65,9 @@ class Stage:
         return self.scale if self.pixels is None else _within(self.pixels, self.scale, size)
 
 
+HALF = Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE)  # from degrees to a tenth of a pixel
+
+
 @dataclass(frozen=True)
 class Schedule:
     """Stages in order; each starts where the one before it ended.
@@ -107,7 +110,7 @@ class Schedule:
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
         stages = (
             Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE, frames=2),
+            replace(HALF, frames=2),
             Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST),
         )
         return Schedule("default", stages, survey=True)
@@ -133,7 +136,7 @@ class Schedule:
 def watching_scale(size: tuple[int, int]) -> float:
     """The scale of the last stage but one of the default schedule, for images of `size` (width, height): half, as a
     rule."""
-    return _within(_STEPPING_STONE, 0.5, size)
+    return HALF.scale_for(size)
 
 
 def _within(pixels: tuple[int, int], scale: float, size: tuple[int, int]) -> float:

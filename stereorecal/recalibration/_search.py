@@ -17,12 +17,13 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import mismatch_of
 from stereorecal.recalibration._row_residuals import misfit, row_residuals
-from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage, watching_scale
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import (
     Cost,
     StageRun,
     last_matched,
+    matched,
     remaining,
     run_stage,
     started,
@@ -90,7 +91,10 @@ def solution_of_assessment(
     last = max(number for number, stage in enumerate(stages) if stage.found is not None)
     estimated, candidate, found = assessment.estimate, assessment.candidate, assessment.found
     seen, reason = assessment.seen, assessment.reason
-    if mismatch := mismatch_of(case.images, case.matcher, seen.covered):
+    covered = seen.covered
+    if not reason.healthy:  # a candidate that is refused may match by what it should not change
+        covered = min(covered, _covered_at(case, stages[last].began))
+    if mismatch := mismatch_of(case.images, case.matcher, covered):
         seen = replace(seen, wrong_input=True)
         reason = reason_of(assessment.decision, seen)
     rows, shared = row_residuals(case.chart, found, candidate), case.free.shared
@@ -114,6 +118,12 @@ def solution_of_assessment(
         seen=seen,
         mismatch=mismatch,
     )
+
+
+def _covered_at(case: Case, rig: StereoRig) -> float:
+    """Under a rig, at half scale: at full scale, one that is degrees off covers as little as one with other cameras."""
+    data, chart = case.images.at(watching_scale(case.rig.left.size)), case.chart
+    return matched(data, chart, chart.coordinates_of(rig), case.matcher).covered
 
 
 def _solution(

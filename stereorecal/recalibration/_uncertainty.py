@@ -95,7 +95,7 @@ def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> t
 class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
-    REFINED = "refined intrinsics fit better"
+    REFINED = "the intrinsics were refined"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay as given"
     NOT_SOLVED = "the intrinsics stay: too little of the images matches"

@@ -17,7 +17,7 @@ WORDS = {
 }
 ROWS = {"compare": "trials", "recalibrate": "repairs", "score": "scenes"}
 CODES = {"compare": 0, "recalibrate": 0, "score": 1}
-SCHEMAS = {"compare": "compare/1", "recalibrate": "solution/2", "score": "health/3"}
+SCHEMAS = {"compare": "compare/1", "recalibrate": "solution/3", "score": "health/4"}
 each_verb = pytest.mark.parametrize("verb", WORDS)
 searching = pytest.mark.parametrize("verb", ["compare", "recalibrate"])
 

@@ -195,7 +195,7 @@ def test_a_full_disk_loses_nothing(command, drifted_scene: Path, tmp_path: Path)
     assert answer.err.count("\n") == 2
     assert answer.out.startswith("Repaired")
     assert '"K_left"' in answer.out
-    assert '"stereorecal.solution/2"' in answer.out
+    assert '"stereorecal.solution/3"' in answer.out
     assert maps.exists()
 
 

@@ -26,7 +26,7 @@ def test_default_schedule(command, drifted_scene: Path, tmp_path: Path):
     text = target.read_text()
     assert not any(word in text for word in ("NaN", "Infinity"))
     content = json.loads(text)
-    assert content["schema"] == "stereorecal.solution/2"
+    assert content["schema"] == "stereorecal.solution/3"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
     settings = content["settings"]
     assert settings["matcher"]["name"] == "sad"

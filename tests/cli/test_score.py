@@ -40,7 +40,7 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert str(sr.score(scene.rig, scene.pairs)) in answer.out
     assert f"rows differ by {found.row_errors.before:.2f} px in the median" in answer.out
     content = json.loads(target.read_text())
-    assert content["schema"] == "stereorecal.health/3"
+    assert content["schema"] == "stereorecal.health/4"
     assert {"python", "stereorecal", "jax", "numpy", "opencv"} <= content["versions"].keys()
     assert content["settings"]["thresholds"] == {**HEALTH_LIMITS, **LIMITS, "distances": [5.0, 10.0, 30.0]}
     assert content["interrupted"] is False
