@@ -8,9 +8,11 @@ import cv2
 import numpy as np
 import pytest
 from field_trees import OPENCV_STEREO, modd2, modd2_sequence, mods
-from trees import SIZE, edit, refused, write_image, write_text
+from hypothesis import given, settings, strategies as st
+from trees import SIZE, cut, edit, refused, write_image, write_text
 
 from stereorecal import InputError, UnsupportedModelError
+from stereorecal.geometry import rotation_from_vector
 from stereorecal.io import load_log, load_scene
 
 
@@ -74,6 +76,32 @@ def test_the_size_may_be_that_of_the_images(tmp_path: Path):
     refused(folder, str(folder), "24x16, but the calibration is for 48x32")
 
 
+@settings(max_examples=20)
+@given(
+    turn=st.tuples(*[st.floats(-0.3, 0.3)] * 3),
+    shift=st.tuples(st.floats(-2000, -10), st.floats(-9, 9), st.floats(-9, 9)),
+    coefficients=st.sampled_from([4, 5, 8, 12, 14]),
+)
+def test_what_opencv_writes(tmp_path_factory: pytest.TempPathFactory, turn, shift, coefficients: int):
+    rotation, matrix = rotation_from_vector(np.array(turn)), np.array([[1 / 3, 0, 0.1], [0, 0.7, 0.2], [0, 0, 1]])
+    distortion = np.linspace(0.001, -0.002, coefficients)
+    folder = modd2_sequence(tmp_path_factory.mktemp("modd2"), frames=1)
+    storage = cv2.FileStorage(str(folder / "calibration.yaml"), cv2.FILE_STORAGE_WRITE)
+    for side in (1, 2):
+        storage.write(f"M{side}", matrix * [[side], [side], [1]])
+        storage.write(f"D{side}", distortion[None] * side)
+    storage.write("R", rotation)
+    storage.write("T", np.array(shift)[:, None])
+    storage.write("imageSize", np.array([SIZE], float))
+    storage.release()
+    rig = load_scene(folder).rig
+    np.testing.assert_allclose(rig.rotation, rotation, atol=1e-12)
+    np.testing.assert_allclose(rig.translation * 1000, shift, rtol=1e-12, atol=1e-12)
+    for side, camera in ((1, rig.left), (2, rig.right)):
+        np.testing.assert_array_equal(camera.matrix, matrix * [[side], [side], [1]])
+        np.testing.assert_array_equal(camera.distortion, distortion * side)
+
+
 # --- bad input ----------------------------------------------------------------------------------------------
 
 
@@ -108,6 +136,49 @@ def test_bad_calibrations(tmp_path: Path, old: str, new: str, words: str, capfd:
     edit(path, old, new)
     refused(folder, str(path), words)
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [b"", b" \n", b"calibration", b"- 1\n- 2\n", b"%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   c", b"M1: [1, 2",
+     b"<?xml version='1.0'?><opencv_storage><M1>", b"\x89PNG\xff\xfe", b"a\x00b", b"{"],
+)  # fmt: skip
+def test_files_that_are_no_calibration(tmp_path: Path, content: bytes, capfd: pytest.CaptureFixture[str]):
+    path = modd2_sequence(tmp_path, frames=1) / "calibration.yaml"
+    path.write_bytes(content)
+    refused(tmp_path, str(path))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_truncated_calibration(tmp_path: Path):
+    """Wherever it ends, one sentence says so; only the last line can be spared, the size is then that of the images."""
+    path = modd2_sequence(tmp_path, frames=1) / "calibration.yaml"
+    for word in ("rows", "data", "D1", "M2", "R:", "T:", "-1.25", "imageSize"):
+        path.write_text(OPENCV_STEREO)
+        cut(path, word)
+        refused(tmp_path, str(path)) if word != "imageSize" else load_log(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def sequence(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return modd2_sequence(tmp_path_factory.mktemp("modd2"), frames=1)
+
+
+@settings(max_examples=100)
+@given(
+    position=st.integers(0, len(OPENCV_STEREO) - 1),
+    length=st.integers(0, 3),
+    damage=st.text(st.sampled_from("0.-[]{}:!&*#%'\"\n\t é\0"), max_size=3),
+)
+def test_a_damaged_calibration_is_read_or_refused(sequence: Path, position: int, length: int, damage: str):
+    write_text(sequence / "calibration.yaml", OPENCV_STEREO[:position] + damage + OPENCV_STEREO[position + length :])
+    message = ""
+    try:
+        load_log(sequence)
+    except InputError as error:
+        message = str(error)
+    assert not message or str(sequence) in message
+    assert "\n" not in message
 
 
 def test_unsupported_number_of_coefficients(tmp_path: Path):
