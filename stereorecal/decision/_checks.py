@@ -22,6 +22,7 @@ class Reason(enum.Enum):
     REACH_EDGE = "the rig moved farther than was searched"
     FEWER_MATCHES = "whole regions would no longer match"
     LATE_SHUTTER = "one of the two shutters is late"
+    OTHER_LENSES = "the lenses differ more from their calibration than calibrations err"
     MISFIT = "parts of the images contradict each other"
     CANNOT_TELL = "these images do not determine what is better"
 
@@ -46,7 +47,14 @@ class Reason(enum.Enum):
         return self in _UNSURE
 
 
-_UNSURE = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.MISFIT, Reason.CANNOT_TELL)
+_UNSURE = (
+    Reason.TOO_LITTLE_TEXTURE,
+    Reason.FRAMES_DISAGREE,
+    Reason.LATE_SHUTTER,
+    Reason.OTHER_LENSES,
+    Reason.MISFIT,
+    Reason.CANNOT_TELL,
+)
 _ADVICE = {
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
@@ -57,6 +65,7 @@ _ADVICE = {
     Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
     Reason.FEWER_MATCHES: "Take another pair; something moved between the exposures, or a lens does not fit its model.",
     Reason.LATE_SHUTTER: "Trigger both cameras at once, or take frames at rest.",
+    Reason.OTHER_LENSES: "Check that calibration and images belong together: as taken, or rectified, both.",
     Reason.MISFIT: "Take one more pair of another place; something moved, or a lens does not fit its model.",
     Reason.CANNOT_TELL: "Take one more pair of another place; frames in motion, or ranges, determine depth as well.",
 }
@@ -83,6 +92,7 @@ class Seen:
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.
         misfit_px: systematic errors that are in no parameter.
+        lens_change: the largest one of an intrinsic parameter, in standard deviations of the worst calibrations.
         lost: of what the candidate matches, what it loses where the initial calibration matches, as a share.
         away: of the candidate, in reaches.
         cut: the budget ended before matches could be found.
@@ -98,6 +108,7 @@ class Seen:
     frames_disagree: bool = False
     late: bool = False
     misfit_px: float = 0.0
+    lens_change: float = 0.0
     lost: float = 0.0
     away: float = 0.0
     cut: bool = False
@@ -139,6 +150,7 @@ CHECKS = (
     Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
     Check(Reason.REACH_EDGE, lambda seen: not seen.away <= ENOUGH.reach, doubts=False),
     Check(Reason.FEWER_MATCHES, lambda seen: not seen.lost <= ENOUGH.lost, doubts=False),
+    Check(Reason.OTHER_LENSES, lambda seen: not seen.lens_change <= ENOUGH.lens_change, doubts=False),
     Check(Reason.MISFIT, lambda seen: not seen.misfit_px < ENOUGH.misfit_px, doubts=False),
 )
 

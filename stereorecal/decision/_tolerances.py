@@ -114,6 +114,7 @@ class Enough:
         lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
             0.11 where repairs end well.
         reach: the largest distance of a candidate, in reaches; the search goes no farther.
+        lens_change: the largest change of an intrinsic parameter, in standard deviations of the worst calibrations.
         misfit_px: the largest systematic epipolar error [px] that no parameter explains.
     """
 
@@ -123,6 +124,7 @@ class Enough:
     of_texture: float = 0.25
     lost: float = 0.15
     reach: float = 2.0
+    lens_change: float = 2.0
     misfit_px: float = 0.8
 
 

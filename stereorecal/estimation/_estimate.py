@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import checked_choice
+from stereorecal.estimation._calibration_prior import widest
 from stereorecal.estimation._consequences import DISTANCES, Consequences, Readings, consequences
 from stereorecal.estimation._explanations import Hypothesis, mixture
 from stereorecal.estimation._groups import PLACES, Groups
@@ -157,6 +158,12 @@ class Estimate:
     def is_late(self) -> bool:
         """Whether a delay of the right shutter is more probable than none."""
         return self.delay is not None and self.delay.likely
+
+    @property
+    def lens_change(self) -> float:
+        """The largest change of an intrinsic parameter, in standard deviations of the worst calibrations."""
+        own = ["." in name for name in self.names]
+        return float(np.max(np.abs(self.theta[own]) / widest(self.chart)[own], initial=0.0))
 
     @cached_property
     def motions(self) -> tuple[Window, ...]:

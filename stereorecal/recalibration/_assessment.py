@@ -177,6 +177,7 @@ def with_candidate(
         frames_disagree=frames_disagree,
         late=estimated.is_late,
         misfit_px=max(estimated.misfit),
+        lens_change=estimated.lens_change,
         lost=share_lost(tiles),
         away=away,
     )

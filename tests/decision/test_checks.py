@@ -17,6 +17,7 @@ SHOWN = {
     Reason.LATE_SHUTTER: {"late": True},
     Reason.REACH_EDGE: {"away": 1.01 * ENOUGH.reach},
     Reason.FEWER_MATCHES: {"lost": 1.01 * ENOUGH.lost},
+    Reason.OTHER_LENSES: {"lens_change": np.nextafter(ENOUGH.lens_change, 9.0)},
     Reason.MISFIT: {"misfit_px": ENOUGH.misfit_px},
 }
 

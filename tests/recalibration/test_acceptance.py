@@ -1,5 +1,8 @@
 """The row errors of a candidate, and what parts of images say."""
 
+from dataclasses import replace
+
+import jax
 import numpy as np
 import pytest
 from fixtures import SAD_48
@@ -8,6 +11,7 @@ from parts_of_repairs import RowResiduals, share_lost
 
 from stereorecal import difference, health, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason
+from stereorecal.synthetic import decalibrate
 
 
 def test_row_errors_are_means_over_tiles_of_medians():
@@ -25,6 +29,19 @@ def test_a_candidate_that_matches_more_everywhere_loses_nothing(counts):
     assert share_lost(np.stack([before, before + more])[:, None]) == 0.0
     halves = np.stack([np.r_[before, more], np.r_[more, before]])[:, None]
     assert share_lost(halves) == pytest.approx(np.maximum(before - more, more - before).sum() / max(halves[1].sum(), 1))
+
+
+@pytest.mark.slow(after=1)
+@pytest.mark.parametrize("degrees", [0.0, 1.0])
+@pytest.mark.parametrize("kind", ["street", "harbour"])
+def test_a_calibration_without_the_lenses_is_not_repaired(scene, kind, degrees):
+    """A file of rectified images beside images as taken: yaw would pay for the distortion, and depth with it."""
+    shown = scene(kind, 0, (640, 480))
+    left, right = (replace(camera, distortion=np.zeros(5)) for camera in (shown.rig.left, shown.rig.right))
+    bare = replace(shown.rig, left=left, right=right)
+    found = recalibrate(decalibrate(bare, jax.random.key(3), degrees, 0.008 * degrees), shown.pairs)
+    assert found.reason is Reason.OTHER_LENSES
+    assert "as taken, or rectified, both" in found.advice
 
 
 @pytest.mark.slow(after=1)
