@@ -29,31 +29,34 @@ _IF_MISSING = "check the path, or write a calib.json there."
 class Calibration:
     """The content of a calibration file."""
 
-    size: tuple[int, int]  # (width, height) of the images as they were taken
     rig: StereoRig | None  # side by side; None if both camera matrices of a calib.json are null
     reference: str = "stored"  # or "truth", if the rig is exact, such as that of a rendered scene
     info: Mapping[str, Any] = field(default_factory=dict)  # other keys of a calib.json, unchanged
+    stated: tuple[int, int] = (0, 0)  # (width, height) of the images, where there is no rig
+
+    @property
+    def sizes(self) -> Sizes:
+        """(width, height) of the left and of the right images as they were taken."""
+        return (self.stated, self.stated) if self.rig is None else self.rig.sizes_taken
 
 
 def load_calibration(
     paths: Sequence[Path], format: str | None = None, unit: str | None = None, hints: Hints | None = None
 ) -> Calibration:
     """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
+    own, rig, size = None, None, (0, 0)
     if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
-        content = read_json(paths[0], _IF_MISSING)
-        if isinstance(content, dict) and content.get("K_left", ()) is None and content.get("K_right", ()) is None:
-            with about(paths[0]):
-                return _of(image_size(content, "image_size"), None, content)
-    rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
-    source = file_of(rig)
-    own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
-    return _of(rig.sizes_taken[0], rig, own)
-
-
-def _of(size: tuple[int, int], rig: StereoRig | None, content: Mapping[str, Any]) -> Calibration:
+        own = read_json(paths[0], _IF_MISSING)
+    if isinstance(own, dict) and own.get("K_left", ()) is None and own.get("K_right", ()) is None:
+        with about(paths[0]):
+            size = image_size(own, "image_size")
+    else:
+        rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
+        source = file_of(rig)
+        own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
     known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
-    info = {key: item for key, item in content.items() if key not in known}
-    return Calibration(size, rig, "truth" if content.get("reference") == "truth" else "stored", info)
+    info = {key: item for key, item in own.items() if key not in known}
+    return Calibration(rig, "truth" if own.get("reference") == "truth" else "stored", info, size)
 
 
 def gather_scene(
@@ -122,8 +125,7 @@ def bag_scene(
     documents = tuple(document(f"{place}, {topic}", text, Syntax.JSON) for topic, text in infos)
 
     def load(hints: Hints) -> Calibration:
-        rig = rig_in(documents, named("ros"), unit, hints).side_by_side()
-        return Calibration(rig.sizes_taken[0], replace(rig, source=None))
+        return Calibration(replace(rig_in(documents, named("ros"), unit, hints).side_by_side(), source=None))
 
     scene = _assembled(str(place), pairs, str(place), load, Hints())
     warn_of_file(place, scene.rig)
@@ -141,28 +143,21 @@ def _assembled(
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            sizes = _sizes(load(hints))
+            sizes = load(hints).sizes
             # A calibration that is scaled to images of any size says none for each camera.
-            if sizes[0] != sizes[1] and _sizes(load(replace(hints, size=common_size(sizes)))) != sizes:
+            if sizes[0] != sizes[1] and load(replace(hints, size=common_size(sizes))).sizes != sizes:
                 sizes = None
     except InputError:  # which is said below
         sizes = None
     read = pairs(sizes)
     found = load(replace(hints, size=read[0].size if read else None))
-    if found.rig is not None:
-        rig = at_common_size(found.rig)
-        found = replace(found, size=rig.sizes_taken[0], rig=rig)
+    found = replace(found, rig=None if found.rig is None else at_common_size(found.rig))
     with about(where):
         if found.rig is not None and not read:
             check_pairs(found.rig, read)  # says that there is none
         scene = Scene(name, found.rig, tuple(_fitting(found, pair) for pair in read), found.reference, found.info)
     remark_sizes(where, sizes)
     return scene
-
-
-def _sizes(calibration: Calibration) -> Sizes:
-    rig = calibration.rig
-    return (calibration.size, calibration.size) if rig is None else rig.sizes_taken
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
@@ -188,7 +183,7 @@ def _fitting_about(where: Path, calibration: Calibration, pair: Pair) -> Pair:
 
 
 def _fitting(calibration: Calibration, pair: Pair) -> Pair:
-    width, height = calibration.size
+    width, height = calibration.sizes[0]
     if pair.size == (height, width) != (width, height):
         raise InputError(
             f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the images "

@@ -42,7 +42,7 @@ def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
     for place, rig, pairs in sequences:
         name = folder_name(folder) if place == folder else place.name
         rigs.setdefault(_rig_key(rig), (name, rig))
-        found.append((name, _rig_key(rig), fitting(place, Calibration(rig.sizes_taken[0], rig), pairs)))
+        found.append((name, _rig_key(rig), fitting(place, Calibration(rig), pairs)))
     names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
     calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
     return Log(

@@ -47,7 +47,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.size)
+    pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes[0])
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
         pairs = pairs.mapped(methodcaller("read_out", readout))
     return calibration, fitting(folder, calibration, pairs)
@@ -203,7 +203,7 @@ def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | N
     name = calibration or _latest(folder.name, calibrations)
     rig = calibrations.get(name)  # the log says if there is none
     if rig is not None:
-        pairs = fitting(folder, Calibration(rig.sizes_taken[0], rig), pairs)
+        pairs = fitting(folder, Calibration(rig), pairs)
     return Mission(folder.name, name, pairs, frozenset(starred), truth)
 
 
