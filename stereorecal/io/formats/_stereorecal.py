@@ -14,7 +14,7 @@ from stereorecal.io.formats._matrix_search import has_cameras
 from stereorecal.io.formats._numbers import image_size, model_named, numbers, optional, value
 from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._nodes import Values
+from stereorecal.io.formats.text._nodes import Keys, Values
 
 NAME = "stereorecal"
 _SIDES = ("left", "right")
@@ -56,9 +56,10 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     content = documents[0].content
     keep = {f"{key}_{side}" for number, side in enumerate(_SIDES) if number not in changed for key in ("K", "D")}
     keep |= {"image_size", "distortion_model"} & content.keys()
-    changed = {key: item for key, item in calibration_of(rig, rig.left.size).items() if key not in keep}
-    changed |= {"reference": "stored"} if "reference" in content else {}
-    return [{(key,): item for key, item in changed.items()}]
+    values: dict[Keys, Any] = {
+        (key,): item for key, item in calibration_of(rig, rig.left.size).items() if key not in keep
+    }
+    return [values | {("reference",): "stored"} if "reference" in content else values]
 
 
 def calibration_text(content: Mapping[str, Any]) -> str:

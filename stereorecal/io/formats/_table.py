@@ -115,7 +115,7 @@ class Table:
         assert self.pose is not None
         where = " and ".join(document.name for document in documents)
         with about(where) if len(documents) > 1 else _about_place(self.pose.rotation if self.pose.between else "", ""):
-            return rig_of(*cameras, motions_from(names[0], links)[names[1]])
+            return rig_of(cameras[0], cameras[1], motions_from(names[0], links)[names[1]])
 
     def write(self, rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""
