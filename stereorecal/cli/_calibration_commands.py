@@ -1,6 +1,6 @@
 """The options of the commands about calibration files."""
 
-from stereorecal.cli._options import READS, RUNNING, WRITES, argument, option, option_group
+from stereorecal.cli._options import ARGUMENTS, READS, RUNNING, WRITES, argument, option, option_group
 from stereorecal.cli._places import check_calibration
 from stereorecal.cli._shared_options import FORMATS, CalibrationSizeOptions, ReportOptions
 
@@ -17,8 +17,10 @@ class DiffOptions(ReportOptions, CalibrationSizeOptions):
     module = "stereorecal.cli._calibrations:diff"
 
     forms = ("A B",)
-    before: str = argument(READS, "calibration file, LEFT,RIGHT if each camera has its own, or a folder", metavar="A")
-    after: str = argument(READS, "likewise", metavar="B")
+    before: str = argument(
+        ARGUMENTS, "calibration file, LEFT,RIGHT if each camera has its own, or a folder", metavar="A"
+    )
+    after: str = argument(ARGUMENTS, "likewise", metavar="B")
     json: str | None = option(
         WRITES, "everything, as JSON, with a map of the epipolar error", metavar="FILE|-", writes=True
     )
@@ -40,9 +42,11 @@ class ConvertOptions(CalibrationSizeOptions):
     module = "stereorecal.cli._calibrations:convert"
 
     forms = ("A B",)
-    source: str = argument(READS, "calibration file, LEFT,RIGHT if each camera has its own, or a folder", metavar="A")
+    source: str = argument(
+        ARGUMENTS, "calibration file, LEFT,RIGHT if each camera has its own, or a folder", metavar="A"
+    )
     format: str | None = option(READS, f"of A (default: recognised): {FORMATS}", flag="--from", metavar="FORMAT")
-    target: str = argument(WRITES, "new file, or LEFT,RIGHT", metavar="B")
+    target: str = argument(ARGUMENTS, "new file, or LEFT,RIGHT", metavar="B")
     to: str | None = option(
         WRITES,
         "format of B, one of those of --from (default: stereorecal for .json, opencv for .yaml and .xml)",

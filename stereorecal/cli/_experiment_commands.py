@@ -6,7 +6,17 @@ from typing import Literal, get_args
 from stereorecal._errors import InputError, existing_folder
 from stereorecal._plugins import MATCHER_NAMES
 from stereorecal.cli._option_values import degrees_and_fraction, number_or_all, parameter_names, strategy_names
-from stereorecal.cli._options import READS, RIG, RUNNING, SEARCH, WRITES, CommonOptions, argument, option, option_group
+from stereorecal.cli._options import (
+    ARGUMENTS,
+    READS,
+    RIG,
+    SEARCH,
+    WRITES,
+    CommonOptions,
+    argument,
+    option,
+    option_group,
+)
 from stereorecal.cli._shared_options import FREE, MatcherOptions, ReportOptions, WorkerOptions
 
 _Kind = Literal["harbour", "coast", "open-sea", "street"]
@@ -66,9 +76,9 @@ class PluginOptions(CommonOptions):
     module = "stereorecal.cli._installed_plugins"
     forms = ("[list]", "check NAME")
     action: Literal["list", "check"] = argument(
-        RUNNING, "list what is installed, or run the conformance kit on one", "list"
+        ARGUMENTS, "list what is installed, or run the conformance kit on one", "list"
     )
-    name: str | None = argument(RUNNING, "the one to be checked", None, metavar="NAME")
+    name: str | None = argument(ARGUMENTS, "the one to be checked", None, metavar="NAME")
 
     def __post_init__(self) -> None:
         if self.action == "check" and self.name is None:

@@ -41,7 +41,8 @@ DEPTH = "depth, from motion and ranges"
 DECISION = "the decision"
 SEARCH = "matching and search"
 RUNNING = "running"
-_HEADINGS = (WRITES, READS, PAIRS, RIG, DEPTH, DECISION, SEARCH)
+ARGUMENTS = "arguments"
+_HEADINGS = (ARGUMENTS, WRITES, READS, PAIRS, RIG, DEPTH, DECISION, SEARCH)
 
 
 def option(
@@ -177,12 +178,12 @@ class Parser(argparse.ArgumentParser):
         forms = [f"{self.prog} [options] {form}".rstrip() for form in options.forms]
         self.usage = "\n       ".join(forms)
         self.description, _, self.epilog = (options.__doc__ or "").partition("\n\n")
-        self._positionals.title, self._optionals.title = "arguments", RUNNING
+        self._positionals.title, self._optionals.title = ARGUMENTS, RUNNING
         self.add_options(options)
 
     def add_options(self, options: type[CommonOptions]) -> None:
         """Add options under their headings, those of the command first, those that other distributions add last."""
-        groups: dict[str, Any] = {RUNNING: self}
+        groups: dict[str, Any] = {RUNNING: self, ARGUMENTS: self}
         kinds = sorted(options.__mro__, key=lambda kind: not kind.__module__.startswith("stereorecal."))
         declared = dict.fromkeys(name for kind in kinds for name in get_annotations(kind))
         fields = [one for one in map(options.__dataclass_fields__.get, declared) if one is not None and one.metadata]
