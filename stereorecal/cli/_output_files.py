@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from stereorecal._errors import InputError, extra
 from stereorecal.cli._signals import held
@@ -83,12 +83,8 @@ def write_json(content: Mapping[str, Any], target: str | None, *, force: bool) -
         written_or_printed(lambda: write_text(target, text, replace=force), lambda: text)
 
 
-class _Table(Protocol):
-    def as_dict(self) -> dict[str, Any]: ...
-
-
 class GrowingJson:
-    """A comparison in the file of --json, if that is a file: written whole, again and again."""
+    """A table (`as_dict()`) in the file of --json, if that is a file: written whole, again and again."""
 
     def __init__(self, target: str | None, *, force: bool):
         file = target is not None and target != "-" and (Path(target).is_file() or not Path(target).exists())
@@ -96,7 +92,7 @@ class GrowingJson:
         self.force = force  # whether what is there may be replaced: it may, once it is this run's own
         self._next = 0.0
 
-    def __call__(self, table: _Table) -> None:
+    def __call__(self, table: Any) -> None:
         started = time.monotonic()
         if self._target is None or started < self._next:
             return
