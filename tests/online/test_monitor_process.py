@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from pickle import PicklingError
@@ -25,6 +26,13 @@ def running(ride: Ride):
     """One that tests which leave it alive share: a start takes a second."""
     with MonitorProcess(ride.rig) as beside:
         yield beside
+
+
+def wait_until(done: Callable[[], object]) -> None:
+    """Or for two minutes: what comes next fails then."""
+    until = time.perf_counter() + 120
+    while not done() and time.perf_counter() < until:
+        time.sleep(0.02)
 
 
 def test_a_process_that_died_is_told(ride: Ride):
@@ -54,14 +62,8 @@ def test_put_never_waits(ride: Ride):
         assert kept[0]
         assert not all(kept)
         assert beside.dropped >= kept.count(False) > 0
-        state, happened = beside.latest()
-        assert state.using.shape == (5,)
-        until = time.perf_counter() + 120
-        while not happened and time.perf_counter() < until:
-            beside.put((black, black))
-            happened = beside.latest()[1]
-            time.sleep(0.05)
-        assert happened[0].kind is Kind.BAD_FRAME
+        assert told(beside, Kind.BAD_FRAME)[0].kind is Kind.BAD_FRAME
+        assert beside.latest()[0].using.shape == (5,)
         assert beside.alive
         process = beside._process
     assert not process.is_alive()
@@ -81,10 +83,12 @@ def refused(state: State) -> tuple[State, tuple[Event, ...]]:
 def told(beside: MonitorProcess, *kinds: Kind) -> list[Event]:
     """What happens until all of these have."""
     events: list[Event] = []
-    until = time.perf_counter() + 120
-    while not {*kinds} <= {event.kind for event in events} and time.perf_counter() < until:
-        events += beside.latest()[1]
-        time.sleep(0.02)
+
+    def all_have() -> bool:
+        events.extend(beside.latest()[1])
+        return {*kinds} <= {event.kind for event in events}
+
+    wait_until(all_have)
     return events
 
 
@@ -101,17 +105,15 @@ def test_changes_pairs_and_savings(ride: Ride, tmp_path: Path):
         beside.change(partial(seen, folder=tmp_path))
         assert not beside.ready
         beside.change(refused)
-        events, until = told(beside, Kind.REFUSED), time.perf_counter() + 120
+        events = told(beside, Kind.REFUSED)
         assert [event.kind for event in events] == [Kind.HEALTHY, Kind.REFUSED]
         assert events[1].why == "not this way."
-        while not beside.ready and time.perf_counter() < until:
-            time.sleep(0.02)
+        wait_until(lambda: beside.ready)
         assert int((tmp_path / "seen").read_text()) != os.getpid()
         assert not beside.latest()[0].config.repair
         assert not load(kept).config.repair
         beside.put((noise[0], noise[1]))
-        while beside.latest()[0].frame == 1 and time.perf_counter() < until:
-            time.sleep(0.02)
+        wait_until(lambda: beside.latest()[0].frame != 1)
         assert load(kept).frame == 1
         for _ in range(3):
             beside.change(counted)  # made before the end, where a pair that waits is dropped
@@ -155,12 +157,10 @@ def test_the_times_of_pairs_reach_the_steps(running: MonitorProcess):
         ((left, right), 5, True),
         ((left, right, 7.0), 50, False),
     ]
-    start, until = running.latest()[0].frame, time.perf_counter() + 120
-    for number, (pair, since, looked_for) in enumerate(pairs, start + 1):
+    for number, (pair, since, looked_for) in enumerate(pairs, running.latest()[0].frame + 1):
         running.change(partial(followed, since=since))
         running.put(pair)
-        while running.latest()[0].frame < number and time.perf_counter() < until:
-            time.sleep(0.005)
+        wait_until(lambda number=number: running.latest()[0].frame >= number)
         state, _ = running.latest()
         assert (state.frame, state.tracked_pairs) == (number, 2 if looked_for else 4)
         assert state.last is None  # images stay there
@@ -243,9 +243,7 @@ def test_a_share_of_a_core(ride: Ride):
         MonitorProcess(ride.rig, share=0.0)
     with MonitorProcess(ride.rig, share=1e-6) as beside:
         beside.put((black, black))
-        until = time.perf_counter() + 120
-        while not beside.latest()[1] and time.perf_counter() < until:
-            time.sleep(0.02)
+        wait_until(lambda: beside.latest()[1])
         assert not beside.ready
         assert beside.put((black, black))
         assert not beside.put((black, black))
@@ -292,9 +290,7 @@ def test_the_last_state_is_saved_when_the_program_is_killed(tmp_path: Path):
         "    time.sleep(100)\n"
     )
     with subprocess.Popen([sys.executable, program], stderr=subprocess.PIPE) as running:
-        until = time.monotonic() + 120
-        while not (tmp_path / "begun").exists() and time.monotonic() < until:
-            time.sleep(0.02)
+        wait_until((tmp_path / "begun").exists)
         running.kill()
         _, said = running.communicate()  # which the worker holds open until it ends
     assert said == b""
