@@ -1,4 +1,5 @@
-"""A strategy and a matcher that do as the machine of a test has it: work, fail, or are interrupted."""
+"""A strategy and a matcher that do as the machine of a test has it: work, fail, or are interrupted; and a strategy that
+always fails."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,6 +21,14 @@ class Moody(AbstractStrategy):
         type(self).mood(len(self.runs))
         objective.value(start)
         return Outcome(start, Status.STALLED)
+
+
+@dataclass(frozen=True)
+class Crashing(AbstractStrategy):
+    """Has a bug; what must not run inherits from it."""
+
+    def run(self, objective, start, seed):
+        raise KeyError("a bug")
 
 
 @dataclass(frozen=True)

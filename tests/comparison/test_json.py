@@ -1,24 +1,18 @@
 """The JSON of a comparison: complete, versioned, free of NaN, the same for the same seed."""
 
 import json
-from dataclasses import dataclass
 
 import pytest
+from moody import Crashing
 
 from stereorecal import InputError
 from stereorecal.comparison import Drift, compare, compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.objectives import Reach
 from stereorecal.recordings import Scene
-from stereorecal.strategies import AbstractStrategy, Budget, strategy
+from stereorecal.strategies import Budget, strategy
 
 SMALL = {"matcher": SAD(num_disparities=24), "draws": 2, "scale": 0.5, "budget": Budget(evaluations=10)}
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, seed):
-        raise KeyError("a bug")
 
 
 @pytest.fixture(scope="module")

@@ -2,17 +2,18 @@
 
 import json
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from moody import Crashing
 
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.io import load_scene, save_scene
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Fault, recalibrate_many
-from stereorecal.strategies import AbstractStrategy, Budget, strategy
+from stereorecal.strategies import Budget, strategy
 
 OPTIONS = {
     "matcher": sr.SAD(num_disparities=24),
@@ -20,12 +21,6 @@ OPTIONS = {
     "budget": Budget(evaluations=10),
     "reach": Reach(2.0, 0.02),
 }
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, seed):
-        raise KeyError("a bug")
 
 
 def drifted(scene, name, roll):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from moody import Crashing
 
 from stereorecal import StrategyError
 from stereorecal.strategies import (
@@ -129,12 +130,6 @@ def test_no_signal():
 def test_a_nomination_that_is_no_point_is_the_strategys_fault(bad):
     with pytest.raises(StrategyError, match=r"strategy Scripted \(.*\) nominated no point of the unit box"):
         judged(Scripted((), bad))
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, seed):
-        raise KeyError("a bug")
 
 
 def test_a_crash_names_the_module_or_distribution_and_version_of_a_strategy(install):
