@@ -48,6 +48,7 @@ def pytest_configure(config: pytest.Config) -> None:
     # Commands that tests start read the library as one of them has compiled it.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     if config.option.dist == "no":  # else the workers would wait while this process, too, imports JAX
+        gc.disable()  # until all tests are collected: what is imported stays
         config.pluginmanager.import_plugin("running")
 
 
@@ -100,6 +101,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     """No look for garbage goes through what was collected here, which stays."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 def _is_worker(config: pytest.Config) -> bool:
