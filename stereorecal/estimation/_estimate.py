@@ -77,15 +77,6 @@ def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
         yield f"frames {', '.join(map(str, frames))}", np.isin(groups.frame, some)
 
 
-def rests(groups: Groups, hypotheses: Sequence[Hypothesis]) -> Iterator[tuple[str, Bool[np.ndarray, "g"], Mixture]]:
-    """Each part that shows enough, and what the rest knows of θ."""
-    likely = np.flatnonzero(hypotheses[0].rows.model.prior.weights > 0.0).tolist()
-    for name, inside in parts_of(groups):
-        if min(np.count_nonzero(inside), np.count_nonzero(~inside)) < _FEWEST:
-            continue
-        yield name, inside, mixture([e for one in hypotheses for e in one.explained(likely, one.rows.of(~inside))])
-
-
 @dataclass(frozen=True, eq=False)
 class Estimate:
     """What the images of a rig and the prior of its calibration say of it together.
@@ -244,8 +235,7 @@ class Estimate:
         if self.shown is None:
             return []
         free, at = np.isin(self.names, names), self.theta
-        near, before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
-        rows, slopes = near.differences[0], near.jacobian[:, 0].T
+        (rows, slopes), before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
 
         def under(posterior: Mixture) -> Float[np.ndarray, "g"]:
             known, shared = PointwiseLoss(self._errors, posterior), np.zeros_like(free)
@@ -265,8 +255,13 @@ class Estimate:
 
     @cached_property
     def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Mixture]]:
-        """Parts of the images, and what the rest knows."""
-        return list(rests(self.shown, self.hypotheses)) if self.shown is not None and self.hypotheses else []
+        """Each part of the images that shows enough, and what the rest knows of θ."""
+        found = []
+        for name, inside in parts_of(self.shown) if self.shown is not None and self.hypotheses else ():
+            if min(np.count_nonzero(inside), np.count_nonzero(~inside)) >= _FEWEST:
+                several = [e for one in self.hypotheses for e in one.explained(one.rows.of(~inside))]
+                found.append((name, inside, mixture(several)))
+        return found
 
     def effect(self, change: Float[np.ndarray, "n"]) -> float:
         """What a small change of θ moves, as the loss counts it."""

@@ -39,10 +39,10 @@ class Hypothesis:
     several: Sequence[Explanation]
     misfit: tuple[float, float]
 
-    def explained(self, which: Sequence[int], rows: LinearGroups) -> list[Explanation]:
-        """θ under some covariances of the calibration's prior, by some of its rows."""
+    def explained(self, rows: LinearGroups) -> list[Explanation]:
+        """θ under what may be of the calibration's prior, by some of its rows."""
         misfit = self.misfit if len(rows.frames) > 1 else (float(np.hypot(*self.misfit)), 0.0)
-        return explanations(rows, which, [misfit])
+        return explanations(rows, np.flatnonzero(rows.model.prior.weights > 0.0).tolist(), [misfit])
 
 
 def explanations(rows: LinearGroups, which: Sequence[int], misfits: Sequence[tuple[float, float]]) -> list[Explanation]:

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, with_unit_baseline
-from stereorecal.objectives import LinearRows, RigChart, differences_at, linearised
+from stereorecal.objectives import RigChart, differences_at, linearised
 from stereorecal.scoring import Correspondences, with_rays_of
 
 PLACES = (14, 9)  # columns and rows of places in the left image
@@ -66,15 +66,17 @@ class Groups:
         names = ("left", "right", "offset", "deviation", "frame", "place", "disparity", "count", "resolution")
         return replace(self, **{name: getattr(self, name)[which] for name in names})
 
-    def rows(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> LinearRows:
+    def rows(
+        self, chart: RigChart, theta: Float[np.ndarray, "n"]
+    ) -> tuple[Float[np.ndarray, "g"], Float[np.ndarray, "g n"]]:
         """Their mean row differences at θ and the derivatives there, in pixels of the images that the cameras at θ
-        have: (1, g), (n, 1, g). Noise is in those: longer focal lengths must not make it smaller, nor rows that are
-        wider apart in the view make it larger."""
+        have. Noise is in those: longer focal lengths must not make it smaller, nor rows that are wider apart in the
+        view make it larger."""
         rows = linearised(self._as_correspondences(), chart, theta)
-        by_focal, zoom = _by_focal(chart), self._zoom(chart, theta)
-        differences = zoom * (rows.differences + self.offset)
-        jacobian = zoom * rows.jacobian + by_focal[:, None, None] * differences
-        return replace(rows, differences=differences, jacobian=jacobian)
+        zoom = self._zoom(chart, theta)
+        differences = zoom * (rows.differences[0] + self.offset)
+        jacobian = zoom[:, None] * rows.jacobian[:, 0].T
+        return differences, jacobian + np.outer(differences, _by_focal(chart))
 
     def differences(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """The same without the derivatives."""
@@ -107,59 +109,42 @@ def grouped(
     valid = np.asarray(found.weight) > 0
     first = np.arange(len(valid)) if first is None else first
     seen_in = np.nonzero(valid)[0]
-    frame = first[seen_in]
     left, right, weight = (np.asarray(part, float)[valid] for part in (found.left, found.right, found.weight))
-    rows, disparity = _rectified(found, chart, theta, valid)
-    places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
-    if not valid.any():
+    if not len(weight):
         no, at = np.zeros(0), np.zeros(0, int)
         return Groups(left, right, no, no, at, at, no, at, focal / scale, no, first, found.projection)
-    cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES) if len(disparity) else []
-    key = (frame * np.prod(PLACES) + places) * _DISPARITIES + np.searchsorted(cuts, disparity)
-    order = np.argsort(key, kind="stable")
-    keys, start, counts = np.unique(key[order], return_index=True, return_counts=True)
-    number = np.repeat(np.arange(len(keys)), counts)
-    rows, disparity, weight = rows[order], disparity[order], weight[order]
-    middle = _group_medians(rows, number, start, counts)
-    spread = 1.4826 * _group_medians(np.abs(rows - middle[number]), number, start, counts) + _LEAST_SPREAD
-    inliers = np.abs(rows - middle[number]) < _FAR_OFF * spread[number]
+    rows, disparity = _rectified(found, chart, theta, valid)
+    cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES)
+    places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
+    parts = len(valid), int(np.prod(PLACES)), _DISPARITIES
+    key = np.ravel_multi_index((first[seen_in], places, np.searchsorted(cuts, disparity)), parts)
+    keys, number, counts = np.unique(key, return_inverse=True, return_counts=True)
+    frame, place, _ = np.unravel_index(keys, parts)
+    apart = np.abs(rows - _group_medians(rows, number, counts)[number])
+    spread = 1.4826 * _group_medians(apart, number, counts) + _LEAST_SPREAD
+    inliers = apart < _FAR_OFF * spread[number]
 
-    def mean(values):
+    def mean(values: Float[np.ndarray, "m"]) -> Float[np.ndarray, "g"]:
         return np.bincount(number, inliers * weight * values, len(keys)) / np.maximum(total, 1e-300)
 
     total = np.bincount(number, inliers * weight, len(keys))
     n = np.bincount(number, inliers, len(keys)).astype(int)
-    means = {
-        name: np.stack([mean(rays[order][:, axis]) for axis in range(3)], axis=-1)
-        for name, rays in (("left", left), ("right", right))
-    }
-    resolution = _resolution(chart.rig_at(theta), means["left"], found.projection)
-    news = np.ones(len(keys))
+    mean_left, mean_right = (np.stack([mean(axis) for axis in rays.T], axis=-1) for rays in (left, right))
+    resolution = _resolution(chart.rig_at(theta), mean_left, found.projection)
+    news, independent = np.ones(len(keys)), float(found.independent)
     if any_same(first):
-        news = _news_of_frames(rows, seen_in[order], number, inliers, spread**2 / float(found.independent))
-    by_noise = resolution * spread / np.sqrt(np.maximum(news * n * float(found.independent), 1.0)) / scale
+        news = _news_of_frames(rows, seen_in, number, inliers, spread**2 / independent)
+    by_noise = resolution * spread / np.sqrt(np.maximum(news * n * independent, 1.0)) / scale
     # What windows on weak texture have in common is larger, as is their noise; both in pixels of the images.
     in_images, typical = total / np.maximum(n, 1) / resolution**2, float(np.median(weight / resolution[number] ** 2))
     texture = np.maximum(in_images, _LEAST_WEIGHT) / max(typical, _LEAST_WEIGHT)
     deviation = np.hypot(by_noise, FLOOR / np.sqrt(np.minimum(texture, 1.0)))
+    told = mean_left, mean_right, mean(rows) / scale, deviation, frame, place, mean(disparity) / scale, n
     enough = news * n > _FEWEST - 0.5
-    groups = Groups(
-        **means,
-        offset=np.zeros(len(keys)),
-        deviation=deviation,
-        frame=frame[order][start],
-        place=places[order][start],
-        disparity=mean(disparity) / scale,
-        count=n,
-        focal=focal / scale,
-        resolution=resolution,
-        projection=found.projection,
-        first=first,
-    ).of(enough)
+    groups = Groups(*told, focal / scale, resolution, first, found.projection).of(enough)
     if not len(groups):
         return groups
-    of_rays = differences_at(groups._as_correspondences(), chart, theta)[0]
-    return replace(groups, offset=(mean(rows) / scale)[enough] - of_rays)
+    return replace(groups, offset=groups.offset - differences_at(groups._as_correspondences(), chart, theta)[0])
 
 
 def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], valid):
@@ -245,7 +230,9 @@ def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np
     return row * PLACES[0] + column
 
 
-def _group_medians(values, number, first, counts) -> Float[np.ndarray, "g"]:
-    """The median of the values of each group; `number` runs up."""
-    ordered = values[np.lexsort((values, number))]
+def _group_medians(
+    values: Float[np.ndarray, "m"], number: Int[np.ndarray, "m"], counts: Int[np.ndarray, "g"]
+) -> Float[np.ndarray, "g"]:
+    """The median of the values of each group, whose numbers are `number`."""
+    ordered, first = values[np.lexsort((values, number))], np.cumsum(counts) - counts
     return 0.5 * (ordered[first + (counts - 1) // 2] + ordered[first + counts // 2])

@@ -173,17 +173,16 @@ class Fit:
             view=recording.view,
             delay=delay,
         )
-        if rows is None:
-            return estimated, best
-        residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
-        estimated = replace(
-            estimated,
-            groups=len(residual),
-            residual_px=float(np.sqrt(np.mean(residual**2))),
-            other_rigs=_other_rigs(recording.found, rows, best, posterior.mean),
-            shown=rows.groups,
-            hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
-        )
+        if rows is not None:
+            residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
+            estimated = replace(
+                estimated,
+                groups=len(residual),
+                residual_px=float(np.sqrt(np.mean(residual**2))),
+                other_rigs=_other_rigs(recording.found, rows, best, posterior.mean),
+                shown=rows.groups,
+                hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
+            )
         return estimated, best
 
 

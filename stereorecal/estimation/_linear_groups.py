@@ -94,11 +94,9 @@ class Model:
     ) -> "LinearGroups":
         """The rows of groups, linear near θ; with likelihoods of ranges and windows as they were near another θ, or
         anew."""
-        rows = groups.rows(self.chart, theta)
-        jacobian = rows.jacobian[:, 0].T
+        rows, jacobian = groups.rows(self.chart, theta)
         likelihoods = self.likelihoods(theta) if likelihoods is None else likelihoods
-        at_zero = rows.differences[0] - jacobian @ theta
-        return LinearGroups(self, groups, jacobian, at_zero, groups.deviation, likelihoods)
+        return LinearGroups(self, groups, jacobian, rows - jacobian @ theta, groups.deviation, likelihoods)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,10 +171,10 @@ def rows_of_groups(
     groups = grouped(found, chart, z)
     if len(groups) < FEWEST_GROUPS:
         return None
-    rows, deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
-    deviation = deviation * _farther(groups, rows.differences[0] / deviation)  # larger while far off
+    (rows, jacobian), deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
+    deviation = deviation * _farther(groups, rows / deviation)  # larger while far off
     share = groups.count / groups.count.mean()
-    return rows, share / (deviation**2 + (rows.differences / _BOUND) ** 2)
+    return LinearRows(z, rows[None], jacobian.T[:, None]), (share / (deviation**2 + (rows / _BOUND) ** 2))[None]
 
 
 def _farther(groups: Groups, away: Float[np.ndarray, "g"]) -> float:
@@ -203,15 +201,14 @@ def normal_of_pair(
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
         return None
-    rows, deviation = groups.rows(chart, theta), np.hypot(groups.deviation, USUAL)
-    jacobian = rows.jacobian[:, 0]
-    at_zero, theta = rows.differences[0] - theta @ jacobian, mean
+    (rows, jacobian), deviation = groups.rows(chart, theta), np.hypot(groups.deviation, USUAL)
+    at_zero, theta = rows - jacobian @ theta, mean
     a, b = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
     for _ in range(_ROUNDS):
-        away = (at_zero + theta @ jacobian) / deviation
+        away = (at_zero + jacobian @ theta) / deviation
         scale = _farther(groups, away)
-        weighted = jacobian * np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / (scale * deviation) ** 2
-        a, b = weighted @ jacobian.T, -weighted @ at_zero
+        weighted = jacobian.T * np.exp(-0.5 * (away / (_REDESCENDS * scale)) ** 2) / (scale * deviation) ** 2
+        a, b = weighted @ jacobian, -weighted @ at_zero
         theta = mean + np.linalg.solve(np.eye(len(b)) + covariance @ a, covariance @ (b - a @ mean))
     return Normal(a, b, 0.0), theta
 

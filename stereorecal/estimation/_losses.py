@@ -265,37 +265,33 @@ def least_loss(
         linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
     """
     searches = [_Search(one, keep_depth, linear) for one in several]
-    units = [np.where(shared, several[0].spread, one.spread) for one in several]
     own, common = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared)
-    moves, size = np.concatenate([own, common]), len(several) * len(own) + len(common)
-    where = [
-        np.r_[index * len(own) : (index + 1) * len(own), size - len(common) : size] for index in range(len(several))
-    ]
+    # How parameters of each rig follow all unknowns, in standard deviations: its own, and last what is shared.
+    follow = np.zeros((len(several), len(free), len(several) * len(own) + len(common)))
+    for index, one in enumerate(several):
+        follow[index, own, index * len(own) + np.arange(len(own))] = one.spread[own]
+        follow[index, common, np.arange(-len(common), 0)] = several[0].spread[common]
 
-    def at(thetas: list[Float[np.ndarray, "n"]]) -> tuple[float, list[Float[np.ndarray, "q"]]]:
+    def at(thetas: Float[np.ndarray, "r n"]) -> tuple[float, list[Float[np.ndarray, "q"]]]:
         try:
             found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
         except InputError:  # no rig stands there
             return np.inf, []
         return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found
 
-    thetas = [np.where(free, np.where(shared, several[0].posterior.mean, one.posterior.mean), 0.0) for one in several]
+    means = np.stack([one.posterior.mean for one in several])
+    thetas = np.where(free, np.where(shared, means[0], means), 0.0)
     loss, found = at(thetas)
     if not np.isfinite(loss):
-        thetas = [np.zeros_like(theta) for theta in thetas]
+        thetas = np.zeros_like(thetas)
         loss, found = at(thetas)
     for _ in range(_ROUNDS):
-        curvature, slope = np.zeros((size, size)), np.zeros(size)
-        for search, theta, of_rig, unit, own_and_common in zip(searches, thetas, found, units, where, strict=True):
-            a, b = search.quadratic(theta, of_rig)
-            scale = unit[moves]
-            curvature[np.ix_(own_and_common, own_and_common)] += scale[:, None] * a[np.ix_(moves, moves)] * scale
-            slope[own_and_common] += scale * b[moves]
+        bounds = [one.quadratic(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)]
+        curvature = np.sum([to.T @ a @ to for to, (a, _) in zip(follow, bounds, strict=True)], axis=0)
+        slope = np.sum([to.T @ b for to, (_, b) in zip(follow, bounds, strict=True)], axis=0)
         step = -np.linalg.solve(curvature, slope)
         for _ in range(_HALVINGS):
-            moved = [theta.copy() for theta in thetas]
-            for theta, unit, own_and_common in zip(moved, units, where, strict=True):
-                theta[moves] += unit[moves] * step[own_and_common]
+            moved = thetas + follow @ step
             lower, errors = at(moved)
             if lower <= loss:
                 break
@@ -305,7 +301,7 @@ def least_loss(
         thetas, loss, found = moved, lower, errors
         if np.abs(step).max(initial=0.0) < _SETTLED:
             break
-    return thetas
+    return list(thetas)
 
 
 class _Search:

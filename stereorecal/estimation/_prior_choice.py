@@ -225,15 +225,6 @@ def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False
     return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in named else found
 
 
-def with_deviations(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float]) -> Mixture:
-    """The same with these standard deviations of some parameters: what was uncertain keeps its correlations, and what
-    was as exact as given gets one of its own."""
-    exact = [name for name in sigmas if not prior.covariances[:, chart.names.index(name)].any()]
-    found = _with_sigmas(prior, chart, {name: sigma for name, sigma in sigmas.items() if name not in exact})
-    own = np.diag([sigmas[name] if name in exact else 0.0 for name in chart.names])
-    return found.beside(own**2) if exact else found
-
-
 def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
     check_prior(prior, chart)
     if isinstance(prior, Mixture):
@@ -255,7 +246,7 @@ def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
         covariance, mean = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
         covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
         return Mixture(np.ones(1), mean[None], covariance[None])
-    return _with_sigmas(calibration_prior(chart), chart, prior)
+    return with_deviations(calibration_prior(chart), chart, prior)
 
 
 def _known(known: Mixture | None, chart: RigChart) -> Mixture:
@@ -299,18 +290,18 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
             raise InputError(f"the prior of {name} is {sigma!r}; give a positive standard deviation.")
 
 
-def _with_sigmas(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> Mixture:
-    """The prior where these standard deviations are known: what is named keeps its correlations, and what is not
-    follows it as it did before."""
-    if not sigmas:
-        return prior
-    named = np.array([chart.names.index(name) for name in sigmas])
-    others, wanted = np.setdiff1d(np.arange(chart.dim), named), np.array([float(sigma) for sigma in sigmas.values()])
+def with_deviations(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float | np.number]) -> Mixture:
+    """The prior where these standard deviations of some parameters are known: of what was uncertain, what is named
+    keeps its correlations, and what is not follows it as it did before; what was as exact as given gets one of its
+    own."""
+    wanted = np.array([float(sigmas.get(name, 0.0)) for name in chart.names])
+    uncertain = prior.covariances.any(axis=(0, 2))
+    named, others = np.flatnonzero((wanted > 0.0) & uncertain), np.flatnonzero((wanted == 0.0) | ~uncertain)
     covariances = []
-    for one in prior.roots:
+    for one in prior.roots if len(named) else ():
         deviations = np.maximum(np.linalg.norm(one, axis=1), _TINY)  # of what is exact
         unit = one / deviations[:, None]
-        both, scale = unit[named] @ unit[named].T, wanted / deviations[named]
+        both, scale = unit[named] @ unit[named].T, wanted[named] / deviations[named]
         follows = np.linalg.solve(both, unit[named] @ unit[others].T).T
         # What is named, its change, and what of the rest does not follow it, are independent.
         known = np.zeros((chart.dim, len(named) + chart.dim))
@@ -318,7 +309,8 @@ def _with_sigmas(prior: Mixture, chart: RigChart, sigmas: Mapping[str, float | n
         known[others, : len(named)] = follows @ known[named, : len(named)]
         known[others, len(named) :] = unit[others] - follows @ unit[named]
         covariances.append(deviations[:, None] * (known @ known.T) * deviations)
-    return replace(prior, covariances=np.stack(covariances))
+    found = replace(prior, covariances=np.stack(covariances)) if covariances else prior
+    return found.beside(np.diag(np.where(uncertain, 0.0, wanted) ** 2))
 
 
 def is_exact(prior: Prior) -> bool:

@@ -85,7 +85,7 @@ def test_loops_say_the_same(rig, chart, seen, seed, frames, cells, lenses):
     for name in ("disparity", "left", "right", "deviation", "count"):
         np.testing.assert_allclose(getattr(groups, name), [expected[key][name] for key in keys], rtol=1e-6, atol=1e-7)
     zoom = np.sqrt(np.exp((theta[chart.names.index("left.f")] + theta[chart.names.index("right.f")]) / 100))
-    rows = groups.rows(chart, theta).differences[0]
+    rows = groups.rows(chart, theta)[0]
     np.testing.assert_allclose(rows, [zoom * expected[key]["row"] for key in keys], atol=1e-6)
 
 
@@ -96,10 +96,10 @@ def test_derivatives_of_the_rows(rig, chart, seen, steps, seed):
     rng = np.random.default_rng(seed)
     groups = grouped(seen(rig, chart.rig_at(theta_of(chart, seed)), seed, 1, 600), chart, np.zeros(chart.dim))
     theta = theta_of(chart, seed + 1)
-    slopes = groups.rows(chart, theta).jacobian[:, 0]
+    slopes = groups.rows(chart, theta)[1].T
     for direction in (rng.uniform(-1, 1, (2, chart.dim)), np.eye(chart.dim)[[seed % chart.dim]]):
         for step in direction * steps:
-            ends = [groups.rows(chart, theta + sign * step).differences[0] for sign in (1.0, -1.0)]
+            ends = [groups.rows(chart, theta + sign * step)[0] for sign in (1.0, -1.0)]
             np.testing.assert_allclose(step @ slopes, (ends[0] - ends[1]) / 2, atol=2e-6, rtol=1e-4)
 
 
@@ -119,7 +119,7 @@ def test_rows_elsewhere_are_those_of_the_pixels_read_there(rig, chart, seen, see
     zoom = np.exp(0.005 * (theta[chart.names.index("left.f")] + theta[chart.names.index("right.f")]))
     expected = zoom * read(chart.rig_at(theta), here, rig)[0, 0]
     assert alone.sum() > 20
-    np.testing.assert_allclose(groups.rows(chart, theta).differences[0][alone], expected[alone], atol=1e-6)
+    np.testing.assert_allclose(groups.rows(chart, theta)[0][alone], expected[alone], atol=1e-6)
 
 
 def test_a_longer_focal_length_makes_no_noise_smaller(seen):
@@ -129,6 +129,6 @@ def test_a_longer_focal_length_makes_no_noise_smaller(seen):
     chart = rig_parameters(rig)
     longer = np.array([100 * np.log(1.1) * name.endswith(".f") for name in chart.names])
     groups = grouped(seen(rig, rig, 2, noise=0.3), chart, np.zeros(chart.dim))
-    before, after = (groups.rows(chart, theta).differences[0] for theta in (0 * longer, longer))
+    before, after = (groups.rows(chart, theta)[0] for theta in (0 * longer, longer))
     np.testing.assert_allclose(after, before, atol=0.01 * np.abs(before).max())
     assert np.sqrt(np.mean((after / groups.deviation) ** 2)) > 0.99 * np.sqrt(np.mean((before / groups.deviation) ** 2))
