@@ -87,7 +87,7 @@ class MonitorProcess:
         self._process = context.Process(
             target=_worker, args=(theirs, state.alone(), keep, keep_every, nice, seconds, share), daemon=True
         )
-        self._lock, self._there = threading.Lock(), threading.Condition()
+        self._there = threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
         self._waiting: Taken | None = None
         self._changes: deque[bytes] = deque()  # pickled
@@ -124,7 +124,7 @@ class MonitorProcess:
         Raises:
             RuntimeError: if the worker process has exited, and all that happened before has been told.
         """
-        with self._lock:
+        with self._there:
             events, self._events = self._events, ()
             if not events:
                 self._check_alive()
@@ -188,8 +188,7 @@ class MonitorProcess:
         with pipe, suppress(EOFError, OSError):
             while True:
                 with self._there:
-                    while self._waiting is None and not self._changes and not self._closed:
-                        self._there.wait()
+                    self._there.wait_for(lambda: self._waiting is not None or self._changes or self._closed)
                     self._working = True
                     if self._changes:
                         sent = self._changes.popleft()
@@ -202,12 +201,10 @@ class MonitorProcess:
                 else:
                     pipe.send(sent)
                 state, events, pause = pipe.recv()
-                self._answered = True
-                with self._lock:
-                    self._state, self._events = state, (*self._events, *events)
-                if sent is None:
-                    break
                 with self._there:
+                    self._state, self._events, self._answered = state, (*self._events, *events), True
+                    if sent is None:
+                        break
                     self._there.wait_for(lambda: self._closed, pause)
                     self._working = False
 
