@@ -6,7 +6,7 @@ and where they run: a strategy cannot hide evaluations inside JAX.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -57,16 +57,15 @@ class Meter:
 @register_pytree
 @dataclass(frozen=True, eq=False)
 class _Counted:
-    """A traced function that counts each of its runs: the one of `scores` that `chosen` says."""
+    """A traced function, the one of `scores` that `chosen` says, with a `rule` that counts its runs and derivatives."""
 
     key: AnyArray
     chosen: AnyArray
     scores: tuple[Score, ...] = field(metadata={"static": True})
-    runs: int = field(metadata={"static": True})
+    rule: Callable[["_Counted", Any], Any] = field(metadata={"static": True})
 
     def __call__(self, z: Any) -> Any:
-        self.tick(z, self.runs)
-        return self.function(z)
+        return self.rule(self, z)
 
     def function(self, z: Any) -> Any:
         """Without counting."""
@@ -77,24 +76,14 @@ class _Counted:
         jax.debug.callback(partial(Meter.tick, count=runs), self.key, jnp.abs(z).max())
 
 
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class _Differentiable:
-    """A counted function with a rule for its derivatives that counts them as well."""
-
-    counted: _Counted
-    rule: Callable[[_Counted, Any], Any] = field(metadata={"static": True})
-
-    def __call__(self, z: Any) -> Any:
-        return self.rule(self.counted, z)
-
-
 def _evaluated(counted: _Counted, z: Any) -> Any:
-    return counted(z)
+    counted.tick(z, 1)
+    return counted.function(z)
 
 
 def _with_gradient(counted: _Counted, z: Any) -> Any:
-    return replace(counted, runs=z.shape[0] + 1)(z)
+    counted.tick(z, z.shape[0] + 1)
+    return counted.function(z)
 
 
 # As the real soft count: any derivative takes n forward derivatives. Of residuals, any derivative counts as a Jacobian.
@@ -121,10 +110,9 @@ def problem(score: Score, dim: int, meter: Meter | None = None) -> Problem:
         return found if group is _SCORES else -0.5 * (found**2).sum(-1)
 
     key, chosen = (jnp.asarray(number, jnp.int32) for number in (meter.key, group.index(smooth)))
-    counted = _Counted(key, chosen, group, 1)
     if group is _SCORES:
-        return Problem(dim, values, traced=Traced(soft_count=_Differentiable(counted, _soft_count)))
-    return Problem(dim, values, traced=Traced(residuals=_Differentiable(counted, _residuals)))
+        return Problem(dim, values, traced=Traced(soft_count=_Counted(key, chosen, group, _soft_count)))
+    return Problem(dim, values, traced=Traced(residuals=_Counted(key, chosen, group, _residuals)))
 
 
 def _summit(dim: int) -> Float[np.ndarray, "n"]:
