@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
 from stereorecal._errors import InputError
 
@@ -88,6 +88,11 @@ def register_pytree(cls: type[T]) -> type[T]:
 
     jax.tree_util.register_pytree_with_keys(cls, flatten_with_keys, unflatten, flatten)
     return cls
+
+
+def eight_bit(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:
+    """The image in whole grey levels 0..255, half to even."""
+    return np.clip(np.rint(np.asarray(image)), 0, 255).astype(np.uint8)
 
 
 def central_difference(function: Callable[[float], Float[np.ndarray, "*s"]], step: float) -> Float[np.ndarray, "*s"]:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray
+from stereorecal._arrays import AnyArray, eight_bit
 from stereorecal._errors import InputError
 from stereorecal.matching._matcher import AbstractMatcher, Disparity
 
@@ -69,11 +69,7 @@ def _rounded_range(options: AbstractMatcher, width: int) -> tuple[int, int]:
 
 
 def _run(matcher: cv2.StereoMatcher, options: AbstractMatcher, left: AnyArray, right: AnyArray) -> Disparity:
-    fixed_point = matcher.compute(_grey_levels(left), _grey_levels(right))
+    fixed_point = matcher.compute(eight_bit(left), eight_bit(right))
     # OpenCV gives 16 times the disparity, and (min_disparity - 1) * 16 where it found none.
     found = fixed_point > (options.min_disparity - 1) * 16
     return Disparity(fixed_point.astype(np.float32) / 16.0, found)
-
-
-def _grey_levels(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:
-    return np.clip(np.rint(np.asarray(image)), 0, 255).astype(np.uint8)

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from stereorecal._arrays import eight_bit
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, angle_between
 from stereorecal.recordings import Pair
@@ -177,7 +178,7 @@ def _cheirality(rig: StereoRig, left: _Features, right: _Features, tolerance: fl
 def _features(image: np.ndarray) -> _Features:
     scale = _WIDTH / image.shape[1]
     how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_CUBIC
-    grey = np.clip(np.round(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how)), 0, 255).astype(np.uint8)
+    grey = eight_bit(cv2.resize(image, None, fx=scale, fy=scale, interpolation=how))
     points, descriptors = cv2.SIFT.create(_FEATURES).detectAndCompute(grey, None)
     if descriptors is None:
         return _Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32), np.zeros(0, bool))

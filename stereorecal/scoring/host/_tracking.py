@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float, UInt8
 
+from stereorecal._arrays import eight_bit
 from stereorecal.geometry import StereoRig
 from stereorecal.recordings import Pair
 from stereorecal.scoring._correspondences import Correspondences, Tracks
@@ -66,7 +67,7 @@ class Corners:
 
 def corners(pair: Pair, matches: Matches, radius: float, most: int) -> Corners:
     """At most so many corners that both images of a pair show; `radius` as `tracked` has it."""
-    left, right = _eight_bit(pair.left), _eight_bit(pair.right)
+    left, right = eight_bit(pair.left), eight_bit(pair.right)
     found = cv2.goodFeaturesToTrack(left, most, _QUALITY, _APART) if len(matches.left) else None
     if found is None:
         return Corners(left, np.zeros((0, 2)), np.zeros((0, 2)))
@@ -79,7 +80,7 @@ def corner_tracks(before: Corners, pair: Pair) -> Tracks:
     """Corners that both images of a later pair show again, whose disparities are about as they were."""
     if not len(before.left) or before.image.shape != pair.left.shape:
         return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
-    left, right = _eight_bit(pair.left), _eight_bit(pair.right)
+    left, right = eight_bit(pair.left), eight_bit(pair.right)
     start = before.left.astype(np.float32)
     later, good = _followed(before.image, left, start, start, _LEVELS)
     guess = later + (before.right - before.left).astype(np.float32)
@@ -95,7 +96,7 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], radius:
         matches: of each pair.
         radius: pixels: corners that are farther from all matches are left out.
     """
-    left, right = ([_eight_bit(getattr(pair, side)) for pair in (first, second)] for side in ("left", "right"))
+    left, right = ([eight_bit(getattr(pair, side)) for pair in (first, second)] for side in ("left", "right"))
     matched = all(len(one.left) for one in matches)
     corners = cv2.goodFeaturesToTrack(left[0], _MOST, _QUALITY, _APART) if matched else None
     if corners is None:
@@ -146,7 +147,3 @@ def _followed(
     height, width = one.shape
     inside = ((moved >= 0.0) & (moved <= [width - 1, height - 1])).all(axis=1)
     return moved, found & again & closed & inside
-
-
-def _eight_bit(image: Float[np.ndarray, "h w"]) -> np.ndarray:
-    return np.clip(np.rint(image), 0, 255).astype(np.uint8)
