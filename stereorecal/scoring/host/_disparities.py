@@ -2,8 +2,9 @@
 and the counts of many candidates, by the same programs.
 """
 
+from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -137,7 +138,11 @@ def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: Abstr
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
-    return counts_by_tile(data, candidates, matcher).sum(axis=(1, 2))
+
+    def total(found: list[Disparity]) -> int:
+        return sum(int(one.valid.sum()) for one in found)
+
+    return np.array(_of_each(total, data, candidates, matcher), np.int64)
 
 
 def counts_by_tile(
@@ -149,12 +154,16 @@ def counts_by_tile(
     width, height = data.view.size
     starts = [np.arange(number) * size // number for number, size in ((rows, height), (columns, width))]
 
-    def one(extrinsics: np.ndarray) -> Int[np.ndarray, "k tiles"]:
-        valid = (np.asarray(found.valid) for found in disparities(data, extrinsics, matcher))
-        strips = (np.add.reduceat(v, starts[0], axis=0, dtype=np.int64) for v in valid)
+    def tiles(found: list[Disparity]) -> Int[np.ndarray, "k tiles"]:
+        strips = (np.add.reduceat(np.asarray(one.valid), starts[0], axis=0, dtype=np.int64) for one in found)
         return np.stack([np.add.reduceat(strip, starts[1], axis=1).reshape(-1) for strip in strips])
 
-    return np.stack(on_all_cores(one, list(np.asarray(candidates, np.float32))))
+    return np.stack(_of_each(tiles, data, candidates, matcher))
+
+
+def _of_each(use: Callable[[list[Disparity]], Any], data: ScoringData, candidates: AnyArray, matcher) -> list[Any]:
+    """`use` of the disparities of each candidate."""
+    return on_all_cores(lambda one: use(disparities(data, one, matcher)), list(np.asarray(candidates, np.float32)))
 
 
 def counts_at_once(
