@@ -11,7 +11,7 @@ from rich.text import Text
 _LETTERS = (60, 40, 30, 21, 16, 12, 8, 6)  # of a line of words, from the widest layout to the narrowest
 _TOGETHER = 21  # letters a line, at least; before words are folded more, a table is split
 _WHOLE = 12  # letters a line, at least; before words are folded more, columns are left out
-_WORD = 12  # letters of a word that is not broken
+_WORD = 12  # letters of a word that is not broken, but in the narrowest layout
 
 Rows = Sequence[Mapping[str, str]]
 
@@ -42,11 +42,12 @@ def fitted(
         others = {head for one in parts if one is not part for head in one}
         kept = [head for head in heads if head not in others]
         may = [head for head in least_missed if head in kept]
-        letters = [most for most in _LETTERS if most >= _WHOLE or not may]
-        while not (table := _first_that_fits(rows, kept, width, words, title, letters)) and may:
+        letters = [most for most in _LETTERS if most >= _WHOLE]
+        while may and not _first_that_fits(rows, kept, width, words, title, letters):
             dropped.append(may[0])
             kept.remove(may.pop(0))
-        tables.append(table or _table(rows, kept, words, title, letters[-1]))
+        table = _first_that_fits(rows, kept, width, words, title, _LETTERS)
+        tables.append(table or _table(rows, kept, words, title, _LETTERS[-1]))
     return tables, list(dict.fromkeys(dropped))
 
 
@@ -70,5 +71,6 @@ def _table(rows: Rows, heads: Sequence[str], words: Collection[str], title: str 
 def _folded(text: str, letters: int) -> str:
     """The text in lines of so many letters; a word is broken only where it is a long name."""
     whole = text.replace("± ", "±\u00a0")  # stays on one line
-    lines = (textwrap.wrap(line, max(letters, _WORD)) for line in textwrap.wrap(whole, letters, break_long_words=False))
+    most = max(letters, _WORD if letters > _LETTERS[-1] else _LETTERS[-2])
+    lines = (textwrap.wrap(line, most) for line in textwrap.wrap(whole, letters, break_long_words=False))
     return "\n".join(part for parts in lines for part in parts).replace("\u00a0", " ")

@@ -105,6 +105,11 @@ def test_narrow_terminals_lose_the_least_important_columns(width):
     assert not any("…" in line for line in lines)
 
 
+def test_names_of_scenes_are_folded_before_a_number_is_cut():
+    lines = printed(comparison(BOTH, ("data/harbour-0", "data/motorcycle_quarter")), 52)
+    assert not any("…" in line for line in lines)
+
+
 def test_one_schedule_has_no_column_of_its_own():
     lines = printed(comparison([("count", "compass", ["compass"]), ("count", "secant", ["secant"])]), 120)
     trials, medians = heads(lines)
