@@ -92,7 +92,7 @@ class Seen:
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.
         misfit_px: systematic errors that are in no parameter.
-        lens_change: the largest one of an intrinsic parameter, in standard deviations of the worst calibrations.
+        lens_change: the largest one of a focal length or k1, in standard deviations of the worst calibrations.
         lost: of what the candidate matches, what it loses where the initial calibration matches, as a share.
         away: of the candidate, in reaches.
         cut: the budget ended before matches could be found.

@@ -114,7 +114,7 @@ class Enough:
         lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
             0.11 where repairs end well.
         reach: the largest distance of a candidate, in reaches; the search goes no farther.
-        lens_change: the largest change of an intrinsic parameter, in standard deviations of the worst calibrations.
+        lens_change: the largest change of a focal length or k1, in standard deviations of the worst calibrations.
         misfit_px: the largest systematic epipolar error [px] that no parameter explains.
     """
 

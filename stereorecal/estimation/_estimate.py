@@ -40,6 +40,7 @@ from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
 _THIRDS = 3
+_DETERMINED = (".f", ".k1")  # by boards and by rows
 _PLACES = 4  # at most: so many times as many frames, and each of these is left out with the others of its fourth
 _FEWEST = 6  # groups in a part, and in the rest
 _LEAST_NEARNESS = 1e-3  # a thousandth of the true nearness: what lies beyond is called infinitely far
@@ -152,8 +153,9 @@ class Estimate:
 
     @property
     def lens_change(self) -> float:
-        """The largest change of an intrinsic parameter, in standard deviations of the worst calibrations."""
-        own = ["." in name for name in self.names]
+        """The largest change of a focal length or k1, in standard deviations of the worst calibrations.
+        Principal points and tangential terms are loose in every calibration."""
+        own = [name.endswith(_DETERMINED) for name in self.names]
         return float(np.max(np.abs(self.theta[own]) / widest(self.chart)[own], initial=0.0))
 
     @cached_property
