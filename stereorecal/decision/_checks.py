@@ -44,17 +44,10 @@ class Reason(enum.Enum):
     @property
     def undetermined(self) -> bool:
         """True if it cannot be told whether the calibration is good, whatever the candidate is."""
-        return self in _UNSURE
+        return self in (*_UNSURE, Reason.CANNOT_TELL)
 
 
-_UNSURE = (
-    Reason.TOO_LITTLE_TEXTURE,
-    Reason.FRAMES_DISAGREE,
-    Reason.LATE_SHUTTER,
-    Reason.OTHER_LENSES,
-    Reason.MISFIT,
-    Reason.CANNOT_TELL,
-)
+_UNSURE = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.OTHER_LENSES, Reason.MISFIT)
 _ADVICE = {
     Reason.ALREADY_GOOD: "Nothing to do.",
     Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",

@@ -157,8 +157,8 @@ def _misfit(solution: AbstractResult) -> Iterator[Fact]:
         yield Fact("misfit", text, remark=True)
     elif misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
         text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
-        whose = "" if solution.accepted else "under the candidate, which was not taken, "
-        yield Fact("misfit", f"{whose}{text}", remark=True)
+        whose = "" if solution.accepted else " (under the candidate, which was not taken)"
+        yield Fact("misfit", f"{text}{whose}", remark=True)
 
 
 def _corners(solution: AbstractResult) -> Iterator[Fact]:

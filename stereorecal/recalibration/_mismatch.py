@@ -112,6 +112,8 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
     own = _covered(images.rig, images.pairs, images, matcher)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
         scaled = cause.name == "scaled"
+        if found.cause is not None and cause.name != found.cause.name:  # the likelier mistakes are asked first
+            break
         if not scaled and (motion is None or motion.turned):
             continue
         share = _covered(rig, pairs, images, matcher)
