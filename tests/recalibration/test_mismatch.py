@@ -177,7 +177,7 @@ def test_k_of_another_size_of_a_rig_that_drifted(scene, kind, seed, ratio, degre
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["coast", "harbour", "street"])  # that part of an open sea is sky
 def test_a_part_of_larger_images_is_no_mistake(scene, kind):
     """Though its principal points lie as in images of another size."""
     shown, size = scene(kind, 0, (640, 480)), (480, 360)
