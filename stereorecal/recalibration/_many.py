@@ -67,8 +67,7 @@ def recalibrate_many(
     Each recording has extrinsics of its own, as a rig that drifts between missions; where it did not drift, give all
     pairs as one recording. Recordings of one rig share what is found of its intrinsics: once each is repaired, all are
     estimated together (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of
-    different rigs are repaired apart. Ranges free the length of the baseline, which all share that take
-    the joint solution; a recording that refuses it keeps its own repair. Where the joint solution
+    different rigs are repaired apart. Ranges free the length of the baseline, which all share. Where the joint solution
     fails, the repairs stand, each with an error that says so.
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes

@@ -30,7 +30,7 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import Parameters, RigChart, row_chart
+from stereorecal.objectives import BASELINE, Parameters, RigChart, row_chart
 from stereorecal.recalibration._assessment import MOST_EXCLUDED, turned_by, with_candidate
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._prior_use import prior_of
@@ -211,21 +211,13 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
     members = joint_estimate(part, free, each)
     answers = _answers(members, free, each)
     intrinsics = _intrinsics(members, answers, free) if free.intrinsics else None
-    results = (_solution(*both, intrinsics) for both in zip(members, answers, strict=True))
+    results = iter(_solutions(members, answers, intrinsics, free))
     return tuple(
         next(results)
         if any(r is one for one in part)
         else replace(r.repair, intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r))
         for r in recordings
     )
-
-
-def _solution(member: Member, answer: Solution, intrinsics: Intrinsics | None) -> Solution:
-    """What was found together, or what a recording has alone."""
-    if answer.accepted:
-        return replace(answer, intrinsics=intrinsics)
-    own, not_applied = member.recording.repair, intrinsics and intrinsics.not_applied(answer.reason)
-    return replace(own, intrinsics=not_applied, ranges=member.ranges(own.rig, answer.reason))
 
 
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
@@ -264,6 +256,44 @@ def _intrinsics(members: Sequence[Member], answers: Sequence[Solution], free: Pa
     outcome = IntrinsicsOutcome.REFINED if taken else IntrinsicsOutcome.REFUSED
     theta, refused = members[0].decision.theta, None if taken else answers[0].reason
     return intrinsics_of(members[0].estimate, theta, free.shared, outcome, refused)
+
+
+def _solutions(
+    members: Sequence[Member], answers: Sequence[Solution], intrinsics: Intrinsics | None, free: Parameters
+) -> list[Solution]:
+    """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
+    that the ranges of others tell."""
+    baseline_measured = BASELINE in free.names and any(
+        answer.accepted and (one.estimate.matched_ranges.agree(answer.rig) or one.recording.windows.measured)
+        for answer, one in zip(answers, members, strict=True)
+    )
+    found = []
+    for member, answer in zip(members, answers, strict=True):
+        if answer.accepted or not free.shared:
+            found.append(replace(answer, intrinsics=intrinsics))
+            continue
+        own = member.recording.repair
+        if baseline_measured and own.reason.healthy and not member.estimate.matched_ranges:
+            own = _scaled(own, answer)
+        own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
+        found.append(replace(own, intrinsics=own_intrinsics, ranges=member.ranges(own.rig, answer.reason)))
+    return found
+
+
+def _scaled(solution: Solution, found: Solution) -> Solution:
+    """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
+    are the same."""
+    extrinsics = np.array(solution.rig.extrinsics, float)
+    before, after = (abs(float(rig.extrinsics[3])) for rig in (found.initial, found.candidate))
+    extrinsics[3:] *= after / before  # what only a change of the length moves
+    return replace(
+        solution,
+        uncertainty=found.uncertainty,
+        estimate=found.estimate,
+        candidate=solution.rig.with_extrinsics(extrinsics),
+        reason=Reason.IMPROVED,
+        settings=replace(solution.settings, free=found.settings.free),
+    )
 
 
 def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
