@@ -197,7 +197,7 @@ class Estimate:
 
     @cached_property
     def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
-        """Of a rig without any, if each of these is the true one."""
+        """Errors of a rig without any, if each of these is the true one."""
         return (self._samples - self.theta) @ self._errors.slopes.T
 
     @one_blas_thread()

@@ -42,7 +42,7 @@ class Normal:
         return Normal(to.T @ self.a @ to, to.T @ self.b, self.c)
 
     def of(self, which: Int[np.ndarray, "m"]) -> "Normal":
-        """Of some of the parameters, the others 0; or of all in another order."""
+        """That of some of the parameters, the others 0; or of all in another order."""
         return Normal(self.a[np.ix_(which, which)], self.b[which], self.c)
 
     def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
@@ -144,7 +144,7 @@ class Explanation:
 
     @property
     def nuisance_means(self) -> Float[np.ndarray, "k q"]:
-        """Of ν."""
+        """Means of ν."""
         return self._all_means[:, len(self.calibration) :]
 
     @property
@@ -174,7 +174,7 @@ class Explanation:
         return half.T @ half
 
     def covariances(self, which: Int[np.ndarray, "s"]) -> Float[np.ndarray, "s n n"]:
-        """Of θ under some kinds of drift."""
+        """Covariances of θ under some kinds of drift."""
         across, down = self.sizes[which][:, None], self.sizes[which][:, :, None]
         drift = down * np.linalg.inv(np.eye(_DRIFTING) + down * self.precision * across) * across
         follows = self.by_drift[: len(self.calibration)]

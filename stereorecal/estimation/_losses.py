@@ -75,7 +75,7 @@ class Errors:
 
     @cached_property
     def slopes(self) -> Float[np.ndarray, "q n"]:
-        """Of rows, then of depth."""
+        """Slopes of rows, then of depth."""
         slopes = self.readings.slopes
         return slopes.reshape(-1, slopes.shape[-1]) / self._units[:, None]
 
@@ -209,7 +209,7 @@ class PointwiseLoss:
 
     @cached_property
     def deviations(self) -> Float[np.ndarray, "k q"]:
-        """Of the errors, likewise."""
+        """Deviations of the errors, likewise."""
         slopes = self.errors.slopes
         return np.sqrt(np.maximum(np.einsum("pi,kpi->kp", slopes, slopes @ self.posterior.covariances), 1e-18))
 

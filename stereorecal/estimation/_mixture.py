@@ -49,7 +49,7 @@ class Mixture:
 
     @cached_property
     def roots(self) -> Float[np.ndarray, "m n n"]:
-        """Of the covariances, S Sᵀ; read-only."""
+        """Roots S of the covariances S Sᵀ; read-only."""
         found = np.stack([root(one) for one in self.covariances])
         found.flags.writeable = False
         return found
@@ -70,7 +70,7 @@ class Mixture:
         return found
 
     def as_data(self) -> list[dict[str, Any]]:
-        """Of each explanation its weight, its mean, and the rows of its covariance up to the diagonal."""
+        """For each explanation its weight, its mean, and the rows of its covariance up to the diagonal."""
         return [
             {
                 "weight": float(weight),

@@ -154,7 +154,7 @@ def _decided(
     limits: Tolerances,
     of_recordings: Tolerances,
 ) -> tuple[Estimate, Decision, bool]:
-    """Of a calibration in use what is known, rows and depth being judged in a view, and where looks showed something;
+    """What is known of a calibration in use, rows and depth being judged in a view, and where looks showed something;
     the decision on what may be switched; and whether it is shifted, as a recording would tell: no switch corrects
     that."""
     chart, near = around(initial, using, view, limits.distances)

@@ -111,7 +111,7 @@ class Assessment:
 def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
     """What the matches of a stage say; None if they are too few. All that may change is free in the case; `end_rig`,
     where the search ended, has the cameras of the case's rig."""
-    if run.found is None or _seen(case, run.found).few:
+    if run.found is None or (shown := _seen(case, run.found)).few:
         return None
     chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
     at = chart.coordinates_of(end_rig)
@@ -138,8 +138,8 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     candidate = chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
     used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
-    away = turned_by(case.rig, candidate, case.settings.reach)
-    seen = with_candidate(_seen(case, used), used, estimated, tiles[:, used_frames], away, frames_disagree=disagree)
+    reach = case.settings.reach
+    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
@@ -163,8 +163,9 @@ def with_candidate(
     seen: Seen,
     found: Correspondences,
     estimated: Estimate,
+    candidate: StereoRig,
     tiles: Int[np.ndarray, "2 k tiles"],
-    away: float,
+    reach: Reach,
     *,
     frames_disagree: bool,
 ) -> Seen:
@@ -179,11 +180,11 @@ def with_candidate(
         misfit_px=max(estimated.misfit),
         lens_change=estimated.lens_change,
         lost=share_lost(tiles),
-        away=away,
+        away=_turned_by(estimated.chart.rig, candidate, reach),
     )
 
 
-def turned_by(initial: StereoRig, candidate: StereoRig, reach: Reach) -> float:
+def _turned_by(initial: StereoRig, candidate: StereoRig, reach: Reach) -> float:
     """How far a candidate is turned in pitch and roll, which rows tell, in reaches."""
     turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(initial.extrinsics))[[0, 2]]
     return float(np.abs(turned).max() / reach.degrees)

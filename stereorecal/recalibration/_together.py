@@ -31,7 +31,7 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters, RigChart, row_chart
-from stereorecal.recalibration._assessment import MOST_EXCLUDED, turned_by, with_candidate
+from stereorecal.recalibration._assessment import MOST_EXCLUDED, with_candidate
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._row_residuals import RowResiduals, misfit, row_residuals
@@ -227,8 +227,8 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
     for member, tiles in zip(members, counts, strict=True):
         repair, estimated, found, rig = member.recording.repair, member.estimate, member.found, member.rig
         disagree = len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight)
-        away = turned_by(repair.initial, rig, repair.settings.reach)
-        seen = with_candidate(repair.seen or Seen(), found, estimated, tiles, away, frames_disagree=disagree)
+        shown, reach = repair.seen or Seen(), repair.settings.reach
+        seen = with_candidate(shown, found, estimated, rig, tiles, reach, frames_disagree=disagree)
         reason, rows = reason_of(member.decision, seen), member.rows(free, rig)
         of_others = (one.recording.repair.used_images for one in members if one is not member)
         answer = replace(
@@ -261,7 +261,7 @@ def _intrinsics(members: Sequence[Member], answers: Sequence[Solution], free: Pa
 def _solutions(
     members: Sequence[Member], answers: Sequence[Solution], intrinsics: Intrinsics | None, free: Parameters
 ) -> list[Solution]:
-    """Of each recording: what was found together, or what it has alone, with no more than the length of the baseline
+    """What was found together of each recording, or what it has alone, with no more than the length of the baseline
     that the ranges of others tell."""
     baseline_measured = BASELINE in free.names and any(
         answer.accepted and (one.estimate.matched_ranges.agree(answer.rig) or one.recording.windows.measured)
@@ -269,7 +269,7 @@ def _solutions(
     )
     found = []
     for member, answer in zip(members, answers, strict=True):
-        if answer.accepted or not free.shared:
+        if answer.accepted:
             found.append(replace(answer, intrinsics=intrinsics))
             continue
         own = member.recording.repair
