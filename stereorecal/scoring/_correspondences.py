@@ -29,7 +29,15 @@ from stereorecal.geometry import (
 )
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import Rectified, checked_extrinsics, match_frame, pure_matcher, rectify_frames
+from stereorecal.scoring._rectify import (
+    Rectified,
+    Turns,
+    checked_extrinsics,
+    match_frame,
+    pure_matcher,
+    rectify_frames,
+    turns_of,
+)
 from stereorecal.scoring._subpixel import WINDOW, refine
 
 _CELLS = 4800  # in a frame: enough to cover it with windows twice over
@@ -113,8 +121,9 @@ def correspondences(
 
 @partial(jax.jit, static_argnames="matcher")
 def _correspondences(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Correspondences:
-    disparity = rectify_frames(data, extrinsics, lambda frame: match_frame(matcher, frame))
-    return gathered(data, *refined(data, extrinsics, disparity))
+    turns = turns_of(extrinsics)
+    disparity = rectify_frames(data, turns, lambda frame: match_frame(matcher, frame))
+    return gathered(data, *refined(data, turns, disparity))
 
 
 def gathered(
@@ -141,13 +150,12 @@ def _side(data: ScoringData) -> int:
     return max(1, round(math.sqrt(data.view.size[0] * data.view.size[1] / _CELLS)))
 
 
-def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+def refined(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Rays, left and right, and inverse variances of the cells of every frame: (k, m, 3), (k, m, 3), (k, m)."""
-    view, side, extrinsics = data.view, _side(data), jnp.asarray(extrinsics, jnp.float32)
+    view, side = data.view, _side(data)
     width, height = view.size
     # Not NumPy's: constants of the size of an image would be part of the program, and of the file that keeps it.
     columns, rows = jnp.meshgrid(jnp.arange(width, dtype=jnp.float32), jnp.arange(height, dtype=jnp.float32))
-    to_left, to_right = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
 
     def rays(x, y, side, rotation):
         ray = view.directions(x, y, side)
@@ -158,7 +166,7 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
         weight = jnp.where(offsets.good, 1.0 / (offsets.variance + _FLOOR**2), 0.0)
         fields = jnp.stack([columns, rows, offsets.disparity, offsets.row])
         (x, y, d, v), weight = _means_of_cells(fields, weight, side)
-        left, right = rays(x, y, 0, to_left), rays(x - d, y + v, 1, to_right)
+        left, right = rays(x, y, 0, turns[0]), rays(x - d, y + v, 1, turns[1])
         if view.projection == PINHOLE and not (data.left_camera.lens.WIDE or data.right_camera.lens.WIDE):
             return left, right, weight
         flat = _within_lens_radius(left, data.left_camera) & _within_lens_radius(right, data.right_camera)
@@ -166,7 +174,7 @@ def refined(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tupl
         left, right = (jnp.where(flat[:, None], ray, ahead) for ray in (left, right))
         return left, right, jnp.where(flat, weight, 0.0)
 
-    return rectify_frames(data, extrinsics, frame, warp=cubic_warp, more=(found,))
+    return rectify_frames(data, turns, frame, warp=cubic_warp, more=(found,))
 
 
 def _within_lens_radius(rays: Float[jax.Array, "m 3"], camera: Camera) -> Bool[jax.Array, "m"]:

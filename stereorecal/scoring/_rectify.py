@@ -12,7 +12,14 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, namespace, register_pytree
 from stereorecal._errors import InputError, MatcherError
-from stereorecal.geometry import StereoRig, bilinear_warp, mapped_area, rectifying_maps, rotation_from_euler
+from stereorecal.geometry import (
+    StereoRig,
+    bilinear_warp,
+    mapped_area,
+    pixel_map,
+    rectifying_rotations,
+    rotation_from_euler,
+)
 from stereorecal.matching import AbstractMatcher, Disparity, as_matcher, name_of, origin_of
 from stereorecal.scoring._prepare import ScoringData
 
@@ -28,18 +35,31 @@ class Rectified:
     right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]  # likewise
 
 
-def rectify_frames(data: ScoringData, extrinsics: Extrinsics, use, area=mapped_area, warp=bilinear_warp, more=()):
-    """Apply `use(Rectified, *more)` to every frame, rectified by `extrinsics` (translation in any unit); stack the
-    answers.
+Turns = Float[AnyArray, "2 3 3"]  # the rotations of both cameras into the rectified frame, float32
+
+
+def turns_of(extrinsics: Extrinsics) -> Turns:
+    """The rotations that rectify by extrinsics (translation in any unit).
+
+    Pure and traceable; the same numbers as a part of a program and as one of its own, which all sizes of images share.
+    """
+    extrinsics = jax.lax.optimization_barrier(jnp.asarray(extrinsics, jnp.float32))
+    turns = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+    return jax.lax.optimization_barrier(jnp.stack(turns))
+
+
+def rectify_frames(data: ScoringData, turns: Turns, use, area=mapped_area, warp=bilinear_warp, more=()):
+    """Apply `use(Rectified, *more)` to every frame, rectified by `turns`; stack the answers.
 
     The maps are made once and shared by the frames; `area(map, image size)` says what they cover. `more` are arrays
     with a leading frame axis. Pure and traceable.
     """
     # Numbers that a caller's jit closes over would be folded into the formulas, and pixels rounded otherwise; where it
-    # closes over the extrinsics, XLA would warp and match while it compiles.
-    numbers = (jnp.asarray(extrinsics, jnp.float32), data.left_camera, data.right_camera, data.view)
-    extrinsics, left, right, view = jax.lax.optimization_barrier(numbers)
-    maps = rectifying_maps(left, right, rotation_from_euler(extrinsics[:3]), extrinsics[3:], view)
+    # closes over the turns, XLA would warp and match while it compiles.
+    numbers = (turns, data.left_camera, data.right_camera, data.view)
+    turns, left, right, view = jax.lax.optimization_barrier(numbers)
+    sides = zip((left, right), turns, (view.matrix_left, view.matrix_right), strict=True)
+    maps = [pixel_map(camera, turn, matrix, view.size, view.projection) for camera, turn, matrix in sides]
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 

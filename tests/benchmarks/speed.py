@@ -37,7 +37,7 @@ from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
 from stereorecal.scoring.host._cores import on_all_cores
-from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame
+from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame, rectifying_turns
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
 try:
@@ -175,7 +175,7 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     """SAD against StereoBM and StereoSGBM; where `plugins/native` is installed, its SAD."""
     scene = scene_of((741, 500))
     (frame,) = prepare(scene.rig, scene.pairs, sr.view(scene.rig)).frames
-    rectified = rectified_frame(frame, np.float32(with_unit_baseline(scene.rig.extrinsics)))
+    rectified = rectified_frame(frame, rectifying_turns(with_unit_baseline(scene.rig.extrinsics)))
     images = [np.asarray(side).round().astype(np.uint8) for side in (rectified.left, rectified.right)]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
     matched = (lambda: match_in_blocks(MATCHER, rectified), lambda: bm.compute(*images), lambda: sgbm.compute(*images))

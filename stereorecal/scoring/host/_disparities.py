@@ -16,7 +16,7 @@ from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import TILES, Correspondences, gathered, refined
 from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import Rectified, match_frame, rectify_frames
+from stereorecal.scoring._rectify import Rectified, Turns, match_frame, rectify_frames, turns_of
 from stereorecal.scoring.host._cores import cores, on_all_cores
 
 _LARGEST_HALO = 0.1  # of the rows of a block
@@ -39,23 +39,38 @@ def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Ab
     Args:
         matcher: any, with `num_disparities` in full-size pixels.
     """
-    single, scaled = np.asarray(extrinsics, np.float32), matcher.scaled(data.scale)
+    return disparities_at(data, rectifying_turns(extrinsics), matcher)
+
+
+def disparities_at(data: ScoringData, turns: Turns, matcher: AbstractMatcher) -> list[Disparity]:
+    """`disparities` by rotations into the rectified frame."""
+    scaled = matcher.scaled(data.scale)
 
     def one(frame: ScoringData) -> Disparity:
-        return match_in_blocks(scaled, rectified_frame(frame, single))
+        return match_in_blocks(scaled, rectified_frame(frame, turns))
 
     return on_all_cores(one, data.frames)
 
 
-def rectified_frame(data: ScoringData, extrinsics: Float[AnyArray, "6"]) -> Rectified:
-    """The one frame of `data` rectified by `extrinsics`, float32."""
-    return Rectified(*rectified(data, extrinsics))
+def rectifying_turns(extrinsics: Float[AnyArray, "6"]) -> Turns:
+    """The rotations of both cameras into the frame that is rectified by `extrinsics`."""
+    return np.asarray(_turns(np.asarray(extrinsics, np.float32))[0])
 
 
 @cached_program
-def rectified(data: ScoringData, extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+def _turns(extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+    return (turns_of(extrinsics),)
+
+
+def rectified_frame(data: ScoringData, turns: Turns) -> Rectified:
+    """The one frame of `data` rectified by `turns`."""
+    return Rectified(*rectified(data, turns))
+
+
+@cached_program
+def rectified(data: ScoringData, turns: Turns) -> tuple[jax.Array, ...]:
     """The rectified images and areas of the one frame of `data`, in the order of `Rectified`."""
-    frames = rectify_frames(data, extrinsics, lambda frame: frame)
+    frames = rectify_frames(data, turns, lambda frame: frame)
     return frames.left[0], frames.right[0], frames.left_area[0], frames.right_area[0]
 
 
@@ -106,7 +121,7 @@ def compile_in_background(data: ScoringData) -> None:
     frame, (width, height) = data.frames[0], data.view.size
     nothing = Disparity(np.zeros((height, width), np.float32), np.zeros((height, width), bool))
     for program, more in ((rectified, ()), (_refined, (_of_one(nothing),))):
-        program.compile_in_background(frame, np.asarray([0.0, 0.0, 0.0, -1.0, 0.0, 0.0], np.float32), *more)
+        program.compile_in_background(frame, np.zeros((2, 3, 3), np.float32), *more)
 
 
 def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> Correspondences:
@@ -116,11 +131,11 @@ def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher
         extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
         matcher: any, with `num_disparities` in full-size pixels.
     """
-    single = np.asarray(extrinsics, np.float32)
+    turns = rectifying_turns(extrinsics)
 
     def one(frame: ScoringData) -> tuple[np.ndarray, ...]:
-        found = disparities(frame, single, matcher)[0]
-        return tuple(map(np.asarray, _refined(frame, single, _of_one(found))))
+        found = disparities_at(frame, turns, matcher)[0]
+        return tuple(map(np.asarray, _refined(frame, turns, _of_one(found))))
 
     return gathered(data, *map(np.concatenate, zip(*on_all_cores(one, data.frames), strict=True)))
 

@@ -4,19 +4,17 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._arrays import Extrinsics
 from stereorecal._compile_cache import cached_program
 from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import SMALLEST_SPREAD
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import rectify_frames
+from stereorecal.scoring._rectify import Turns, rectify_frames
 from stereorecal.scoring._subpixel import refine
-from stereorecal.scoring.host._disparities import disparities
+from stereorecal.scoring.host._disparities import disparities, rectifying_turns
 
 _WINDOW = 5  # pixels to each side: the size of a matcher's window
 _COVERED = 0.1  # of the window
@@ -41,26 +39,26 @@ def match_pixels(
         frames: pixels (column, row) of the left image, at full size, for each frame.
     """
     single = with_unit_baseline(rig.extrinsics).astype(np.float32)
-    found = []
+    turns, found = rectifying_turns(single), []
     for frame, pixels in zip(data.frames, frames, strict=True):
         if not len(pixels):
             found.append(PixelMatches(np.zeros((0, 2)), np.zeros(0)))
             continue
         matched = disparities(frame, single, matcher)[0]
-        offsets = _offsets(frame, single, jax.tree.map(lambda leaf: leaf[None], matched))
+        offsets = _offsets(frame, turns, jax.tree.map(lambda leaf: leaf[None], matched))
         found.append(_right_pixels(data, rig, [np.asarray(field)[0] for field in offsets], pixels))
     return found
 
 
 @cached_program
-def _offsets(data: ScoringData, extrinsics: Extrinsics, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _offsets(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Disparity, row offset and whether they are good, of each pixel of one frame."""
 
     def frame(rectified, disparity):
         offsets = refine(rectified, disparity)
         return offsets.disparity, offsets.row, offsets.good
 
-    return rectify_frames(data, jnp.asarray(extrinsics, jnp.float32), frame, warp=cubic_warp, more=(found,))
+    return rectify_frames(data, turns, frame, warp=cubic_warp, more=(found,))
 
 
 def _right_pixels(
