@@ -24,7 +24,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._stages import StageRun, matched
+from stereorecal.recalibration._stages import SETTLED, StageRun, matched, moved
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -32,7 +32,6 @@ from stereorecal.scoring.host import refuse_swapped_images
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
-_SETTLED = 1.0  # unit of the loss: a candidate that moves less from where it was matched would match the same
 
 
 _Fitter = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Fit]
@@ -123,7 +122,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         estimated = (fit.weighed()[0] if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
         likely = at if last else estimated.with_free(case.free.names)
         anew = None
-        if not last and estimated.effect(likely - at) >= _SETTLED:
+        if not last and moved(found, chart, at, likely) >= SETTLED:
             anew = _matched(case, run, chart, likely)
             again += 1
         if anew is not None and anew.covered >= (1.0 - ENOUGH.lost) * found.covered:

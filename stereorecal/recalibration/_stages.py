@@ -22,7 +22,6 @@ from stereorecal.objectives import (
     count_objective,
     differences_at,
     epipolar_objective,
-    linear_residuals,
     reach_chart,
     rig_count_objective,
 )
@@ -34,7 +33,7 @@ from stereorecal.strategies import Budget, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
-_SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
+SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
 
@@ -244,11 +243,9 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         rounds += 1
         if found.found < ENOUGH.matches:
             break
-        before = at
-        for _ in range(_REWEIGHTED):
-            if (rows := rows_of_groups(found, chart, at)) is None:
-                break
-            residuals = linear_residuals(*rows, chart.prior)
+        before, rows = at, rows_of_groups(found, chart, at)
+        for _ in range(0 if rows is None else _REWEIGHTED):
+            residuals = rows.residuals(at, chart.prior)
             if stage.strategy is None:  # costs nothing
                 at = residuals.least
                 continue
@@ -257,14 +254,14 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
                 break
             runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), at, seed))
             at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
-        settled = not cut and _moved(found, chart, before, at) < _SETTLED
+        settled = not cut and moved(found, chart, before, at) < SETTLED
         if settled or cut:
             break
     ended, cost = chart.rig_at(at), rounds * data.cost
     return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, settled, cut)
 
 
-def _moved(
+def moved(
     found: Correspondences, chart: RigChart, before: Float[np.ndarray, "n"], after: Float[np.ndarray, "n"]
 ) -> float:
     """By how many pixels at full size the row differences change, in the median."""

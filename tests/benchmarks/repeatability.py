@@ -23,7 +23,6 @@ from tables import show, table_of
 
 import stereorecal as sr
 from stereorecal.estimation import rows_of_groups
-from stereorecal.objectives import linear_residuals
 from stereorecal.recalibration import Case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import TILES, pyramid
@@ -79,7 +78,7 @@ def dense_solver(rig: sr.StereoRig, pair: sr.Pair):
         sample = replace(found, weight=np.asarray(found.weight) * times[np.asarray(found.tile)])
         best = chart.coordinates_of(last.ended)
         for _ in range(_ROUNDS):
-            best = linear_residuals(*rows_of_groups(sample, chart, best), chart.prior).least
+            best = rows_of_groups(sample, chart, best).residuals(best, chart.prior).least
         return chart.rig_at(best)
 
     return solve

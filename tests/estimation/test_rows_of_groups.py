@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereorecal.estimation import normal_of_pair, rig_parameters, rows_of_groups
-from stereorecal.objectives import Reach, linear_residuals, row_chart
+from stereorecal.objectives import Reach, row_chart
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def box(rig):
 
 def solved(found, box, at, times=3):
     for _ in range(times):
-        at = linear_residuals(*rows_of_groups(found, box, at), 1e3).least
+        at = rows_of_groups(found, box, at).residuals(at, 1e3).least
     return at
 
 
