@@ -128,7 +128,7 @@ def words_of(verb: str, scene: Path, folder: Path) -> list[str]:
     count = ["--schedule", "count"]
     out, page = str(folder / "out.json"), str(folder / "out.html")
     match verb:
-        case "in-place":
+        case "recalibrate":
             own = ["--output", str(scene / "calib.json"), "--force"]
             return ["recalibrate", str(scene), *count, *own, "--json", out, "--maps", str(folder / "out.npz")]
         case "compare":
@@ -148,7 +148,7 @@ def wrong(verb: str, folder: Path, before: dict[str, bytes], said: str, code: in
         path = folder / name
         if not path.exists():
             found.append(f"{name} is lost")
-        elif path.read_bytes() != data and not (verb == "in-place" and name == "scene/calib.json"):
+        elif path.read_bytes() != data and not (verb == "recalibrate" and name == "scene/calib.json"):
             found.append(f"{name} has changed")
     try:
         load_rig(folder / "scene" / "calib.json")
@@ -220,7 +220,7 @@ def main() -> None:
     parser.add_argument("--writes", type=int, default=12, help="the first so many are made to fail, one in a run")
     parser.add_argument("--minutes", type=float, default=60.0, help="no run begins later")
     options = parser.parse_args()
-    verbs, began, zygote = ("in-place", "compare", "reproduce"), time.monotonic(), Zygote()
+    verbs, began, zygote = ("recalibrate", "compare", "reproduce"), time.monotonic(), Zygote()
     with tempfile.TemporaryDirectory() as name:
         good = Path(name) / "good"
         made_scene(good / "scene", 1)
