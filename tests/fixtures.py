@@ -1,5 +1,6 @@
 """What tests of the library and of its plug-ins share."""
 
+import json
 import os
 import pickle
 import signal
@@ -120,24 +121,27 @@ def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
 
 
 _LOADED = """
-import sys
+import contextlib, io, json, sys
 from stereorecal.cli import main
-try:
-    code = main(sys.argv[1:])
-except SystemExit as end:
-    code = end.code
-print(code, *(name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules))
+for words in sys.argv[1:]:
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        try:
+            code = main(words.split())
+        except SystemExit as end:
+            code = end.code or 0
+    loaded = [name for name in ("jax", "cv2", "numpy", "rich", "matplotlib") if name in sys.modules]
+    print(json.dumps([code, out.getvalue(), err.getvalue(), loaded]))
 """
 
 
 @pytest.fixture(scope="session")
-def at_once() -> Callable[..., tuple[Answer, set[str]]]:
-    """at_once(words...): how a command answers in a process of its own, and which heavy libraries it has loaded."""
+def at_once() -> Callable[..., list[tuple[Answer, set[str]]]]:
+    """at_once(commands...): how each answers in one process of their own, and the heavy libraries loaded till then."""
 
-    def run(*words: str) -> tuple[Answer, set[str]]:
-        done = subprocess.run([sys.executable, "-c", _LOADED, *words], capture_output=True, text=True, check=False)
-        code, *loaded = done.stdout.splitlines()[-1].split()
-        return Answer(int(code), done.stdout, done.stderr), set(loaded)
+    def run(*commands: str) -> list[tuple[Answer, set[str]]]:
+        done = subprocess.run([sys.executable, "-c", _LOADED, *commands], capture_output=True, text=True, check=True)
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        return [(Answer(code, out, err), set(loaded)) for code, out, err, loaded in answers]
 
     return run
 

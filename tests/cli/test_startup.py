@@ -13,65 +13,52 @@ from stereorecal.synthetic import KINDS
 VERBS = [name for name in COMMANDS.names() if "." not in name]  # those of plug-ins, too
 
 
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        (["--version"], 0),
-        (["--help"], 0),
-        *(([verb, "--help"], 0) for verb in VERBS),
-        (["strategies", "check", "--help"], 0),
-        ([], 2),
-        (["repair"], 2),
-        (["score", "--nonsense"], 2),
-        (["diff", "one"], 2),
-        (["compare", "--draws", "many"], 2),
-    ],
-    ids=lambda value: " ".join(value) or "nothing" if isinstance(value, list) else str(value),
-)
-def test_answers_at_once(words: list[str], code: int, at_once):
-    answer, loaded = at_once(*words)
-    assert (answer.code, loaded) == (code, set()), answer
-    assert ("stereorecal" in answer.out) == (code == 0)
-    assert ("; see stereorecal" in answer.err) == (code == 2)
+HELP = ["--version", "--help", *(f"{verb} --help" for verb in VERBS), "strategies check --help"]
+MISTYPED = ["", "repair", "score --nonsense", "diff one", "compare --draws many"]
+WRONG = [
+    "recalibrate nowhere",
+    "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
+    "recalibrate . --output {there}",
+    "recalibrate . --schedule count:compas",
+    "recalibrate . --reach 3",
+    "score . --pairs few",
+    "score . --view field=wide",
+    "score . --cameras one",
+    "recalibrate . --free pitch,",
+    "recalibrate . --matcher sagd",
+    "monitor . --tolerances harm=little",
+    "monitor . --output {there}",
+    "monitor . --state /nowhere/state",
+    "monitor . --state new --json new",
+    "compare --decalibrate 1",
+    "compare --seed -1",
+    "diff one two --size 640",
+    "score nowhere",
+    "score . --json {there}",
+    "monitor nowhere",
+    "compare --scene nowhere",
+    "compare --strategies compass,compas",
+    "compare --html {there}",
+    "diff nothing.yaml {there}",
+    "convert nothing.yaml new.yaml",
+    "strategies check compas",
+    "matchers check sagd",
+]
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        "recalibrate nowhere",
-        "recalibrate --left nothing.png --right nothing.png --calibration nothing.yaml",
-        "recalibrate . --output {there}",
-        "recalibrate . --schedule count:compas",
-        "recalibrate . --reach 3",
-        "score . --pairs few",
-        "score . --view field=wide",
-        "score . --cameras one",
-        "recalibrate . --free pitch,",
-        "recalibrate . --matcher sagd",
-        "monitor . --tolerances harm=little",
-        "monitor . --output {there}",
-        "monitor . --state /nowhere/state",
-        "monitor . --state new --json new",
-        "compare --decalibrate 1",
-        "compare --seed -1",
-        "diff one two --size 640",
-        "score nowhere",
-        "score . --json {there}",
-        "monitor nowhere",
-        "compare --scene nowhere",
-        "compare --strategies compass,compas",
-        "compare --html {there}",
-        "diff nothing.yaml {there}",
-        "convert nothing.yaml new.yaml",
-        "strategies check compas",
-        "matchers check sagd",
-    ],
-)
-def test_a_wrong_name_or_number_is_said_at_once(words: str, tmp_path: Path, at_once):
+def test_answers_at_once(at_once):
+    for words, (answer, loaded) in zip(HELP + MISTYPED, at_once(*HELP, *MISTYPED), strict=True):
+        helped = words in HELP
+        assert (answer.code, loaded) == (0 if helped else 2, set()), (words, answer)
+        assert ("stereorecal" in answer.out) == helped
+        assert ("; see stereorecal" in answer.err) == (not helped)
+
+
+def test_a_wrong_name_or_number_is_said_at_once(tmp_path: Path, at_once):
     (there := tmp_path / "there.json").touch()
-    answer, loaded = at_once(*words.format(there=there).split())
-    assert (answer.code, answer.err.count("\n")) == (2, 1), answer
-    assert loaded <= {"numpy"}  # which the names of strategies cost
+    for words, (answer, loaded) in zip(WRONG, at_once(*(words.format(there=there) for words in WRONG)), strict=True):
+        assert (answer.code, answer.err.count("\n")) == (2, 1), (words, answer)
+        assert loaded <= {"numpy"}, words  # which the names of strategies cost
 
 
 @pytest.mark.parametrize(

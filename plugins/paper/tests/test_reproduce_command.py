@@ -163,7 +163,7 @@ def test_a_broken_matcher_is_a_sentence(command, words, install):
 
 
 def test_a_wrong_name_is_said_at_once(at_once):
-    answer, loaded = at_once("reproduce", "--log", "nowhere")
+    ((answer, loaded),) = at_once("reproduce --log nowhere")
     assert (answer.code, loaded) == (2, set()), answer
 
 
