@@ -109,17 +109,3 @@ def test_disparities_that_are_none():
             find(sixteenths)
     with pytest.raises(sr.InputError, match=r"the shape \(160, 120\), and the rectified images \(120, 160\)"):
         MADE.points(np.ones(SIZE))
-
-
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_pairs_of_arrays(dtype: type):
-    rng = np.random.default_rng(1)
-    left, right = (rng.integers(0, np.iinfo(dtype).max, (*SIZE[::-1], 3), dtype=dtype) for _ in range(2))
-    grey, colour = sr.make_pair(left[..., 0], right[..., 0]), sr.make_pair(left, right, channels="bgr")
-    assert grey.size == colour.size == SIZE
-    scale = 1.0 if dtype is np.uint8 else 255.0 / max(left[..., 0].max(), right[..., 0].max())
-    np.testing.assert_allclose(grey.left, left[..., 0] * scale, rtol=1e-6)
-    other = sr.make_pair(left[..., ::-1], right[..., ::-1], channels="rgb")
-    np.testing.assert_allclose(colour.left, other.left, rtol=1e-5)
-    with pytest.raises(sr.InputError, match="channel order"):
-        sr.make_pair(left, right, channels="gbr")

@@ -95,7 +95,7 @@ def test_grey_before_colour(tmp_path: Path, cameras: tuple[int, ...], chosen: tu
 small = st.tuples(*[st.floats(-0.2, 0.2)] * 3)
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(turn=small, shift=st.floats(-1.0, -0.1), left_turn=small, left_place=small, colour=st.booleans())
 def test_the_direction_of_raw_drives(
     tmp_path_factory: pytest.TempPathFactory, turn, shift, left_turn, left_place, colour
@@ -174,16 +174,10 @@ def test_a_day_without_drives(tmp_path: Path):
     [
         ("P_rect_01", None, SYNC, "'P_rect_01' is missing"),
         ("S_rect_00", None, SYNC, "'S_rect_00' is missing"),
-        ("P_rect_01", "1 " * 11, SYNC, "P_rect_01 must hold 3x4 numbers, not 11"),
         ("P_rect_00", "0 " * 12, SYNC, "P_rect_00: the camera matrix is singular"),
-        ("P_rect_01", row(projection(0)), SYNC, "baseline is zero"),
         ("S_rect_00", "48 32", SYNC, "24x16, but the calibration is for 48x32"),
         ("K_01", None, EXTRACT, "'K_01' is missing"),
         ("D_01", "0.1 0.2", EXTRACT, "distortion has 2 coefficients"),
-        ("R_01", "1 0 0 0 1 0 0 0", EXTRACT, "R_01 must hold 3x3 numbers, not 8"),
-        ("T_01", "", EXTRACT, "T_01 must hold 3 numbers, not 0"),
-        ("T_01", "0.5 0 0", EXTRACT, "left and right are exchanged"),
-        ("S_00", "24", EXTRACT, "S_00 must hold 2 numbers, not 1"),
     ],
 )
 def test_bad_calibrations_of_raw_drives(tmp_path: Path, key: str, value: str | None, drive: str, words: str):

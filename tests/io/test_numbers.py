@@ -3,7 +3,6 @@
 import itertools
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ from hypothesis import given, strategies as st
 from refusals import refused
 
 from stereorecal import InputError
-from stereorecal.io import load_rig
 from stereorecal.io.formats._numbers import image_size, numbers, value
 from stereorecal.io.formats.text._nodes import number_or_word
 
@@ -119,28 +117,3 @@ def test_words(word: str, expected: float | str):
 @pytest.mark.parametrize("word", ["1e999", "-inf", "nan", "9" * 5000])
 def test_words_of_no_finite_number(word: str):
     refused(lambda: numbers({"K": [number_or_word(word)]}, "K", (-1,)), "K contains NaN or infinite")
-
-
-YAML = """image_width: 64
-image_height: 48
-distortion_model: plumb_bob
-distortion_coefficients: {rows: 1, cols: 5, data: [0, 0, 0, 0, 0]}
-camera_matrix: {rows: 3, cols: 3, data: [%s, 0, 32, 0, 61, 24, 0, 0, 1]}
-rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
-projection_matrix: {rows: 3, cols: 4, data: [61, 0, 32, -7, 0, 61, 24, 0, 0, 0, 1, 0]}
-"""
-
-
-@pytest.mark.parametrize(
-    ("number", "words"),
-    [
-        *[(one, "NaN or infinite") for one in ("1e999", "-" + "9" * 5000, "9" * 5000 + ".5", ".nan", "-.inf")],
-        ("null", "contains null"),
-        ('"1"', "is not an array"),
-    ],
-)
-def test_numbers_of_yaml(tmp_path: Path, number: str, words: str):
-    paths = [tmp_path / "left.yaml", tmp_path / "right.yaml"]
-    for path in paths:
-        path.write_text(YAML % number)
-    refused(lambda: load_rig(paths), "left.yaml: camera_matrix", words)

@@ -70,23 +70,15 @@ def test_channel_order_is_that_of_opencv(tmp_path: Path, right: Path, suffix: st
         np.testing.assert_allclose(alpha, loaded, atol=1e-4)
 
 
-@pytest.mark.parametrize("suffix", ["png", "tif", "pgm"])
-def test_sixteen_bit_scales_both_images_alike(tmp_path: Path, suffix: str):
+@pytest.mark.parametrize(
+    ("suffix", "dtype"), [("png", np.uint16), ("tif", np.uint16), ("pgm", np.uint16), ("tif", np.float32)]
+)
+def test_wider_images_stay_wide_and_are_scaled_alike(tmp_path: Path, suffix: str, dtype: type):
     left = texture(0, dtype=np.uint16)
-    dim = left // 2
-    pair = load_pair(write(tmp_path / f"a.{suffix}", left), write(tmp_path / f"b.{suffix}", dim))
-    assert pair.left.max() == pytest.approx(255.0)
+    sides = [(image / (65535 if dtype is np.float32 else 1)).astype(dtype) for image in (left, left // 2)]
+    pair = load_pair(*(write(tmp_path / f"{i}.{suffix}", image) for i, image in enumerate(sides)))
     np.testing.assert_allclose(pair.left, left * (255.0 / left.max()), rtol=1e-5)
-    np.testing.assert_allclose(pair.right, dim * (255.0 / left.max()), rtol=1e-5)
-
-
-def test_floating_point_images(tmp_path: Path):
-    left = texture(0).astype(np.float32) / 255
-    other = write(tmp_path / "other.tif", texture(1).astype(np.float32) / 255)
-    pair = load_pair(write(tmp_path / "float.tif", left), other)
-    np.testing.assert_allclose(pair.left, texture(0) * (255.0 / max(texture(0).max(), texture(1).max())), rtol=1e-4)
-    left[3, 4] = np.nan
-    refused(lambda: load_pair(write(tmp_path / "nan.tif", left), other), "NaN")
+    np.testing.assert_allclose(pair.right, (left // 2) * (255.0 / left.max()), rtol=1e-5)
 
 
 def test_file_pairs_pickle_as_their_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -168,16 +160,10 @@ def test_missing_file_and_folder_for_a_file(tmp_path: Path, right: Path, capfd):
     refused(lambda: load_pair(right, tmp_path / "missing.png"), "missing.png")
 
 
-@pytest.mark.parametrize(("value", "words"), [(0, "all black"), (255, "constant"), (77, "constant")])
-@pytest.mark.parametrize("channels", [1, 3])
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
-def test_images_without_content(tmp_path: Path, value: int, words: str, channels: int, dtype: type):
-    good = write(tmp_path / "good.png", texture(1, dtype=dtype))
-    blank = write(tmp_path / "blank.png", np.full((16, 24, channels), value, dtype))
-    with pytest.raises(InputError, match=rf"blank\.png.*left.*{words}"):
-        load_pair(blank, good)
-    with pytest.raises(InputError, match=rf"blank\.png, right.*{words}"):
-        load_pair(good, blank)
+def test_images_without_content(tmp_path: Path, right: Path):
+    blank = write(tmp_path / "blank.png", np.full((16, 24, 3), 77, np.uint8))
+    refused(lambda: load_pair(blank, right), "blank.png", ", left: ", "constant")
+    refused(lambda: load_pair(right, blank), "blank.png, right: ", "constant")
 
 
 def test_images_that_do_not_go_together(tmp_path: Path, right: Path, monkeypatch: pytest.MonkeyPatch):

@@ -48,7 +48,7 @@ def test_only_the_number_changes(head, end):
 
 
 @pytest.mark.usefixtures("loader")
-@pytest.mark.parametrize("text", ["a: [1,\n b: ", "a: \ud800", "a: \x00", "[" * 50_000, "- 1", ""])
+@pytest.mark.parametrize("text", ["a: [1,\n b: ", "a: \ud800", "a: \x00", "[" * 5_000, "- 1", ""])
 def test_what_is_no_yaml_is_refused(text):
     with pytest.raises(InputError, match="not a YAML file"):
         parsed(text)

@@ -1,6 +1,5 @@
 """What is taken for image pairs, and what is refused in one sentence."""
 
-import re
 import subprocess
 import sys
 
@@ -85,23 +84,6 @@ def test_what_is_none_is_refused_in_one_sentence(given, what):
     with pytest.raises(InputError) as refusal:
         as_pairs(given)
     assert str(refusal.value) == f"{what}; {CALL}"
-
-
-@pytest.mark.parametrize(
-    ("images", "words"),
-    [
-        ((LEFT, RIGHT[:-1]), "pair 0: the left image is 24x16 and the right one 24x15"),
-        ((LEFT, RIGHT.astype(float)), "pair 0: the left image is uint8 and the right one float64"),
-        ((np.zeros(5, np.uint8), RIGHT), "pair 0, left: an array of shape (5,) is no image"),
-        ((LEFT.astype(float) * np.nan, RIGHT.astype(float)), "pair 0, left: the image contains NaN"),
-        ((-1.0 * LEFT, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
-        ((LEFT - 20.0, 1.0 * RIGHT), "pair 0, left: the image contains negative values"),
-        ((np.ma.array(1.0 * LEFT, mask=LEFT > 9), 1.0 * RIGHT), "pair 0, left: the image is a masked array"),
-    ],
-)
-def test_arrays_that_are_no_images(images, words):
-    with pytest.raises(InputError, match=re.escape(words)):
-        as_pairs(images)
 
 
 @pytest.fixture(scope="module")

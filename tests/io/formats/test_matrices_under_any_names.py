@@ -51,11 +51,14 @@ def assert_same(found: StereoRig, rig: StereoRig = RIG) -> None:
         np.testing.assert_array_equal(np.trim_zeros(one.distortion, "b"), np.trim_zeros(other.distortion, "b"))
 
 
-@pytest.mark.parametrize("ending", [".json", ".yaml"])
-@pytest.mark.parametrize("nested", [False, True])
-@pytest.mark.parametrize("vector", [False, True])
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=8, deadline=None)
-@given(names=st.sampled_from(NAMES), order=st.randoms(use_true_random=False))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=24, deadline=None)
+@given(
+    ending=st.sampled_from([".json", ".yaml"]),
+    nested=st.booleans(),
+    vector=st.booleans(),
+    names=st.sampled_from(NAMES),
+    order=st.randoms(use_true_random=False),
+)
 def test_any_names_in_any_order(tmp_path: Path, ending: str, nested: bool, vector: bool, names, order: random.Random):
     items = list(content(names, (K1, D1, K2, D2, RVEC[:, None] if vector else R, T[:, None])).items())
     order.shuffle(items)

@@ -31,6 +31,8 @@ from stereorecal.io import load_rig, save_rig
         ("a.yaml", SAMPLES["opencv pair"].texts[0], "intrinsics only, no extrinsics (R, T): OpenCV's stereo_calib"),
         ("a.yaml", SAMPLES["opencv pair"].texts[1], "extrinsics only, no intrinsics (K1 or M1"),
         ("a.yaml", samples.KALIBR.partition("cam1:")[0], "the chain has no cam1"),
+        ("a.yaml", samples.KALIBR.replace("61.25", ".nan"), "intrinsics contains NaN or infinite"),
+        ("a.yaml", samples.KALIBR.replace("61.25", '"61.25"'), "intrinsics is not an array"),
         ("a.yaml", samples.OPENCV.replace("imageSize: [ 64, 48 ]\n", ""), "the file has no image size"),
         ("a.txt", samples.KITTI_ODOMETRY, "the file has no image size"),
         ("a.yaml", samples.BOOFCV.replace("    skew: 0.0", "    skew: 0.5"), "skew, which is not supported"),
