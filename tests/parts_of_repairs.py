@@ -6,6 +6,7 @@ See `parts_of_estimates`.
 from stereorecal import _compile_cache as _compile_cache
 from stereorecal.cli import _cluster as _cluster, _signals as _signals
 from stereorecal.cli._commands import COMMANDS as COMMANDS
+from stereorecal.cli._jax_setup import use_compile_cache as use_compile_cache
 from stereorecal.online import _moving as _moving, _switching as _switching
 from stereorecal.recalibration._assessment import share_lost as share_lost
 from stereorecal.recalibration._match_ranges import match_ranges as match_ranges

@@ -27,24 +27,11 @@ def program(a, b, *, matcher=None, times: int = 1):
 
 
 @pytest.fixture
-def configured():
-    """configured(name=value...): settings of JAX for the time of a test."""
-    before = {name: getattr(jax.config, name) for name in ("jax_compilation_cache_dir", "jax_enable_compilation_cache")}
-
-    def set_up(**settings):
-        for name, value in settings.items():
-            jax.config.update(name, value)
-
-    yield set_up
-    set_up(**before)
-
-
-@pytest.fixture
-def folder(tmp_path, configured):
+def folder(tmp_path, settings_of_jax):
     """Where programs are kept that were traced; what JAX itself keeps stays where it was."""
     jax.jit(lambda x: x + 1.0)(1.0)  # its cache is opened once
     TRACES.clear()
-    configured(jax_compilation_cache_dir=str(tmp_path / "cache"))
+    settings_of_jax(jax_compilation_cache_dir=str(tmp_path / "cache"))
     return tmp_path / "cache" / "stereorecal-traced"
 
 
@@ -102,9 +89,9 @@ def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
     assert len(TRACES) == len(list(folder.iterdir())) == 2
 
 
-def test_a_place_that_takes_nothing_is_no_reason_to_fail(folder, configured, tmp_path):
+def test_a_place_that_takes_nothing_is_no_reason_to_fail(folder, settings_of_jax, tmp_path):
     (tmp_path / "file").write_text("no folder")
-    configured(jax_compilation_cache_dir=str(tmp_path / "file" / "cache"))
+    settings_of_jax(jax_compilation_cache_dir=str(tmp_path / "file" / "cache"))
     np.testing.assert_array_equal(result()[0], [3, 3, 3])
 
 
@@ -120,8 +107,8 @@ def test_a_program_with_code_of_others_is_not_cached(folder):
 @pytest.mark.parametrize(
     "off", [{"jax_compilation_cache_dir": None}, {"jax_enable_compilation_cache": False}], ids=list
 )
-def test_off_where_jax_keeps_nothing(folder, configured, off):
-    configured(**off)
+def test_off_where_jax_keeps_nothing(folder, settings_of_jax, off):
+    settings_of_jax(**off)
     np.testing.assert_array_equal(result()[0], [3, 3, 3])
     assert not folder.exists()
 
@@ -175,8 +162,8 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
     assert TRACES == ["traced"]  # by the thread, which has survived
 
 
-def test_compiled_in_the_background_without_a_cache(folder, configured):
-    configured(jax_enable_compilation_cache=False)
+def test_compiled_in_the_background_without_a_cache(folder, settings_of_jax):
+    settings_of_jax(jax_enable_compilation_cache=False)
     call = _compile_cache.cached_program(program, static=("times",))
     call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
     np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])

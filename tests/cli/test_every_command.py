@@ -68,6 +68,7 @@ def test_json_on_stdout_is_what_a_file_would_hold(told, command, drifted_scene: 
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.slow(after=1)
 @searching
 def test_progress_only_on_a_terminal(command, drifted_scene: Path, terminal, verb: str):
     terminal("stderr")
@@ -80,6 +81,7 @@ def test_progress_only_on_a_terminal(command, drifted_scene: Path, terminal, ver
     assert answer.out
 
 
+@pytest.mark.slow(after=1)
 @each_verb
 def test_matchers(told, command, drifted_scene: Path, verb: str):
     counts = set()

@@ -58,7 +58,7 @@ def test_a_repair_says_how_to_run_it_again(command, clean_scene: Path, tmp_path:
     """Pasted into a shell, names with blanks, quotes and markup stay one word each."""
     scene = tmp_path / "a 'rig' <b>$HOME"
     shutil.copytree(clean_scene, scene)
-    words = ["recalibrate", scene, "--html", tmp_path / "out page.html", "--reach", "2,0.02"]
+    words = ["recalibrate", scene, "--html", tmp_path / "out page.html", "--reach", "2,0.02", "--schedule", "count"]
     command(*words)
     page = (tmp_path / "out page.html").read_text(encoding="utf-8")
     (shown,) = re.findall(r'<pre class="command"[^>]*>(.*?)</pre>', page, flags=re.DOTALL)

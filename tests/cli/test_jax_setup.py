@@ -3,9 +3,12 @@
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
+import jax
 import pytest
+from parts_of_repairs import use_compile_cache
 
 WHERE = """
 import contextlib, io, jax
@@ -25,8 +28,8 @@ def run(
     return subprocess.run([sys.executable, *words], env=plain | given, capture_output=True, text=True, check=False)
 
 
-def where(more: str = "", **environment: object) -> str:
-    answer = run("-c", WHERE + more, **environment)
+def where(**environment: object) -> str:
+    answer = run("-c", WHERE, **environment)
     assert (answer.returncode, answer.stderr) == (0, "")
     return answer.stdout.strip()
 
@@ -42,14 +45,26 @@ def test_in_the_users_cache(tmp_path: Path):
     assert (tmp_path / "stereorecal" / "programs").is_dir()
 
 
-def test_the_users_own_choice_stands(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("setting", "value", "made"),
+    [
+        ("jax_compilation_cache_dir", "own", ["own"]),
+        ("jax_compilation_cache_dir", "gs://bucket/own", []),
+        ("jax_enable_compilation_cache", False, []),
+    ],
+)
+def test_the_users_own_choice_stands(tmp_path: Path, monkeypatch, settings_of_jax, setting, value, made: list[str]):
     """And what compiles quickly is kept there, too."""
-    own = tmp_path / "own"
-    seconds = "print(jax.config.jax_persistent_cache_min_compile_time_secs)"
-    assert where(seconds, XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR=own).split() == [str(own), "0.1"]
-    assert where(XDG_CACHE_HOME=tmp_path, JAX_ENABLE_COMPILATION_CACHE="false") == "None"
-    assert where(XDG_CACHE_HOME=tmp_path, JAX_COMPILATION_CACHE_DIR="gs://bucket/own") == "gs://bucket/own"
-    assert list(tmp_path.iterdir()) == [own]
+    seconds = "jax_persistent_cache_min_compile_time_secs"
+    settings_of_jax(**{seconds: 1.0, setting: value})
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv(seconds.upper(), raising=False)
+    with warnings.catch_warnings():
+        assert use_compile_cache() is None
+    assert jax.config.values[setting] == value
+    assert jax.config.values[seconds] == (0.1 if made else 1.0)
+    assert [path.name for path in tmp_path.iterdir()] == made
 
 
 @linux_only

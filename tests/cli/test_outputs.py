@@ -94,20 +94,14 @@ MEANWHILE = {  # and what is printed in its place
 }
 
 
-@pytest.mark.slow(after=6)
 @pytest.mark.parametrize(("verb", "option"), MEANWHILE)
-@pytest.mark.parametrize("force", [False, True])
 def test_a_file_that_another_run_has_written_meanwhile(
-    command, drifted_scene: Path, tmp_path: Path, verb: str, option: str, force: bool
+    command, drifted_scene: Path, tmp_path: Path, verb: str, option: str
 ):
-    """It stays, and the result is not lost; with --force it is replaced."""
+    """It stays, and the result is not lost."""
     target = tmp_path / "out.json"
     with at_call("fsync", lambda _: target.write_text("theirs")):
-        answer = command(*words(verb, drifted_scene), option, target, *(["--force"] if force else []))
-    if force:
-        assert (answer.code, answer.err) == (0, "")
-        assert "theirs" not in target.read_text(encoding="utf-8")
-        return
+        answer = command(*words(verb, drifted_scene), option, target)
     assert (answer.code, target.read_text()) == (2, "theirs")
     assert "the file exists already" in answer.err
     assert MEANWHILE[verb, option] in answer.out
@@ -249,11 +243,12 @@ def test_one_that_fails_costs_no_other(command, drifted_scene: Path, tmp_path: P
 RUN = [sys.executable, "-m", "stereorecal"]
 
 
+@pytest.mark.slow(after=4)
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no full device")
 @pytest.mark.parametrize(
     ("streams", "code"),
-    [("<&- >&-", 0), ("2>&-", 0), (">&0", 0), ("2>&0", 0), (">/dev/full", 2), ("2>/dev/full", 0)],
-    ids=["stdout is closed", "stderr is closed", "| head", "2>&1 | head", "stdout is full", "stderr is full"],
+    [("<&- >&-", 0), ("2>&-", 0), (">&0", 0), (">/dev/full", 2), ("2>&0", 0), ("2>/dev/full", 0)],
+    ids=["stdout is closed", "stderr is closed", "| head", "stdout is full", "2>&1 | head", "stderr is full"],
 )
 def test_streams_that_take_nothing(folder: Path, tmp_path: Path, streams: str, code: int):
     """The work is done and the file is written all the same; a disk that is full is said."""

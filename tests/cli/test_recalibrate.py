@@ -136,19 +136,6 @@ def test_the_calibration_of_one_recording_is_written(command, drifted_scene: Pat
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_calibration_in_use_is_replaced_with_force_only(command, drifted_scene: Path, tmp_path: Path):
-    folder = Path(shutil.copytree(drifted_scene, tmp_path / "scene"))
-    old, before = (folder / "calib.json").read_bytes(), load_scene(folder)
-    words = ("recalibrate", folder, *COUNT, "--output", folder / "calib.json")
-    command(*words).refuses("calib.json: the file exists already; choose another or add --force")
-    assert (folder / "calib.json").read_bytes() == old
-    assert command(*words, "--force").code == 0
-    assert (folder / "calib.json.bak").read_bytes() == old
-    after = load_scene(folder)
-    assert after.info == before.info
-    assert np.abs(after.rig.extrinsics - before.rig.extrinsics).max() > np.radians(0.1)
-
-
 @pytest.mark.parametrize(
     ("join", "words", "said"),
     [
