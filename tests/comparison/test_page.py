@@ -185,20 +185,18 @@ def test_data_profiles(table: Comparison):
         assert np.all(np.diff(curve.score[1]) >= 0.0)
 
 
-def test_curves_of_a_strategy_that_spends_nothing(scene):
-    """It is level from the start at what it ended with, over a range that can be seen; and the page says so."""
-    pytest.importorskip("stereorecal_features", reason="the plug-in is not installed")
-    chosen = {"features": strategy("features")}
-    small = {"matcher": SAD(num_disparities=48), "draws": 1, "scale": 0.5}
-    comparison = compare_scenes([scene("harbour", 0, (320, 240))], strategies=chosen, **small)
-    [curve], [trial] = comparison.data_profile(), comparison.trials
-    assert trial.cost == 0.0
+def test_curves_of_a_strategy_that_spends_nothing(table: Comparison):
+    """As one that works on the images: it is level from the start at what it ended with, over a range that can be seen;
+    and the page says so."""
+    course = {"score": [10.0, 30.0], "rotation_error_deg": [0.4, 0.1], "axes_deg": [[0.4, 0.0, 0.0], [0.1, 0.0, 0.0]]}
+    trial = replace(table.trials[0], cost=0.0, course={"cost": [0.0, 0.0], **course})
+    comparison = replace(table, trials=(trial,))
+    [curve] = comparison.data_profile()
     assert (curve.cost[0], curve.cost[-1]) == (0.0, 1.0)
     assert curve.score is not None
-    assert np.all(curve.score == trial.score_at["100"])
-    assert trial.score_at["100"] > trial.course["score"][0]
+    assert np.all(curve.score == 30.0)
     page = comparison_page(comparison.as_dict(), [json_data(asdict(curve))])
-    assert any("features, no units spent" in entry for entry in Reader(page).texts["li"])
+    assert any("compass, no units spent" in entry for entry in Reader(page).texts["li"])
     assert "level where its trials have ended" in " ".join(Reader(page).texts["p"])
 
 

@@ -5,11 +5,9 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from parts_of_repairs import Cause, RowResiduals, misfit
 
 import stereorecal as sr
-from stereorecal.recalibration import tile_medians
 
 PER_TILE, FOCAL = 20, 500.0
 COLUMN, ROW = np.meshgrid(np.arange(8), np.arange(6))
@@ -90,13 +88,3 @@ def test_a_shutter_that_rolls_replaces_no_calibration(scene, kind):
     x, y = np.meshgrid(np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32))
     right = cv2.remap(pair.right, x, y + 3.0 * y / height, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REFLECT)
     assert not sr.recalibrate(true.rig, sr.Pair(pair.left, right)).accepted
-
-
-@settings(max_examples=25)
-@given(seed=st.integers(0, 999))
-def test_medians_are_those_of_numpy_tile_by_tile(seed):
-    rng = np.random.default_rng(seed)
-    tile = rng.choice(rng.integers(0, 60, 9), 400)
-    differences = rng.normal(0, 1, len(tile)).round(1)
-    expected = [np.median(np.abs(differences[tile == one])) for one in np.unique(tile)]
-    np.testing.assert_array_equal(tile_medians(differences, tile), expected)

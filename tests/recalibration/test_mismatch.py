@@ -164,7 +164,7 @@ def test_k_of_another_size_of_a_real_rig(data_dir: Path, look, size, ratio):
     assert not any(word in str(said) for word in ("rows differ", "misfit", "not determined")), "of chance matches"
 
 
-@pytest.mark.slow(after=1)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "seed", "ratio", "degrees"),
     [("street", 0, 2.0, 2.5), ("street", 1, 1.5, 1.0), ("harbour", 0, 1.5, 2.5), ("harbour", 1, 0.5, 1.0)],
