@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -59,6 +60,7 @@ def imports_in(code: str, package: str) -> Iterator[str]:
             yield from (f"{module}.{alias.name}" for alias in node.names)
 
 
+@cache
 def imports_of(path: Path) -> list[str]:
     package = ".".join(path.relative_to(path.parents[len(path.parts) - len(ROOT.parts) - 2]).parts[:-1])
     return list(imports_in(path.read_text(), package))

@@ -36,6 +36,8 @@ def test_a_loaded_state_goes_on(ride: Ride, ridden: list[Stepped], tmp_path: Pat
         state, events = step(state, pair)
         again, _ = step(again, pair)
         kinds += [event.kind for event in events]
+        if Kind.REPAIRED in kinds:
+            break
     assert Kind.REPAIRED in kinds
     assert content(state, tmp_path) == content(again, tmp_path)
 
