@@ -1,9 +1,8 @@
 """Plug-ins that crash, and small scene folders to spoil."""
 
 import shutil
-import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,21 +14,12 @@ from spoiled import turned
 
 from stereorecal.io import save_scene
 from stereorecal.recordings import Scene
-from stereorecal.strategies import AbstractStrategy
-
-
-@dataclass(frozen=True)
-class Crashing(AbstractStrategy):
-    def run(self, objective, start, seed):
-        raise KeyError("a bug")
 
 
 @pytest.fixture
-def crashing(nothing_installed, install, monkeypatch: pytest.MonkeyPatch) -> None:
+def crashing(nothing_installed, install) -> None:
     """A strategy "crashing" beside compass, and no other."""
-    plugins = {"compass": "stereorecal_compass:Compass", "crashing": f"{__name__}:Crashing"}
-    install("stereorecal.strategies", plugins)
-    monkeypatch.setitem(sys.modules, __name__, sys.modules[Crashing.__module__])
+    install("stereorecal.strategies", {"compass": "stereorecal_compass:Compass", "crashing": "moody:Crashing"})
 
 
 @pytest.fixture

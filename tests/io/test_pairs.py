@@ -12,19 +12,14 @@ import cv2
 import numpy as np
 import pytest
 from refusals import refused
+from trees import SIZE, texture
 
 from stereorecal import InputError
 from stereorecal.io import load_pair, load_rig
 from stereorecal.io.images import _image_files
 from stereorecal.io.images._image_files import check_header
 
-SIZE = (24, 16)
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)
-
-
-def texture(seed: int, size: tuple[int, int] = SIZE, dtype: type = np.uint8) -> np.ndarray:
-    rng = np.random.default_rng(seed)
-    return rng.integers(0, np.iinfo(dtype).max, size[::-1], dtype=dtype, endpoint=True)
 
 
 def write(path: Path, image: np.ndarray) -> Path:
@@ -74,7 +69,7 @@ def test_channel_order_is_that_of_opencv(tmp_path: Path, right: Path, suffix: st
     ("suffix", "dtype"), [("png", np.uint16), ("tif", np.uint16), ("pgm", np.uint16), ("tif", np.float32)]
 )
 def test_wider_images_stay_wide_and_are_scaled_alike(tmp_path: Path, suffix: str, dtype: type):
-    left = texture(0, dtype=np.uint16)
+    left = texture(0).astype(np.uint16) * 257
     sides = [(image / (65535 if dtype is np.float32 else 1)).astype(dtype) for image in (left, left // 2)]
     pair = load_pair(*(write(tmp_path / f"{i}.{suffix}", image) for i, image in enumerate(sides)))
     np.testing.assert_allclose(pair.left, left * (255.0 / left.max()), rtol=1e-5)
@@ -168,7 +163,7 @@ def test_images_without_content(tmp_path: Path, right: Path):
 
 def test_images_that_do_not_go_together(tmp_path: Path, right: Path, monkeypatch: pytest.MonkeyPatch):
     """The files are blamed, by name: not the calibration that they are checked against."""
-    deep = write(tmp_path / "deep.png", texture(0, dtype=np.uint16))
+    deep = write(tmp_path / "deep.png", texture(0).astype(np.uint16))
     with pytest.raises(InputError, match=r"deep\.png.*uint16.*uint8"):
         load_pair(deep, right)
     wide = write(tmp_path / "wide.png", texture(0, (25, 16)))

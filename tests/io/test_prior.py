@@ -78,10 +78,9 @@ def test_a_rig_as_data_is_the_rig(angles, shift, k1):
 
 
 @pytest.mark.parametrize("name", FORMS)
-@pytest.mark.parametrize("numbers", [(0.1, -2e-17), (5e-324, 1e300)])
-def test_it_comes_back_from_every_format(tmp_path: Path, name: str, numbers):
+def test_it_comes_back_from_every_format(tmp_path: Path, name: str):
     """Of the calibration that it was written with, and of no other."""
-    known, (path, *_) = Known(RIG, numbers), places(tmp_path, name)
+    known, (path, *_) = Known(RIG, (0.1, -2e-17, 5e-324, 1e300)), places(tmp_path, name)
     save_rig(RIG, places(tmp_path, name), format=name)
     assert len(list(tmp_path.iterdir())) == len(FORMS[name])
     assert content(load_rig(tmp_path, unit="m")) is None

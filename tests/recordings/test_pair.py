@@ -6,16 +6,11 @@ import cv2
 import numpy as np
 import pytest
 from refusals import refused
+from trees import SIZE, texture
 
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.recordings import Pair, check_pairs, make_pair
-
-SIZE = (24, 16)
-
-
-def texture(seed: int, size: tuple[int, int] = SIZE) -> np.ndarray:
-    return np.random.default_rng(seed).integers(0, 255, size[::-1], dtype=np.uint8, endpoint=True)
 
 
 def colour(seed: int) -> np.ndarray:
