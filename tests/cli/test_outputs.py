@@ -115,7 +115,7 @@ def test_no_earlier_copy_is_replaced(tmp_path: Path):
     assert [(tmp_path / f"calib.json.bak{number}").read_text() for number in ("", "2")] == ["first", "second"]
 
 
-@pytest.mark.parametrize(("verb", "option"), OPTIONS)
+@pytest.mark.parametrize(("verb", "option"), [*OPTIONS, ("recalibrate", "--html")])
 def test_another_file_is_replaced_with_force_only(
     command, folder: Path, tmp_path: Path, verb: str, option: str, moody_matcher
 ):
