@@ -1,5 +1,5 @@
-"""Commands that are interrupted: a strategy that sleeps, or is interrupted, once it has run a few times; and processes
-that meet signals as those of a terminal do."""
+"""Commands that are interrupted: a strategy that sleeps once it has run; and processes that meet signals as those of a
+terminal do."""
 
 import os
 import subprocess
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-# The first runs end at once, as many as SLOW_RUNS says; the next sleeps, or raises Ctrl-C if SLOW_RAISES is set.
+# The first run ends at once; the next sleeps.
 SLOW = """
 import os, time
 from dataclasses import dataclass
@@ -23,9 +23,7 @@ class Slow(AbstractStrategy):
     def run(self, objective, start, seed):
         objective.value(start)
         runs.append(seed)
-        if len(runs) > int(os.environ["SLOW_RUNS"]):
-            if "SLOW_RAISES" in os.environ:
-                raise KeyboardInterrupt
+        if len(runs) > 1:
             Path(os.environ["SLOW_STARTED"]).touch()
             time.sleep(600)
         return Outcome(start, Status.CONVERGED)
@@ -42,7 +40,7 @@ os.execv(sys.executable, [sys.executable, *sys.argv[1:]])
 """
 
 
-def plant(site: Path, runs: int) -> dict[str, str]:
+def plant(site: Path) -> dict[str, str]:
     """Install the strategy "slow" in a folder; the environment in which it is found."""
     info = site / "slow-1.0.dist-info"
     info.mkdir(parents=True)
@@ -50,7 +48,7 @@ def plant(site: Path, runs: int) -> dict[str, str]:
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: slow\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[stereorecal.strategies]\nslow = slow_strategy:Slow\n")
     path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
-    return {"PYTHONPATH": path, "SLOW_STARTED": str(site / "started"), "SLOW_RUNS": str(runs)}
+    return {"PYTHONPATH": path, "SLOW_STARTED": str(site / "started")}
 
 
 def terminal(*words: object) -> list[str]:

@@ -9,24 +9,6 @@ from pathlib import Path
 
 import pytest
 
-SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
-
-
-def test_an_interrupted_comparison_is_written(command, clean_scene: Path, tmp_path: Path, moody):
-    def interrupted(run):
-        if run == 2:
-            raise KeyboardInterrupt
-
-    moody(interrupted)
-    words = ("--scene", clean_scene, *SMALL, "--strategies", "moody")
-    answer = command("compare", *words, "--html", tmp_path / "out.html", "--json", tmp_path / "out.json")
-    assert answer.code == 130
-    assert "moody" in answer.out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.html", "out.json"]
-    page = (tmp_path / "out.html").read_text(encoding="utf-8")
-    assert "1 trial was finished of 2." in page
-    assert page.rstrip().endswith("</html>")
-
 
 @pytest.mark.parametrize(
     ("words", "said"),

@@ -3,12 +3,11 @@
 import json
 import os
 import signal
-import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from machine import raising
 from slow import plant, sleeping
 
 SLOWLY = ("--schedule", "count:slow")
@@ -16,14 +15,14 @@ SLOWLY = ("--schedule", "count:slow")
 
 @pytest.fixture
 def planted(tmp_path: Path) -> dict[str, str]:
-    return plant(tmp_path / "site", runs=1)
+    return plant(tmp_path / "site")
 
 
 def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scene: Path, tmp_path: Path):
     """On the disk before the signal already, so that kill -9 would leave it; and printed after it."""
-    target = tmp_path / "out.json"
+    target, page = tmp_path / "out.json", tmp_path / "out.html"
     words = ["compare", "--scene", clean_scene, "--scale", "0.5", "--draws", "3", "--strategies", "slow"]
-    with sleeping(planted, *words, "--json", target) as process:
+    with sleeping(planted, *words, "--json", target, "--html", page) as process:
         before = json.loads(target.read_text())
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=120)
@@ -34,6 +33,7 @@ def test_a_comparison_keeps_what_is_finished(planted: dict[str, str], clean_scen
         assert content["interrupted"] is True
         assert [(trial["draw"], trial["status"]) for trial in content["trials"]] == [(0, "CONVERGED")]
         assert content["versions"]["strategy slow"] == "slow 1.0"
+    assert "1 trial was finished of 3." in page.read_text(encoding="utf-8")
 
 
 def test_recordings_that_are_finished_are_kept(
@@ -66,26 +66,9 @@ def test_worker_processes_leave_nothing_to_complain_of(planted: dict[str, str], 
     assert err.count("\n") == 1
 
 
-# --- in this process: the strategy itself is interrupted -----------------------------------------------------
-
-
-@pytest.fixture
-def raising(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
-    """raising(runs): the strategy is interrupted after so many runs."""
-
-    def install(runs: int) -> None:
-        for name, value in plant(tmp_path / "here", runs).items():
-            monkeypatch.setenv(name, value)
-        monkeypatch.setenv("SLOW_RAISES", "1")
-        monkeypatch.syspath_prepend(tmp_path / "here")
-        monkeypatch.delitem(sys.modules, "slow_strategy", raising=False)
-
-    return install
-
-
-def test_nothing_is_written_when_nothing_is_finished(command, raising, drifted_scene: Path, tmp_path: Path):
-    raising(0)
+def test_nothing_is_written_when_nothing_is_finished(command, moody, drifted_scene: Path, tmp_path: Path):
+    moody(raising(KeyboardInterrupt))
     places = ("--json", tmp_path / "out.json", "--output", tmp_path / "repaired.json")
-    answer = command("recalibrate", drifted_scene, *SLOWLY, *places)
+    answer = command("recalibrate", drifted_scene, "--schedule", "count:moody", *places)
     assert (answer.code, answer.out, "interrupted" in answer.err) == (130, "", True)
     assert not any(path.exists() for path in places[1::2])
