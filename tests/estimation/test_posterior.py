@@ -30,7 +30,6 @@ def test_moments_are_those_of_many_samples():
     )
 
 
-@settings(max_examples=30)
 @given(seed=st.integers(0, 999), rank=st.integers(0, 4))
 def test_samples_of_singular_covariances(seed, rank):
     """Those of the identity, turned and scaled: they say by which root of the covariance."""
@@ -52,7 +51,6 @@ def many(seed: int, number: int = 60) -> Mixture:
     return Mixture(weights, means * exact * UNITS, covariances * np.outer(UNITS, UNITS))
 
 
-@settings(max_examples=20)
 @given(seed=st.integers(0, 999), most=st.integers(1, 70))
 def test_explanations_that_become_one_keep_mean_and_covariance(seed, most):
     whole = many(seed)

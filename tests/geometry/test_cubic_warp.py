@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import example, given, settings, strategies as st
+from hypothesis import example, given, strategies as st
 from scipy.ndimage import map_coordinates
 
 from stereorecal.geometry import cubic_warp
@@ -47,7 +47,6 @@ def test_oracle(seed):
     np.testing.assert_allclose(found, oracle(noise(seed), coordinates), atol=1e-2)
 
 
-@settings(max_examples=50)
 @given(st.tuples(*[coefficient] * 16), inner)
 @example((0,) * 15 + (1.0,), (BORDER, BORDER))
 @example((0,) * 15 + (1.0,), (WIDTH - 1 - BORDER, HEIGHT - 1 - BORDER))

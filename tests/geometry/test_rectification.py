@@ -194,7 +194,6 @@ def reference_warp(image: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
 
 
 @given(st.lists(st.tuples(st.floats(-3, 12, width=32), st.floats(-3, 9, width=32)), min_size=1, max_size=20))
-@settings(max_examples=50)
 def test_mapped_area_is_what_lies_inside(points: list[tuple[float, float]]):
     size = (9, 6)
     points = [*points, (0.0, 0.0), (8.0, 5.0), (-1.0, -1.0), (8.0, 5.0001), (-1e-6, 2.0)]

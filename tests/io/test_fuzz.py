@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from damage import damaged
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from refusals import refused
 
 from stereorecal import InputError
@@ -92,7 +92,6 @@ def refused_or_read(read, *paths: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
-@settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), format=st.sampled_from(sorted(FORMATS)))
 def test_damaged_calibrations(good, tmp_path_factory, seed: int, format: str):
     path = tmp_path_factory.mktemp("bad") / FORMATS[format]
@@ -113,7 +112,6 @@ OTHERS = [None, 5, "word", "", [], [1, 2], [[1], [2, 3]], {}, {"a": 1}, {"rows":
 
 @pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
 @pytest.mark.parametrize("format", sorted({*FORMATS} - {"kitti-raw", "opencv"}))
-@settings(max_examples=20, deadline=None)
 @given(data=st.data())
 def test_values_of_other_kinds(good, tmp_path_factory, format: str, data: st.DataObject):
     """A list where there should be keys, a word for a number, numbers without a key: nothing escapes but a sentence."""
@@ -134,7 +132,6 @@ SIGNS = "{}[]<>/=:,-&*!|%#?\"' \n\t01.aö"
 
 
 @pytest.mark.filterwarnings("ignore::stereorecal._errors.CalibrationWarning")
-@settings(max_examples=60, deadline=None)
 @given(
     data=st.binary(max_size=400) | st.text(SIGNS, max_size=400).map(str.encode), ending=st.sampled_from(sorted(NESTED))
 )
@@ -144,7 +141,6 @@ def test_any_bytes(tmp_path_factory, data: bytes, ending: str):
     refused_or_read(load_rig, path)
 
 
-@settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), ending=st.sampled_from([".png", ".jpg", ".tif", ".bmp", ".pgm", ".webp"]))
 def test_damaged_images(tmp_path_factory, seed: int, ending: str):
     random, folder = np.random.default_rng(seed), tmp_path_factory.mktemp("images")
@@ -155,7 +151,6 @@ def test_damaged_images(tmp_path_factory, seed: int, ending: str):
     refused_or_read(load_pair, left, right)
 
 
-@settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_damaged_tables(tmp_path_factory, seed: int):
     path = tmp_path_factory.mktemp("tables") / "ranges.csv"

@@ -121,7 +121,7 @@ def test_names_that_repeat_in_many_folders_pair_by_folder(tmp_path: Path):
         ("{:08d}L", "{:08d}R"),
     ],
 )
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(lost=st.lists(st.sets(st.integers(1, 12), max_size=3), min_size=2, max_size=2))
 def test_frames_pair_by_the_numbers_that_vary(linked, left: str, right: str, lost: list[set[int]]):
     kept = [[number for number in range(1, 13) if number not in one] for one in lost]
@@ -153,7 +153,6 @@ def test_what_tells_the_frame_among_several_parts(linked, left: list[str], right
     assert sorted(partners(load_pairs(*linked(*sides)))) == sorted(zip(*sides, strict=True))
 
 
-@settings(max_examples=30)
 @given(kept=st.sets(st.integers(0, 11), min_size=1))
 def test_each_file_gets_its_own_partner_and_a_warning_names_the_others(linked, kept: set[int]):
     left, right = [f"{i}.png" for i in sorted(kept)], [f"{i}.png" for i in range(12)]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from machine import full_disk
 from refusals import refused
 
@@ -62,7 +62,6 @@ def content(rig: StereoRig):
     return None if stored is None else stored.content
 
 
-@settings(max_examples=25)
 @given(
     angles=st.tuples(*[st.floats(-0.5, 0.5)] * 3),
     shift=st.tuples(st.floats(-2.0, -0.01), st.floats(-0.009, 0.009), st.floats(-0.009, 0.009)),

@@ -2,7 +2,7 @@
 
 import pytest
 import yaml
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from stereorecal import InputError
 from stereorecal.io.formats.text import _yaml
@@ -66,7 +66,6 @@ def test_what_cannot_be_told_apart_is_refused():
     assert parsed("a: 1\na: 1\nb: x\nb: y\n") == {"a": 1, "b": "y"}  # the same, or words
 
 
-@settings(max_examples=50)
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=5), st.text("aö€\U0001f600 ", max_size=8))
 def test_both_change_the_same(values, word):
     text, after = f"# {word}\nw: '{word}'\na: {[0.0] * len(values)}\n", []

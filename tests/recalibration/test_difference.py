@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from stereorecal import Difference, InputError, difference
 from stereorecal.geometry import Camera, StereoRig, axis_errors, view
@@ -35,7 +35,6 @@ def numbers(found: Difference) -> np.ndarray:
 
 
 @given(rigs)
-@settings(max_examples=30)
 def test_nothing_between_a_rig_and_itself(given_rig):
     found = difference(given_rig, given_rig)
     assert (numbers(found) == 0).all()
@@ -47,7 +46,6 @@ def test_nothing_between_a_rig_and_itself(given_rig):
 
 
 @given(rigs, rigs)
-@settings(max_examples=30)
 def test_there_and_back(one, other):
     there, back = difference(one, other), difference(other, one)
     np.testing.assert_array_equal(numbers(there), -numbers(back))

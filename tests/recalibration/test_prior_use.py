@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from parts_of_repairs import fingerprint, prior_use
 
 import stereorecal as sr
@@ -47,7 +47,6 @@ def test_a_fingerprint_is_of_the_pixels():
     assert fingerprint(one) == fingerprint(strided)
 
 
-@settings(max_examples=50)
 @given(
     used=st.sets(st.integers(0, 5)),
     before=st.sets(st.integers(0, 5)),

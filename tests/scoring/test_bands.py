@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures import SAD_48
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 import stereorecal as sr
 from stereorecal import InputError
@@ -20,7 +20,6 @@ def prepared(scene):
     return prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
 
 
-@settings(max_examples=30)
 @given(share=st.floats(0.001, 1.0))
 def test_bands_are_apart_inside_and_of_the_share_that_was_asked_for(prepared, share):
     parts = bands(prepared, share)

@@ -100,7 +100,6 @@ def told_by(matcher: Reading, numbered: ScoringData, cores: int) -> np.ndarray:
     return np.stack([first, last])
 
 
-@settings(max_examples=40)
 @given(reach=st.integers(0, 40), cores=st.integers(1, 64), block_size=st.sampled_from([3, 11, 31]))
 def test_every_row_is_matched_once_and_with_its_halo(numbered, reach, cores, block_size):
     first, last = told_by(Reading(reach=reach, block_size=block_size), numbered, cores)
