@@ -44,6 +44,7 @@ from stereorecal.estimation._outlines import (
 )
 from stereorecal.estimation._prior_choice import updated as updated
 from stereorecal.estimation._rig_parameters import within_field as within_field
+from stereorecal.matching.sad import _kernel as _kernel
 from stereorecal.online._filter import (
     DRIFT as DRIFT,
     FilterEstimate as FilterEstimate,
@@ -56,3 +57,4 @@ from stereorecal.scoring._count import _soft_area as _soft_area
 from stereorecal.scoring._rectify import Rectified as Rectified
 from stereorecal.scoring._subpixel import refine as refine
 from stereorecal.scoring.host import _survey as _survey
+from stereorecal.testing import _analytic_problems as _analytic_problems

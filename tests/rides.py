@@ -5,10 +5,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import ArrayLike
+from parts_of_estimates import FilterEstimate
 
 from stereorecal.geometry import StereoRig
 from stereorecal.online import State, Stepped
-from stereorecal.online._filter import FilterEstimate
 from stereorecal.recordings import Pair
 from stereorecal.synthetic import Knock, photographs, plan_drive
 

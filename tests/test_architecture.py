@@ -214,6 +214,15 @@ def test_plugins_import_public_names_only():
                 assert not hidden, f"{path}: {name} is private"
 
 
+def test_private_names_come_into_tests_by_two_kits():
+    kits = {"parts_of_estimates", "parts_of_repairs"}
+    for path in modules(ROOT / "tests"):
+        if path.stem not in kits and path.parent.name != "benchmarks":
+            for name in imports_of(path):
+                hidden = [part for part in name.split(".") if part.startswith("_")]
+                assert not name.startswith("stereorecal.") or not hidden, f"{path}: {name} is private"
+
+
 def tool(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", *words], cwd=ROOT, capture_output=True, text=True, check=False)
 

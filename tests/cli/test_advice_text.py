@@ -1,8 +1,8 @@
 """What to show next, in words."""
 
 import pytest
+from parts_of_repairs import away, next_step, reason, undetermined
 
-from stereorecal.cli._live_view import away, next_step, reason, undetermined
 from stereorecal.online import Advice, Showing, Undetermined
 
 ROWS = Undetermined("epipolar", 10.0, 0.612, 0.3)

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import pytest
 from distributed import LocalCluster
+from parts_of_repairs import _cluster, _load_pairs
 
-from stereorecal.cli import _cluster
 from stereorecal.comparison import compare_scenes
 from stereorecal.io import load_scene, save_scene
-from stereorecal.io.images import _load_pairs
 from stereorecal.matching import SAD
 from stereorecal.strategies import Budget, strategy
 

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from stereorecal.comparison import _trial, compare_scenes
+from parts_of_repairs import _trial
+
+from stereorecal.comparison import compare_scenes
 from stereorecal.matching import SAD
 from stereorecal.recalibration import recalibrate_case
 from stereorecal.scoring.host import Score

@@ -13,11 +13,11 @@ import pytest
 import yaml
 from damage import damaged
 from hypothesis import given, strategies as st
+from parts_of_repairs import Syntax, document
 from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.io import load_log, load_pair, load_ranges, load_rig, save_rig
-from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.synthetic import default_rig
 
 DEEP = 200_000

@@ -11,12 +11,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from parts_of_repairs import decode_image
 from refusals import refused
 
 import stereorecal as sr
 from stereorecal import CalibrationWarning, InputError
 from stereorecal.io import gather_scene, load_log, load_pair, load_rig, load_scene, open_pairs, save_rig
-from stereorecal.io.images._image_files import decode_image
 
 SMALL, LARGE = (96, 64), (144, 128)
 _LENS = np.array([-0.2, 0.05, 0.0, 0.0])

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from parts_of_repairs import image_size, number_or_word, numbers, value
 from refusals import refused
 
 from stereorecal import InputError
-from stereorecal.io.formats._numbers import image_size, numbers, value
-from stereorecal.io.formats.text._nodes import number_or_word
 
 SHAPES = [(), (2,), (3,), (4,), (9,), (-1,), (3, 3), (4, 4)]
 leaves = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.just(10**400)

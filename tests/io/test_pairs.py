@@ -11,13 +11,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from parts_of_repairs import _image_files, check_header
 from refusals import refused
 from trees import SIZE, texture
 
 from stereorecal import InputError
 from stereorecal.io import load_pair, load_rig
-from stereorecal.io.images import _image_files
-from stereorecal.io.images._image_files import check_header
 
 IMAGE = np.random.default_rng(0).integers(0, 255, (70, 81, 3), np.uint8)
 

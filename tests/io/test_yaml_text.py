@@ -3,11 +3,9 @@
 import pytest
 import yaml
 from hypothesis import given, strategies as st
+from parts_of_repairs import Syntax, _yaml, document, plain
 
 from stereorecal import InputError
-from stereorecal.io.formats.text import _yaml
-from stereorecal.io.formats.text._document import Syntax, document
-from stereorecal.io.formats.text._nodes import plain
 
 
 def parsed(text):

@@ -4,8 +4,7 @@ import sys
 from types import ModuleType
 
 import pytest
-
-from stereorecal.matching.sad import _kernel
+from parts_of_estimates import _kernel
 
 GROUP = "stereorecal.kernels"
 

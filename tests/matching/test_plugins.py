@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from parts_of_repairs import Plugin
 
 import stereorecal as sr
-from stereorecal._plugins import Plugin
 from stereorecal.matching import (
     AbstractMatcher,
     Disparity,

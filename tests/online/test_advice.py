@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from parts_of_estimates import Measurement
+from parts_of_repairs import _advice
 from rides import BEFORE
 
 from stereorecal.estimation import Normal
 from stereorecal.io import load_scene
 from stereorecal.matching import matcher
-from stereorecal.online import BAND_EDGES, PARTS, Config, Kind, State, Stepped, _advice, advice, init, step
+from stereorecal.online import BAND_EDGES, PARTS, Config, Kind, State, Stepped, advice, init, step
 from stereorecal.recalibration import DISTANCES
 from stereorecal.synthetic import default_rig
 

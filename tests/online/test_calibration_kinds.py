@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from parts_of_estimates import Measurement
+from parts_of_repairs import _calibration_kinds
 
 import stereorecal as sr
 from stereorecal.estimation import Normal, calibration_prior, rig_parameters
-from stereorecal.online import Config, State, _calibration_kinds, init
-from stereorecal.online._filter import Measurement
+from stereorecal.online import Config, State, init
 
 RIG = sr.synthetic.default_rig()
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from parts_of_repairs import _load_pairs
 
 from stereorecal import InputError
 from stereorecal.cli import main
 from stereorecal.io import files_read, load_log, load_scene, open_pairs, save_scene
-from stereorecal.io.images import _load_pairs
 from stereorecal.recalibration import chosen_frames
 from stereorecal.recordings import Pair, names_of, times_of
 from stereorecal.synthetic import default_rig, render

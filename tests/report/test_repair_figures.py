@@ -8,9 +8,16 @@ import cv2
 import numpy as np
 import pytest
 from made_up_repair import made_up, misfit
+from parts_of_repairs import (
+    _bins,
+    density,
+    expected_figure,
+    field_figures,
+    histogram_figure,
+    larger_than_expected,
+    outline,
+)
 
-from stereorecal.report._regions import larger_than_expected
-from stereorecal.report._repair_figures import _bins, density, expected_figure, field_figures, histogram_figure, outline
 from stereorecal.report.repair_report import Conclusion, Rows
 
 IMAGE = np.full((60, 80), 128.0)

@@ -3,8 +3,7 @@
 import jax
 import jax.numpy as jnp
 import pytest
-
-from stereorecal.testing import _analytic_problems as problems
+from parts_of_estimates import _analytic_problems as problems
 
 POINT = jnp.array([0.1, -0.2, 0.3], jnp.float32)
 ALONG = jnp.array([1.0, 2.0, -1.0], jnp.float32)

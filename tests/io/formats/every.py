@@ -10,12 +10,10 @@ import samples
 import yaml
 from hypothesis import strategies as st
 from lenses import WIDE_LENSES
+from parts_of_repairs import Hints, as_in_file, document, named, scaled
 
 from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io import load_rig
-from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._read_rig import as_in_file, named, scaled
-from stereorecal.io.formats.text._document import document
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 import samples
 from every import assert_same, beside, contents
+from parts_of_repairs import JSON, YAML, Format, Lens, Pose, Table, _read_rig, places
 from refusals import refused
 
 from stereorecal import UnsupportedModelError
 from stereorecal.io import load_rig, save_rig
-from stereorecal.io.formats import _read_rig
-from stereorecal.io.formats._format import JSON, YAML, Format
-from stereorecal.io.formats._table import Lens, Pose, Table, places
 
 TABLE = Table(
     size="{}/resolution",

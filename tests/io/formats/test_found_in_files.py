@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import samples
 from every import SAMPLES, as_json, as_xml, assert_same, beside
+from parts_of_repairs import document
 from refusals import refused
 
 from stereorecal.geometry import StereoRig
 from stereorecal.io import load_rig, save_rig
-from stereorecal.io.formats.text._document import document
 
 FOUR = "[-0.3, 0.1, 0.001, -0.002]"
 FIVE = "[-0.3, 0.1, 0.001, -0.002, 0.0]"
