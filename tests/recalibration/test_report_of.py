@@ -49,15 +49,18 @@ def test_all_that_repeats_a_repair(repaired, harbour):
 
 
 def test_the_pair_that_is_shown_is_matched_once(repaired, harbour, tmp_path, monkeypatch):
-    """For the page and the recordings of one command."""
-    matched, solution = [], replace(repaired)
+    """For the page and the recordings of one command; pairs that were not looked at are on the page."""
+    matched, solution = [], replace(repaired, selected=(0,))
     monkeypatch.setattr(
         "stereorecal.recalibration._repair_report.disparity",
         lambda rig, *given, **how: matched.append(rig) or sr.disparity(rig, *given, **how),
     )
     for name in ("page", "another"):
-        solution.to_html(tmp_path / f"{name}.html", harbour, name=name)
+        solution.to_html(tmp_path / f"{name}.html", [*harbour, *harbour], name=name)
     assert matched == [solution.initial, solution.candidate]
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "1 other pair</td>" in page
+    assert "1 frame was used." in page
 
 
 def test_what_was_good_speaks_of_itself(harbour):
@@ -90,13 +93,6 @@ def test_a_page_concludes_as_the_verdict_does():
         assert (conclusion_of(reason) is Conclusion.REPAIRED) == reason.accepted
         assert (conclusion_of(reason) in (Conclusion.REPAIRED, Conclusion.GOOD)) == reason.healthy
         assert (conclusion_of(reason) is Conclusion.UNKNOWN) == (reason in unknown)
-
-
-def test_pairs_that_were_not_looked_at_are_on_the_page(repaired, harbour, tmp_path):
-    replace(repaired, selected=(0,)).to_html(tmp_path / "out.html", [*harbour, *harbour])
-    page = (tmp_path / "out.html").read_text(encoding="utf-8")
-    assert "1 other pair</td>" in page
-    assert "1 frame was used." in page
 
 
 def test_rows_under_other_lenses(repaired, harbour):
