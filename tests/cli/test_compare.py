@@ -8,20 +8,6 @@ import pytest
 SMALL = ("--schedule", "count", "--draws", 2, "--scale", 0.5, "--budget", 5)
 
 
-@pytest.mark.slow
-def test_both_schedules_side_by_side(command, clean_scene: Path, tmp_path: Path):
-    page = tmp_path / "out.html"
-    answer = command("compare", "--scene", clean_scene, "--draws", 1, "--budget", 5, "--html", page)
-    assert (answer.code, answer.err) == (0, "")
-    rows = [line.split() for line in answer.out.splitlines() if line.split()[:1] in (["default"], ["count"])]
-    names = [(row[0], row[1]) for row in rows if row[1] == "compass"]
-    assert names == 2 * [("default", "compass"), ("count", "compass")]  # medians, and by the true rig
-    assert "schedule count: the paper's way" in answer.out
-    assert all(len(line) <= 120 for line in answer.out.splitlines())
-    text = page.read_text(encoding="utf-8")
-    assert "2 schedules on 1 scene" in text
-
-
 def test_intrinsics_in_the_box(command, clean_scene: Path):
     answer = command("compare", "--scene", clean_scene, *SMALL, "--free", "extrinsics,left.k1", "--json", "-")
     assert answer.code == 0

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import pytest
 from distributed import LocalCluster
-from parts_of_repairs import _cluster, _load_pairs
+from parts_of_repairs import _cluster
 
 from stereorecal.comparison import compare_scenes
-from stereorecal.io import load_scene, save_scene
 from stereorecal.matching import SAD
 from stereorecal.strategies import Budget, strategy
 
@@ -69,17 +68,6 @@ def test_a_worker_that_is_killed_costs_nothing(workers, scene, serial, deadly, t
     table = compared(workers, scene(), 6, {"search": deadly(draw=2, memory=str(memory))})
     assert memory.exists()
     assert rows(table) == serial
-
-
-@pytest.mark.slow
-def test_only_workers_read_the_images(workers, scene, serial, tmp_path, monkeypatch):
-    save_scene(scene(), tmp_path / "saved")
-    read = []
-    saved = replace(load_scene(tmp_path / "saved"), name=scene().name, rig=scene().rig, reference="truth")
-    monkeypatch.setattr(_load_pairs, "read_image", read.append)  # the scheduler lives in this process
-    found = rows(compared(workers, saved, 2, {"search": strategy("compass")}))
-    assert read == []
-    assert [row.status for row in found] == ["BUDGET", "BUDGET"]
 
 
 @pytest.mark.slow

@@ -28,17 +28,6 @@ def table(scene):
     }
 
 
-@pytest.mark.slow
-def test_the_default_schedule_brings_the_geometry_back(table):
-    [fine] = table["default"].trials
-    [coarse] = table["count"].trials
-    assert (fine.schedule, coarse.schedule) == ("default", "count")
-    assert fine.accepted
-    assert fine.reason == "improved"
-    assert max(fine.rotation_error_deg["pitch"], fine.rotation_error_deg["roll"]) < 0.01
-    assert fine.rotation_error_deg["yaw"] < coarse.rotation_error_deg["yaw"]
-
-
 def test_scores_of_several_stages_do_not_compare(table):
     assert table["default"].trials[0].score_at is None
     assert table["count"].trials[0].score_at["100"] > 0
