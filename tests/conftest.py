@@ -7,12 +7,10 @@ import shutil
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.metadata import EntryPoints
 from pathlib import Path
-from typing import Any
 
-import jax
 import jaxlib.version
 import pytest
 
@@ -124,20 +122,6 @@ def nothing_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[d
     monkeypatch.syspath_prepend(tmp_path)  # what was read of the path as it was does not count
     monkeypatch.setattr(importlib.metadata, "entry_points", of_others)
     return looks
-
-
-@pytest.fixture
-def settings_of_jax() -> Iterator[Callable[..., None]]:
-    """settings_of_jax(name=value...): for the time of a test."""
-    before: dict[str, Any] = {}
-
-    def set_up(**settings: Any) -> None:
-        for name, value in settings.items():
-            before.setdefault(name, jax.config.values[name])
-            jax.config.update(name, value)
-
-    yield set_up
-    set_up(**before)
 
 
 @pytest.fixture

@@ -6,12 +6,13 @@ import pickle
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import jax
 import pytest
 from moody import Moody
 
@@ -51,6 +52,20 @@ def scene(once: Callable[..., Any]) -> Callable[..., Scene]:
         return once(f"{kind}-{seed}-{size[0]}x{size[1]}-{frames}", lambda: render(kind, seed, rig=rig, frames=frames))
 
     return make
+
+
+@pytest.fixture
+def settings_of_jax() -> Iterator[Callable[..., None]]:
+    """settings_of_jax(name=value...): for the time of a test."""
+    before: dict[str, Any] = {}
+
+    def set_up(**settings: Any) -> None:
+        for name, value in settings.items():
+            before.setdefault(name, jax.config.values[name])
+            jax.config.update(name, value)
+
+    yield set_up
+    set_up(**before)
 
 
 @pytest.fixture

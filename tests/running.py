@@ -1,7 +1,14 @@
 """What a process has that runs tests, and does not only hand them out: checked types, and what many files share."""
 
 import pytest
-from fixtures import data_dir as data_dir, install as install, moody as moody, once as once, scene as scene
+from fixtures import (
+    data_dir as data_dir,
+    install as install,
+    moody as moody,
+    once as once,
+    scene as scene,
+    settings_of_jax as settings_of_jax,
+)
 from hypothesis import settings
 from typechecking import pytest_runtest_setup as pytest_runtest_setup, unchecked as unchecked
 
