@@ -87,7 +87,6 @@ def test_a_user_without_a_home(tmp_path: Path):
         ("score {}", "XDG_CACHE_HOME", True),
         ("diff {} {}", "XDG_CACHE_HOME", False),
         ("score {}", "JAX_COMPILATION_CACHE_DIR", True),
-        ("matchers check no", "XDG_CACHE_HOME", True),
     ],
 )
 def test_those_who_would_compile_at_every_start_are_told(tmp_path: Path, command: str, place: str, told: bool):
