@@ -1,4 +1,4 @@
-"""How long does one wait: for a command, the first repair and the next? Prints one table.
+"""How long does one wait: for an import, a command, the first repair and the next? Prints one table.
 
     python tests/benchmarks/start_up.py [--rounds N]
 
@@ -49,21 +49,40 @@ def medians(rounds: int, **commands: Callable[[], float]) -> dict[str, float]:
 
 
 def processes(rounds: int, folder: Path) -> Iterator[Figure]:
-    """Commands, beside the imports that every one of them needs."""
+    """Imports and commands."""
     recording, kept = str(folder / "recording"), str(folder / "kept")
+    command = ("-m", "stereorecal")
     subprocess.run([sys.executable, "-c", RECORDED, recording], check=True)
 
+    def code(text: str) -> Callable[[], float]:
+        return lambda: seconds("-c", text)
+
     def repair(cache: str) -> float:
-        return seconds("-m", "stereorecal", "recalibrate", recording, "--quiet", XDG_CACHE_HOME=cache)
+        return seconds(*command, "recalibrate", recording, "--quiet", XDG_CACHE_HOME=cache)
 
     def first() -> float:
         with tempfile.TemporaryDirectory() as empty:
             return repair(empty)
 
     repair(kept)
-    found = medians(rounds, floor=lambda: seconds("-c", FLOOR), cached=lambda: repair(kept))
+    found = medians(
+        rounds,
+        nothing=code("pass"),
+        floor=code(FLOOR),
+        lazy=code("import stereorecal"),
+        loaded=code("from stereorecal import SAD, health, recalibrate, io"),
+        help=lambda: seconds(*command, "--help"),
+        version=lambda: seconds(*command, "--version"),
+        strategies=lambda: seconds(*command, "strategies", XDG_CACHE_HOME=kept),
+        cached=lambda: repair(kept),
+    )
     first_of_all = medians(max(1, rounds // 3), first=first)["first"]
-    yield Figure(FLOOR, f"{found['floor']:.2f} s", "")
+    floor = found["floor"]
+    yield Figure(FLOOR, f"{floor:.2f} s", "")
+    yield Figure(f"import stereorecal / {FLOOR}", f"{found['lazy'] / floor:.2f}", "1.3")
+    yield Figure("  with all that a repair needs", f"{found['loaded'] / floor:.2f}", "1.3")
+    yield Figure("--help, --version", f"{found['help']:.2f} s, {found['version']:.2f} s", "0.5 s")
+    yield Figure("strategies", f"{found['strategies']:.2f} s", f"{floor + 0.5:.2f} s")
     yield Figure("recalibrate, programs cached", f"{found['cached']:.2f} s", "3 s")
     yield Figure("recalibrate, nothing cached", f"{first_of_all:.2f} s", "10 s")
 
