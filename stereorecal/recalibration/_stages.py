@@ -244,7 +244,9 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         if found.found < ENOUGH.matches:
             break
         before, rows = at, rows_of_groups(found, chart, at)
-        for _ in range(0 if rows is None else _REWEIGHTED):
+        for _ in range(_REWEIGHTED):
+            if rows is None:
+                break
             residuals = rows.residuals(at, chart.prior)
             if stage.strategy is None:  # costs nothing
                 at = residuals.least

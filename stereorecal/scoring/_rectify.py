@@ -38,7 +38,7 @@ class Rectified:
 Turns = Float[AnyArray, "2 3 3"]  # the rotations of both cameras into the rectified frame, float32
 
 
-def turns_of(extrinsics: Extrinsics) -> Turns:
+def turns_of(extrinsics: Extrinsics) -> Float[jax.Array, "2 3 3"]:
     """The rotations that rectify by extrinsics (translation in any unit).
 
     Pure and traceable; the same numbers as a part of a program and as one of its own, which all sizes of images share.
