@@ -154,7 +154,8 @@ def at_once() -> Callable[..., list[tuple[Answer, set[str]]]]:
     """at_once(commands...): how each answers in one process of their own, and the heavy libraries loaded till then."""
 
     def run(*commands: str) -> list[tuple[Answer, set[str]]]:
-        done = subprocess.run([sys.executable, "-c", _LOADED, *commands], capture_output=True, text=True, check=True)
+        done = subprocess.run([sys.executable, "-c", _LOADED, *commands], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
         answers = [json.loads(line) for line in done.stdout.splitlines()]
         return [(Answer(code, out, err), set(loaded)) for code, out, err, loaded in answers]
 

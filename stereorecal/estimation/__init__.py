@@ -30,7 +30,7 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
-from stereorecal.estimation._groups import PLACES as PLACES
+from stereorecal.estimation._groups import FEWEST_GROUPS as FEWEST_GROUPS, PLACES as PLACES, grouped as grouped
 from stereorecal.estimation._least_squares import (
     Each as Each,
     Fit as Fit,

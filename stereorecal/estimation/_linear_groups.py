@@ -20,7 +20,7 @@ from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
-from stereorecal.objectives import LinearResiduals, LinearRows, RigChart, linear_residuals
+from stereorecal.objectives import LinearRows, RigChart
 from stereorecal.scoring import Correspondences
 
 DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the field of a frame
@@ -162,34 +162,15 @@ class LinearGroups:
         return self.groups.deviation * np.sqrt(1.0 + (unexpected_errors / _BOUND) ** 2)
 
 
-@dataclass(frozen=True, eq=False)
-class RowsOfGroups:
-    """The mean row differences of groups, linear near a point of a chart: what a search fits between matches, where
-    nothing is asked of misfit and nuisances.
-
-    Attributes:
-        groups: near that point.
-        rows: (1, g), pixels of the images.
-    """
-
-    groups: Groups
-    rows: LinearRows
-
-    def residuals(self, z: Float[np.ndarray, "n"], prior: float) -> LinearResiduals:
-        """As `linear_residuals`, with the weights that the rig at z gives: groups that err alone have a bounded say."""
-        rows, deviation = self.rows.at(z)[0], np.hypot(self.groups.deviation, USUAL)
-        deviation = deviation * _farther(self.groups, rows / deviation)  # larger while far off
-        share = self.groups.count / self.groups.count.mean()
-        return linear_residuals(self.rows, (share / (deviation**2 + (rows / _BOUND) ** 2))[None], prior)
-
-
-def rows_of_groups(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> RowsOfGroups | None:
-    """The rows of correspondences, linear near z; None, if there are too few groups."""
-    groups = grouped(found, chart, z)
-    if len(groups) < FEWEST_GROUPS:
-        return None
-    rows, jacobian = groups.rows(chart, z)
-    return RowsOfGroups(groups, LinearRows(z, rows[None], jacobian.T[:, None]))
+def rows_of_groups(
+    groups: Groups, chart: RigChart, z: Float[np.ndarray, "n"]
+) -> tuple[LinearRows, Float[np.ndarray, "1 g"]]:
+    """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
+    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances."""
+    (rows, jacobian), deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
+    deviation = deviation * _farther(groups, rows / deviation)  # larger while far off
+    share = groups.count / groups.count.mean()
+    return LinearRows(z, rows[None], jacobian.T[:, None]), (share / (deviation**2 + (rows / _BOUND) ** 2))[None]
 
 
 def _farther(groups: Groups, away: Float[np.ndarray, "g"]) -> float:

@@ -143,11 +143,9 @@ def rectification(rig: StereoRig, view: AnyView = None) -> Rectification:
     """
     rig = checked_rig(rig)
     view = as_view(view, rig)
-    R1, R2 = (
-        np.asarray(r, float) @ turn_of(turn)
-        for r, turn in zip(rectifying_rotations(rig.rotation, rig.translation), rig.turns, strict=True)
-    )
-    found = rectifying_maps(rig.left, rig.right, rig.rotation, rig.translation, view)
+    rotations = rectifying_rotations(rig.rotation, rig.translation)
+    R1, R2 = (np.asarray(r, float) @ turn_of(turn) for r, turn in zip(rotations, rig.turns, strict=True))
+    found = rectifying_maps(rig.left, rig.right, rotations, view)
     left, right = (
         _of_image_taken(np.asarray(one, np.float32), camera.size, turn)
         for one, camera, turn in zip(found, (rig.left, rig.right), rig.turns, strict=True)

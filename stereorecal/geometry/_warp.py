@@ -1,7 +1,7 @@
 """Pixel maps, the area of a view that an image covers, and samples of an image between its pixels: bilinear, and by its
 cubic B-spline."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import jax
 import jax.numpy as jnp
@@ -10,7 +10,6 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._so3 import rectifying_rotations
 from stereorecal.geometry._view import PINHOLE, View
 from stereorecal.geometry.projections import projection as projection_of
 
@@ -60,13 +59,12 @@ def pixel_map(
 
 
 def rectifying_maps(
-    left: Camera, right: Camera, rotation: Mat3, translation: AnyArray, view: View
+    left: Camera, right: Camera, turns: Sequence[Mat3] | AnyArray, view: View
 ) -> tuple[PixelMap, PixelMap]:
-    """The pixel maps of both cameras for one set of extrinsics in one View."""
-    r1, r2 = rectifying_rotations(rotation, translation)
+    """The pixel maps of both cameras in one View, by their rotations into its frame (`rectifying_rotations`)."""
     return (
-        pixel_map(left, r1, view.matrix_left, view.size, view.projection),
-        pixel_map(right, r2, view.matrix_right, view.size, view.projection),
+        pixel_map(left, turns[0], view.matrix_left, view.size, view.projection),
+        pixel_map(right, turns[1], view.matrix_right, view.size, view.projection),
     )
 
 

@@ -38,10 +38,6 @@ class LinearRows:
     differences: Float[np.ndarray, "k m"]
     jacobian: Float[np.ndarray, "n k m"]
 
-    def at(self, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
-        """The row differences at another point."""
-        return self.differences + np.tensordot(z - self.z, self.jacobian, 1)
-
 
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
     """The row differences at a point of the unit box, in pixels of the scale of `found`; those of `linearised`."""

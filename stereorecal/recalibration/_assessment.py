@@ -1,4 +1,4 @@
-"""The assessment of matches: estimate, match again under what loses least, until that moves no more; then decide, and
+"""The assessment of matches: estimate, match again under what loses least, until that moves no rows; then decide, and
 check. The same for one look at the images through a calibration, and for the end of a search."""
 
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import match_ranges
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._stages import SETTLED, StageRun, matched, moved
+from stereorecal.recalibration._stages import SETTLED, StageRun, matched, rows_moved
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
 from stereorecal.scoring.host import refuse_swapped_images
@@ -122,7 +122,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
         estimated = (fit.weighed()[0] if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
         likely = at if last else estimated.with_free(case.free.names)
         anew = None
-        if not last and moved(found, chart, at, likely) >= SETTLED:
+        if not last and rows_moved(found, chart, at, likely) >= SETTLED:
             anew = _matched(case, run, chart, likely)
             again += 1
         if anew is not None and anew.covered >= (1.0 - ENOUGH.lost) * found.covered:

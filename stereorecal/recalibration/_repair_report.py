@@ -130,7 +130,7 @@ def report_of(
     telling = solution.reason not in SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
-        way = way_of(found, solution.path)
+        way = way_of(found, solution.path) if len(solution.path) > 2 else None  # else tables show both ends
     pair = matched[solution.used[frame] if solution.used else 0]
     expected, depths = solution.expected, ", ".join(f"{error} at {error.where}" for error in solution.depth)
     rows_said = expected and f"epipolar error {expected.rows_px:.2f} px where the images show something"

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal.decision import ENOUGH
-from stereorecal.estimation import rows_of_groups
+from stereorecal.estimation import FEWEST_GROUPS, grouped, rows_of_groups
 from stereorecal.geometry import AXES, StereoRig, same_cameras, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
@@ -22,6 +22,7 @@ from stereorecal.objectives import (
     count_objective,
     differences_at,
     epipolar_objective,
+    linear_residuals,
     reach_chart,
     rig_count_objective,
 )
@@ -33,7 +34,7 @@ from stereorecal.strategies import Budget, Run, Status, run_strategy
 
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
-SETTLED = 0.02  # pixels, median change of the row differences by a fit: rigs as near match the same
+SETTLED = 0.02  # pixels, mean change of the row differences: rigs as near match the same
 
 Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
 
@@ -243,11 +244,9 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         rounds += 1
         if found.found < ENOUGH.matches:
             break
-        before, rows = at, rows_of_groups(found, chart, at)
-        for _ in range(_REWEIGHTED):
-            if rows is None:
-                break
-            residuals = rows.residuals(at, chart.prior)
+        before, groups = at, grouped(found, chart, at)
+        for _ in range(_REWEIGHTED if len(groups) >= FEWEST_GROUPS else 0):
+            residuals = linear_residuals(*rows_of_groups(groups, chart, at), chart.prior)
             if stage.strategy is None:  # costs nothing
                 at = residuals.least
                 continue
@@ -256,19 +255,20 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
                 break
             runs.append(run_strategy(stage.strategy, epipolar_objective(residuals, allowed), at, seed))
             at, cut = runs[-1].best, runs[-1].status is Status.BUDGET
-        settled = not cut and moved(found, chart, before, at) < SETTLED
+        settled = not cut and rows_moved(found, chart, before, at) < SETTLED
         if settled or cut:
             break
     ended, cost = chart.rig_at(at), rounds * data.cost
     return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, settled, cut)
 
 
-def moved(
+def rows_moved(
     found: Correspondences, chart: RigChart, before: Float[np.ndarray, "n"], after: Float[np.ndarray, "n"]
 ) -> float:
-    """By how many pixels at full size the row differences change, in the median."""
+    """By how many pixels at full size the row differences of matches change between two points, on average: lenses may
+    move those of a part of the view alone."""
     change = differences_at(found, chart, after) - differences_at(found, chart, before)
-    return float(np.median(np.abs(change[np.asarray(found.weight) > 0]))) / float(found.scale)
+    return float(np.abs(change[np.asarray(found.weight) > 0]).mean()) / float(found.scale)
 
 
 def last_matched(stages: Sequence[StageRun]) -> StageRun | None:

@@ -125,10 +125,10 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
 
 
 def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
-    """Curves of the scores and of the row error over cost, those that have more than the ends, which tables show."""
+    """Curves of the scores and of the row error over cost, those that have more than one point."""
     found = []
     for curve in [*climbs, way]:
-        if curve is None or len(curve.cost) < 3:
+        if curve is None or len(curve.cost) < 2:  # one point is no curve
             continue
         with style(("progress", len(found), curve.label)):
             figure = Figure(figsize=(_WIDTH, 2.5), layout="constrained")

@@ -16,7 +16,7 @@ from stereorecal.geometry import (
     StereoRig,
     bilinear_warp,
     mapped_area,
-    pixel_map,
+    rectifying_maps,
     rectifying_rotations,
     rotation_from_euler,
 )
@@ -41,7 +41,8 @@ Turns = Float[AnyArray, "2 3 3"]  # the rotations of both cameras into the recti
 def turns_of(extrinsics: Extrinsics) -> Float[jax.Array, "2 3 3"]:
     """The rotations that rectify by extrinsics (translation in any unit).
 
-    Pure and traceable; the same numbers as a part of a program and as one of its own, which all sizes of images share.
+    Pure and traceable; compiled, it has the same numbers as a part of a program and as one of its own, which all sizes
+    of images share.
     """
     extrinsics = jax.lax.optimization_barrier(jnp.asarray(extrinsics, jnp.float32))
     turns = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
@@ -58,8 +59,7 @@ def rectify_frames(data: ScoringData, turns: Turns, use, area=mapped_area, warp=
     # closes over the turns, XLA would warp and match while it compiles.
     numbers = (turns, data.left_camera, data.right_camera, data.view)
     turns, left, right, view = jax.lax.optimization_barrier(numbers)
-    sides = zip((left, right), turns, (view.matrix_left, view.matrix_right), strict=True)
-    maps = [pixel_map(camera, turn, matrix, view.size, view.projection) for camera, turn, matrix in sides]
+    maps = rectifying_maps(left, right, turns, view)
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 

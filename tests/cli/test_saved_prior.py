@@ -52,6 +52,18 @@ def test_the_second_call_begins_with_it(command, drifted_scene: Path, drifted, s
     assert path.read_bytes() == before
 
 
+def test_a_damaged_file(command, sides, drifted, tmp_path: Path):
+    repaired, beside = tmp_path / "calib.yaml", tmp_path / "calib.yaml.prior.json"
+    assert command("recalibrate", *drifted, *COUNT, "--output", repaired).code == 0
+    beside.write_text("{")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    answer, _ = again(command, sides, repaired, *COUNT, "--output", repaired, "--force")
+    answer.refuses(f"{beside}: ")
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    answer, _ = again(command, sides, repaired, *COUNT, "--prior", "default")
+    assert answer.code in (0, 1)
+
+
 def test_both_old_ones_are_kept(command, sides, drifted_scene: Path, drifted, tmp_path: Path):
     """Repaired quickly, by the count: depth is then not known."""
     repaired, beside = tmp_path / "calib.yaml", tmp_path / "calib.yaml.prior.json"

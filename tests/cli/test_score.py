@@ -56,9 +56,11 @@ def test_healthy(command, clean_scene: Path, tmp_path: Path):
     assert (said["frames"], said["image_size"]) == (1, list(SIZE))
 
 
-def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, moody_matcher):
+@pytest.mark.parametrize("finished", [0, 1])
+def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: Path, moody_matcher, finished: int):
     searches = moody_matcher()
-    command("score", clean_scene, "--matcher", "moody", "--quiet")
+    if finished:
+        command("score", clean_scene, "--matcher", "moody", "--quiet")
     before = len(searches)
 
     def interrupt(search: int) -> None:
@@ -69,11 +71,12 @@ def test_interrupted(command, clean_scene: Path, drifted_scene: Path, tmp_path: 
     target = tmp_path / "out.json"
     answer = command("score", clean_scene, drifted_scene, "--matcher", "moody", "--json", target)
     assert answer.code == 130
-    assert "interrupted; 1 of 2 recordings were finished" in answer.err
-    assert "Good" in answer.out
-    content = json.loads(target.read_text())
-    assert content["interrupted"] is True
-    assert [scene["healthy"] for scene in content["scenes"]] == [True]
+    assert f"interrupted; {finished} of 2 recordings were finished" in answer.err
+    assert target.exists() == ("Good" in answer.out) == bool(finished)
+    if finished:
+        content = json.loads(target.read_text())
+        assert content["interrupted"] is True
+        assert [scene["healthy"] for scene in content["scenes"]] == [True]
 
 
 def test_tolerances_are_taken_and_told(command, drifted_scene: Path):

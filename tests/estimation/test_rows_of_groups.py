@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stereorecal.estimation import normal_of_pair, rig_parameters, rows_of_groups
-from stereorecal.objectives import Reach, row_chart
+from stereorecal.estimation import grouped, normal_of_pair, rig_parameters, rows_of_groups
+from stereorecal.objectives import Reach, linear_residuals, row_chart
 
 
 @pytest.fixture
@@ -15,8 +15,9 @@ def box(rig):
 
 
 def solved(found, box, at, times=3):
+    groups = grouped(found, box, at)
     for _ in range(times):
-        at = rows_of_groups(found, box, at).residuals(at, 1e3).least
+        at = linear_residuals(*rows_of_groups(groups, box, at), 1e3).least
     return at
 
 
@@ -33,7 +34,7 @@ def test_the_rig_that_saw_is_found_again(rig, box, seen, degrees):
 def test_of_nothing_there_is_nothing(rig, box, seen):
     found = seen(rig, rig)
     nothing = replace(found, weight=0.0 * np.asarray(found.weight))
-    assert rows_of_groups(nothing, box, np.zeros(5)) is None
+    assert len(grouped(nothing, box, np.zeros(5))) == 0
     chart = rig_parameters(rig)
     assert normal_of_pair(nothing, chart, *looked(chart)) is None
 

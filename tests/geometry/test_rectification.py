@@ -169,7 +169,9 @@ def test_warp_is_that_of_opencv(count: int):
     stereo = rig(np.array([0.05, -0.08, 0.1, -0.12, 0.01, -0.01]), count)
     image = np.random.default_rng(count).uniform(0, 255, SIZE[::-1]).astype(np.float32)
     image = cv2.GaussianBlur(image, (0, 0), 1.0)
-    for coordinates in maps_between(stereo.left, stereo.right, stereo.rotation, stereo.translation, view(stereo)):
+    for coordinates in maps_between(
+        stereo.left, stereo.right, rectifying_rotations(stereo.rotation, stereo.translation), view(stereo)
+    ):
         assert not np.asarray(mapped_area(coordinates, SIZE)).all()  # the border is part of the test
         expected = warped_by_opencv(image, np.asarray(coordinates))
         # OpenCV rounds coordinates to 1/32 pixel.
@@ -209,7 +211,7 @@ VIEW = view(SCENE)
 
 def maps_of(values):
     rotation = rotation_from_euler(values[:3])
-    return jnp.stack(rectifying_maps(SCENE.left, SCENE.right, rotation, values[3:], VIEW))
+    return jnp.stack(rectifying_maps(SCENE.left, SCENE.right, rectifying_rotations(rotation, values[3:]), VIEW))
 
 
 INNER = np.s_[:, :, 25:-25:6, 25:-25:6]  # away from the border, where the warp has a kink

@@ -53,6 +53,12 @@ def test_one_file_has_one_size(tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_cannot_be_written_leaves_nothing(tmp_path: Path):
+    refused(lambda: save_rig(RIG, tmp_path / "c.json", {"a": float("nan")}), "finite")
+    refused(lambda: save_rig(RIG, tmp_path / "missing" / "c.json"), "cannot be written")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_file_without_a_calibration_is_no_rig(tmp_path: Path):
     path = tmp_path / "c.json"
     path.write_text(json.dumps({"image_size": [4, 4], "K_left": None, "K_right": None}))

@@ -92,13 +92,14 @@ def test_images_of_few_grey_levels_are_not_called_good(scene):
 
 
 def test_what_is_noticed_names_axes(scene):
-    """Where nothing is, one axis is named: the first."""
+    """Where nothing is, one axis is named: the first. What is matched does not depend on it."""
     shown = scene("harbour", 0, (320, 240))
     off = shown.rig.with_extrinsics(shown.rig.extrinsics + np.radians([-0.3, 0.1, 0.2, 0.0, 0.0, 0.0]))
     named = []
     for tolerances in (None, {"rows_px": 1e-6}, {"rows_px": 1e6, "depth_points": 1e6}):
         found = recalibrate(off, shown.pairs, matcher=SAD_48, tolerances=tolerances, prior="exact")
         named.append(len(found.main_axes))
+        assert found.cost.judging == pytest.approx(2.0)
     assert named[1:] == [5, 1]
     assert 1 <= named[0] < 5
 

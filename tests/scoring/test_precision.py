@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stereorecal as sr
-from stereorecal.geometry import rectifying_maps, rotation_from_euler, with_unit_baseline
+from stereorecal.geometry import rectifying_maps, rectifying_rotations, rotation_from_euler, with_unit_baseline
 from stereorecal.objectives import Chart
 
 MATCHER = sr.SAD(num_disparities=16)
@@ -51,7 +51,8 @@ def test_maps_and_candidates(scene):
 
     def mapped(z):
         extrinsics = Chart(with_unit_baseline(rig.extrinsics), np.full(6, 0.01), tuple(range(6))).extrinsics(z)
-        return rectifying_maps(rig.left, rig.right, rotation_from_euler(extrinsics[:3]), extrinsics[3:], view)
+        turns = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+        return rectifying_maps(rig.left, rig.right, turns, view)
 
     found = list(products(jax.make_jaxpr(mapped)(jnp.zeros(6)).jaxpr))
     assert len(found) > 5

@@ -116,12 +116,12 @@ def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyA
 
 
 def compile_in_background(data: ScoringData) -> None:
-    """Start compiling, in a thread, the programs of `correspondences` for such data apart from the match: for a new
-    image size, this takes longer than all stages before it."""
+    """Start compiling, in a thread, the programs of `correspondences` for such data, apart from turns and match: for a
+    new image size, this takes longer than all stages before it."""
     frame, (width, height) = data.frames[0], data.view.size
     nothing = Disparity(np.zeros((height, width), np.float32), np.zeros((height, width), bool))
     for program, more in ((rectified, ()), (_refined, (_of_one(nothing),))):
-        program.compile_in_background(frame, np.zeros((2, 3, 3), np.float32), *more)
+        program.compile_in_background(frame, np.stack([np.eye(3, dtype=np.float32)] * 2), *more)
 
 
 def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher) -> Correspondences:

@@ -14,7 +14,7 @@ from stereorecal.scoring._correspondences import SMALLEST_SPREAD
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import Turns, rectify_frames
 from stereorecal.scoring._subpixel import refine
-from stereorecal.scoring.host._disparities import disparities, rectifying_turns
+from stereorecal.scoring.host._disparities import disparities_at, rectifying_turns
 
 _WINDOW = 5  # pixels to each side: the size of a matcher's window
 _COVERED = 0.1  # of the window
@@ -38,13 +38,12 @@ def match_pixels(
         data: at any scale, with the cameras of `rig`.
         frames: pixels (column, row) of the left image, at full size, for each frame.
     """
-    single = with_unit_baseline(rig.extrinsics).astype(np.float32)
-    turns, found = rectifying_turns(single), []
+    turns, found = rectifying_turns(with_unit_baseline(rig.extrinsics)), []
     for frame, pixels in zip(data.frames, frames, strict=True):
         if not len(pixels):
             found.append(PixelMatches(np.zeros((0, 2)), np.zeros(0)))
             continue
-        matched = disparities(frame, single, matcher)[0]
+        matched = disparities_at(frame, turns, matcher)[0]
         offsets = _offsets(frame, turns, jax.tree.map(lambda leaf: leaf[None], matched))
         found.append(_right_pixels(data, rig, [np.asarray(field)[0] for field in offsets], pixels))
     return found
