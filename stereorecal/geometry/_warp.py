@@ -59,12 +59,12 @@ def pixel_map(
 
 
 def rectifying_maps(
-    left: Camera, right: Camera, turns: Sequence[Mat3] | AnyArray, view: View
+    left: Camera, right: Camera, rotations: Sequence[Mat3] | AnyArray, view: View
 ) -> tuple[PixelMap, PixelMap]:
     """The pixel maps of both cameras in one View, by their rotations into its frame (`rectifying_rotations`)."""
     return (
-        pixel_map(left, turns[0], view.matrix_left, view.size, view.projection),
-        pixel_map(right, turns[1], view.matrix_right, view.size, view.projection),
+        pixel_map(left, rotations[0], view.matrix_left, view.size, view.projection),
+        pixel_map(right, rotations[1], view.matrix_right, view.size, view.projection),
     )
 
 

@@ -31,12 +31,12 @@ from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
 from stereorecal.scoring._rectify import (
     Rectified,
-    Turns,
+    Rotations,
     checked_extrinsics,
     match_frame,
     pure_matcher,
     rectify_frames,
-    turns_of,
+    rotations_by,
 )
 from stereorecal.scoring._subpixel import WINDOW, refine
 
@@ -121,9 +121,9 @@ def correspondences(
 
 @partial(jax.jit, static_argnames="matcher")
 def _correspondences(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher) -> Correspondences:
-    turns = turns_of(extrinsics)
-    disparity = rectify_frames(data, turns, lambda frame: match_frame(matcher, frame))
-    return gathered(data, *refined(data, turns, disparity))
+    rotations = rotations_by(extrinsics)
+    disparity = rectify_frames(data, rotations, lambda frame: match_frame(matcher, frame))
+    return gathered(data, *refined(data, rotations, disparity))
 
 
 def gathered(
@@ -150,7 +150,7 @@ def _side(data: ScoringData) -> int:
     return max(1, round(math.sqrt(data.view.size[0] * data.view.size[1] / _CELLS)))
 
 
-def refined(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+def refined(data: ScoringData, rotations: Rotations, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Rays, left and right, and inverse variances of the cells of every frame: (k, m, 3), (k, m, 3), (k, m)."""
     view, side = data.view, _side(data)
     width, height = view.size
@@ -166,7 +166,7 @@ def refined(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Arra
         weight = jnp.where(offsets.good, 1.0 / (offsets.variance + _FLOOR**2), 0.0)
         fields = jnp.stack([columns, rows, offsets.disparity, offsets.row])
         (x, y, d, v), weight = _means_of_cells(fields, weight, side)
-        left, right = rays(x, y, 0, turns[0]), rays(x - d, y + v, 1, turns[1])
+        left, right = rays(x, y, 0, rotations[0]), rays(x - d, y + v, 1, rotations[1])
         if view.projection == PINHOLE and not (data.left_camera.lens.WIDE or data.right_camera.lens.WIDE):
             return left, right, weight
         flat = _within_lens_radius(left, data.left_camera) & _within_lens_radius(right, data.right_camera)
@@ -174,7 +174,7 @@ def refined(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Arra
         left, right = (jnp.where(flat[:, None], ray, ahead) for ray in (left, right))
         return left, right, jnp.where(flat, weight, 0.0)
 
-    return rectify_frames(data, turns, frame, warp=cubic_warp, more=(found,))
+    return rectify_frames(data, rotations, frame, warp=cubic_warp, more=(found,))
 
 
 def _within_lens_radius(rays: Float[jax.Array, "m 3"], camera: Camera) -> Bool[jax.Array, "m"]:

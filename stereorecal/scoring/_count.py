@@ -25,7 +25,7 @@ from stereorecal.scoring._rectify import (
     match_frame,
     pure_matcher,
     rectify_frames,
-    turns_of,
+    rotations_by,
 )
 
 TracedScore = Callable[[Any, jax.Array], jax.Array]
@@ -95,7 +95,7 @@ def count_scaled(data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMat
     def valid_pixels(frame: Rectified) -> jax.Array:
         return jnp.sum(match_frame(matcher, frame).valid, dtype=jnp.int32)
 
-    return jnp.sum(rectify_frames(data, turns_of(extrinsics), valid_pixels), dtype=jnp.int32)
+    return jnp.sum(rectify_frames(data, rotations_by(extrinsics), valid_pixels), dtype=jnp.int32)
 
 
 _count = partial(jax.jit, static_argnames="matcher")(count_scaled)
@@ -173,7 +173,7 @@ def soft_count_scaled(
         return jnp.sum(found.confidence * frame.left_area * jnp.where(inside, area, 0.0))
 
     area = partial(_soft_area, width=_BORDER * temperature)
-    return jnp.sum(rectify_frames(data, turns_of(extrinsics), confidence, area))
+    return jnp.sum(rectify_frames(data, rotations_by(extrinsics), confidence, area))
 
 
 def _soft_area(coordinates: PixelMap, size: tuple[int, int], width) -> Float[jax.Array, "h w"]:

@@ -35,31 +35,31 @@ class Rectified:
     right_area: Bool[AnyArray, "h w"] | Float[AnyArray, "h w"]  # likewise
 
 
-Turns = Float[AnyArray, "2 3 3"]  # the rotations of both cameras into the rectified frame, float32
+Rotations = Float[AnyArray, "2 3 3"]  # the rotations of both cameras into the rectified frame, float32
 
 
-def turns_of(extrinsics: Extrinsics) -> Float[jax.Array, "2 3 3"]:
+def rotations_by(extrinsics: Extrinsics) -> Float[jax.Array, "2 3 3"]:
     """The rotations that rectify by extrinsics (translation in any unit).
 
     Pure and traceable; compiled, it has the same numbers as a part of a program and as one of its own, which all sizes
     of images share.
     """
     extrinsics = jax.lax.optimization_barrier(jnp.asarray(extrinsics, jnp.float32))
-    turns = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
-    return jax.lax.optimization_barrier(jnp.stack(turns))
+    rotations = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+    return jax.lax.optimization_barrier(jnp.stack(rotations))
 
 
-def rectify_frames(data: ScoringData, turns: Turns, use, area=mapped_area, warp=bilinear_warp, more=()):
-    """Apply `use(Rectified, *more)` to every frame, rectified by `turns`; stack the answers.
+def rectify_frames(data: ScoringData, rotations: Rotations, use, area=mapped_area, warp=bilinear_warp, more=()):
+    """Apply `use(Rectified, *more)` to every frame, rectified by `rotations`; stack the answers.
 
     The maps are made once and shared by the frames; `area(map, image size)` says what they cover. `more` are arrays
     with a leading frame axis. Pure and traceable.
     """
     # Numbers that a caller's jit closes over would be folded into the formulas, and pixels rounded otherwise; where it
-    # closes over the turns, XLA would warp and match while it compiles.
-    numbers = (turns, data.left_camera, data.right_camera, data.view)
-    turns, left, right, view = jax.lax.optimization_barrier(numbers)
-    maps = rectifying_maps(left, right, turns, view)
+    # closes over the rotations, XLA would warp and match while it compiles.
+    numbers = (rotations, data.left_camera, data.right_camera, data.view)
+    rotations, left, right, view = jax.lax.optimization_barrier(numbers)
+    maps = rectifying_maps(left, right, rotations, view)
     maps = jax.lax.optimization_barrier(maps)  # computed once, not once for each pixel that a warp reads
     areas = [area(m, c.size) for m, c in zip(maps, (data.left_camera, data.right_camera), strict=True)]
 

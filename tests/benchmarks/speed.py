@@ -37,7 +37,7 @@ from stereorecal.recordings import Scene
 from stereorecal.scoring import prepare
 from stereorecal.scoring.host import counts
 from stereorecal.scoring.host._cores import on_all_cores
-from stereorecal.scoring.host._disparities import match_in_blocks, rectified_frame, rectifying_turns
+from stereorecal.scoring.host._disparities import compiled_rotations, match_in_blocks, rectified_frame
 from stereorecal.strategies import Budget, Objective, Problem, run_strategy, strategy
 
 try:
@@ -106,9 +106,9 @@ def remapped(camera: sr.Camera, image: np.ndarray, turn: np.ndarray, matrix: np.
 def both_remapped(rig: sr.StereoRig, images, view, extrinsics: np.ndarray) -> list[np.ndarray]:
     """Both images rectified by `extrinsics`."""
     moved = rig.with_extrinsics(extrinsics)
-    turns = rectifying_rotations(moved.rotation, moved.translation)
+    rotations = rectifying_rotations(moved.rotation, moved.translation)
     matrices = (np.asarray(view.matrix_left), np.asarray(view.matrix_right))
-    sides = zip((rig.left, rig.right), images, turns, matrices, strict=True)
+    sides = zip((rig.left, rig.right), images, rotations, matrices, strict=True)
     return [remapped(*side, view.size) for side in sides]
 
 
@@ -175,7 +175,7 @@ def matching(threads: int, rounds: int) -> Iterator[Figure]:
     """SAD against StereoBM and StereoSGBM; where `plugins/native` is installed, its SAD."""
     scene = scene_of((741, 500))
     (frame,) = prepare(scene.rig, scene.pairs, sr.view(scene.rig)).frames
-    rectified = rectified_frame(frame, rectifying_turns(with_unit_baseline(scene.rig.extrinsics)))
+    rectified = rectified_frame(frame, compiled_rotations(with_unit_baseline(scene.rig.extrinsics)))
     images = [np.asarray(side).round().astype(np.uint8) for side in (rectified.left, rectified.right)]
     bm, sgbm = block_matcher(80), block_matcher(80, cv2.StereoSGBM)
     matched = (lambda: match_in_blocks(MATCHER, rectified), lambda: bm.compute(*images), lambda: sgbm.compute(*images))

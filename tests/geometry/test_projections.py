@@ -122,8 +122,8 @@ def test_both_images_show_one_point_in_one_row():
     """Through maps of both images, as cv2.remap takes them."""
     rig = RIG.with_extrinsics(np.array([0.02, -0.03, 0.01, -0.2, 0.004, -0.01]))
     shown = view(rig, projection="equirectangular")
-    turns = rectifying_rotations(rig.rotation, rig.translation)
-    maps = [np.asarray(one) for one in rectifying_maps(rig.left, rig.right, turns, shown)]
+    rotations = rectifying_rotations(rig.rotation, rig.translation)
+    maps = [np.asarray(one) for one in rectifying_maps(rig.left, rig.right, rotations, shown)]
     assert np.mean([mapped_area(one, SIZE).mean() for one in maps]) > 0.7
     for row, column, disparity in ((100, 300, 20), (240, 150, 35), (400, 500, 5)):
         made = sr.rectification(rig, shown)

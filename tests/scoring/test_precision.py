@@ -51,8 +51,8 @@ def test_maps_and_candidates(scene):
 
     def mapped(z):
         extrinsics = Chart(with_unit_baseline(rig.extrinsics), np.full(6, 0.01), tuple(range(6))).extrinsics(z)
-        turns = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
-        return rectifying_maps(rig.left, rig.right, turns, view)
+        rotations = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
+        return rectifying_maps(rig.left, rig.right, rotations, view)
 
     found = list(products(jax.make_jaxpr(mapped)(jnp.zeros(6)).jaxpr))
     assert len(found) > 5

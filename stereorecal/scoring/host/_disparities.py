@@ -16,7 +16,7 @@ from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import TILES, Correspondences, gathered, refined
 from stereorecal.scoring._count import count_scaled
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import Rectified, Turns, match_frame, rectify_frames, turns_of
+from stereorecal.scoring._rectify import Rectified, Rotations, match_frame, rectify_frames, rotations_by
 from stereorecal.scoring.host._cores import cores, on_all_cores
 
 _LARGEST_HALO = 0.1  # of the rows of a block
@@ -39,38 +39,38 @@ def disparities(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Ab
     Args:
         matcher: any, with `num_disparities` in full-size pixels.
     """
-    return disparities_at(data, rectifying_turns(extrinsics), matcher)
+    return disparities_at(data, compiled_rotations(extrinsics), matcher)
 
 
-def disparities_at(data: ScoringData, turns: Turns, matcher: AbstractMatcher) -> list[Disparity]:
+def disparities_at(data: ScoringData, rotations: Rotations, matcher: AbstractMatcher) -> list[Disparity]:
     """`disparities` by rotations into the rectified frame."""
     scaled = matcher.scaled(data.scale)
 
     def one(frame: ScoringData) -> Disparity:
-        return match_in_blocks(scaled, rectified_frame(frame, turns))
+        return match_in_blocks(scaled, rectified_frame(frame, rotations))
 
     return on_all_cores(one, data.frames)
 
 
-def rectifying_turns(extrinsics: Float[AnyArray, "6"]) -> Turns:
+def compiled_rotations(extrinsics: Float[AnyArray, "6"]) -> Rotations:
     """The rotations of both cameras into the frame that is rectified by `extrinsics`."""
-    return np.asarray(_turns(np.asarray(extrinsics, np.float32))[0])
+    return np.asarray(_rotations(np.asarray(extrinsics, np.float32))[0])
 
 
 @cached_program
-def _turns(extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
-    return (turns_of(extrinsics),)
+def _rotations(extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
+    return (rotations_by(extrinsics),)
 
 
-def rectified_frame(data: ScoringData, turns: Turns) -> Rectified:
-    """The one frame of `data` rectified by `turns`."""
-    return Rectified(*rectified(data, turns))
+def rectified_frame(data: ScoringData, rotations: Rotations) -> Rectified:
+    """The one frame of `data` rectified by `rotations`."""
+    return Rectified(*rectified(data, rotations))
 
 
 @cached_program
-def rectified(data: ScoringData, turns: Turns) -> tuple[jax.Array, ...]:
+def rectified(data: ScoringData, rotations: Rotations) -> tuple[jax.Array, ...]:
     """The rectified images and areas of the one frame of `data`, in the order of `Rectified`."""
-    frames = rectify_frames(data, turns, lambda frame: frame)
+    frames = rectify_frames(data, rotations, lambda frame: frame)
     return frames.left[0], frames.right[0], frames.left_area[0], frames.right_area[0]
 
 
@@ -116,11 +116,11 @@ def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyA
 
 
 def compile_in_background(data: ScoringData) -> None:
-    """Start compiling, in a thread, the programs of `correspondences` for such data, apart from turns and match: for a
-    new image size, this takes longer than all stages before it."""
+    """Start compiling, in a thread, the programs of `correspondences` for such data, apart from those of rotations and
+    match: for a new image size, this takes longer than all stages before it."""
     frame, (width, height) = data.frames[0], data.view.size
     nothing = Disparity(np.zeros((height, width), np.float32), np.zeros((height, width), bool))
-    for program, more in ((rectified, ()), (_refined, (_of_one(nothing),))):
+    for program, more in ((rectified, ()), (_refined, (of_one(nothing),))):
         program.compile_in_background(frame, np.stack([np.eye(3, dtype=np.float32)] * 2), *more)
 
 
@@ -131,16 +131,16 @@ def correspondences(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher
         extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit.
         matcher: any, with `num_disparities` in full-size pixels.
     """
-    turns = rectifying_turns(extrinsics)
+    rotations = compiled_rotations(extrinsics)
 
     def one(frame: ScoringData) -> tuple[np.ndarray, ...]:
-        found = disparities_at(frame, turns, matcher)[0]
-        return tuple(map(np.asarray, _refined(frame, turns, _of_one(found))))
+        found = disparities_at(frame, rotations, matcher)[0]
+        return tuple(map(np.asarray, _refined(frame, rotations, of_one(found))))
 
     return gathered(data, *map(np.concatenate, zip(*on_all_cores(one, data.frames), strict=True)))
 
 
-def _of_one(found: Disparity) -> Disparity:
+def of_one(found: Disparity) -> Disparity:
     """The disparity of one frame as that of all: (1, h, w)."""
     return jax.tree.map(lambda leaf: leaf[None], found)
 

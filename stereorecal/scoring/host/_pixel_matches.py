@@ -12,9 +12,9 @@ from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, wi
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import SMALLEST_SPREAD
 from stereorecal.scoring._prepare import ScoringData
-from stereorecal.scoring._rectify import Turns, rectify_frames
+from stereorecal.scoring._rectify import Rotations, rectify_frames
 from stereorecal.scoring._subpixel import refine
-from stereorecal.scoring.host._disparities import disparities_at, rectifying_turns
+from stereorecal.scoring.host._disparities import compiled_rotations, disparities_at, of_one
 
 _WINDOW = 5  # pixels to each side: the size of a matcher's window
 _COVERED = 0.1  # of the window
@@ -38,26 +38,26 @@ def match_pixels(
         data: at any scale, with the cameras of `rig`.
         frames: pixels (column, row) of the left image, at full size, for each frame.
     """
-    turns, found = rectifying_turns(with_unit_baseline(rig.extrinsics)), []
+    rotations, found = compiled_rotations(with_unit_baseline(rig.extrinsics)), []
     for frame, pixels in zip(data.frames, frames, strict=True):
         if not len(pixels):
             found.append(PixelMatches(np.zeros((0, 2)), np.zeros(0)))
             continue
-        matched = disparities_at(frame, turns, matcher)[0]
-        offsets = _offsets(frame, turns, jax.tree.map(lambda leaf: leaf[None], matched))
+        matched = disparities_at(frame, rotations, matcher)[0]
+        offsets = _offsets(frame, rotations, of_one(matched))
         found.append(_right_pixels(data, rig, [np.asarray(field)[0] for field in offsets], pixels))
     return found
 
 
 @cached_program
-def _offsets(data: ScoringData, turns: Turns, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _offsets(data: ScoringData, rotations: Rotations, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Disparity, row offset and whether they are good, of each pixel of one frame."""
 
     def frame(rectified, disparity):
         offsets = refine(rectified, disparity)
         return offsets.disparity, offsets.row, offsets.good
 
-    return rectify_frames(data, turns, frame, warp=cubic_warp, more=(found,))
+    return rectify_frames(data, rotations, frame, warp=cubic_warp, more=(found,))
 
 
 def _right_pixels(

@@ -11,7 +11,7 @@ from stereorecal.geometry import AnyView, StereoRig, checked_rig, with_unit_base
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
-from stereorecal.scoring.host._disparities import counts_by_tile, disparities, rectified_frame, rectifying_turns
+from stereorecal.scoring.host._disparities import compiled_rotations, counts_by_tile, disparities, rectified_frame
 from stereorecal.scoring.host._survey import with_measured_range
 
 
@@ -70,7 +70,7 @@ def rectify(
     refuse_tracers("sr.rectify", "sr.prepare before tracing, and a score of its data", rig, pair, view)
     rig = checked_rig(rig)
     data = _only(pyramid(rig, pair, view)).at(1.0)
-    frame = rectified_frame(data, rectifying_turns(with_unit_baseline(rig.extrinsics)))
+    frame = rectified_frame(data, compiled_rotations(with_unit_baseline(rig.extrinsics)))
     return np.asarray(frame.left), np.asarray(frame.right)
 
 
