@@ -1,8 +1,10 @@
 """Sub-pixel refinement of a matched frame: the disparity and the row offset of each pixel's match.
 
-The fields of disparity and row offset are refined together (Lucas & Kanade 1981): the right image is warped by both
-fields as they are, so that a window follows slanted surfaces, and the remaining difference within the window of a pixel
-moves that pixel. Pixels without a valid disparity take no part in any window. Where the disparity changes fast, at the
+The right image is warped by disparity and row offset as they are, so that a window follows slanted surfaces, and the
+difference that remains within the window of a pixel says what that pixel moves by (Lucas & Kanade 1981): one
+correction of the matcher's disparities and one row offset for all of the window, whatever its pixels were moved by
+before. To add up what each time remains would amplify what windows average out, time after time. Pixels without a valid
+disparity take no part in any window. Where the disparity changes fast, at the
 edges of objects and on steep slants, a window covers more than one depth: the offsets there have a small bias that does
 not average out, and get less weight.
 """
@@ -20,7 +22,7 @@ from stereorecal.matching import Disparity, box_sum
 from stereorecal.scoring._rectify import Rectified
 
 WINDOW = 11  # pixels
-_ITERATIONS = 4
+_ITERATIONS = 3
 _CONTRAST_WINDOW = 15  # pixels; grey levels are taken relative to the mean and the contrast in it
 _CONTRAST_FLOOR = 25.0  # grey levels squared: below that, differences are noise
 _SETTLED = 0.05  # pixels that the last iteration may still move
@@ -62,20 +64,21 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     sample = cubic_sampler(right)
     damping = 1e-3 * pixels + 1e-6
     determinant = (xx + damping) * (yy + damping) - xy * xy
+    start = jnp.where(disparity.valid, disparity.values, 0.0)
 
     def difference(d, v):
         return mask * (left - sample(jnp.stack([columns - d, rows[:, None] + v])))
 
     def step(_, fields):
         d, v, error, _ = fields
-        x, y = _window_sums(jnp.stack([gradient_x * error, gradient_y * error]))
-        # The least-squares solution of error + gradient_x δd - gradient_y δv = 0 over the window.
-        delta_d = jnp.clip((xy * y - (yy + damping) * x) / determinant, -1.0, 1.0)
-        delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant, -1.0, 1.0)
+        at_start = error - gradient_x * (d - start) + gradient_y * v
+        x, y = _window_sums(jnp.stack([gradient_x * at_start, gradient_y * at_start]))
+        # The least-squares solution of at_start + gradient_x (d - start) - gradient_y v = 0 over the window.
+        delta_d = jnp.clip(start + (xy * y - (yy + damping) * x) / determinant - d, -1.0, 1.0)
+        delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant - v, -1.0, 1.0)
         d, v = d + mask * delta_d, v + mask * delta_v
         return d, v, difference(d, v), jnp.maximum(jnp.abs(delta_d), jnp.abs(delta_v))
 
-    start = jnp.where(disparity.valid, disparity.values, 0.0)
     zero = jnp.zeros_like(start)
     # The first time around no error is known and nothing moves. Sampled in one place only, there is less to
     # compile, and no sum over a window in which XLA would sample anew.

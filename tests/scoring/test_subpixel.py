@@ -84,11 +84,12 @@ def slow_refine(rectified: Rectified, found: Disparity):
     damped = tensor + (1e-3 * pixels + 1e-6)[..., None, None] * np.eye(2)
     start = np.where(found.valid, found.values, 0.0).astype(float)
     d, v = start.copy(), np.zeros_like(start)
-    for _ in range(4):
-        error = mask * (left - slow_sample(right, x - d, y + v))
-        right_side = np.stack([box(mask * gx * error, 11), box(mask * gy * error, 11)], -1)
+    for _ in range(3):
         # The warped right image grows by -gx for each pixel of disparity and by gy for each of the row.
-        step = np.clip(np.linalg.solve(damped, right_side[..., None])[..., 0] * [-1.0, 1.0], -1.0, 1.0)
+        at_start = mask * (left - slow_sample(right, x - d, y + v) - gx * (d - start) + gy * v)
+        right_side = np.stack([box(mask * gx * at_start, 11), box(mask * gy * at_start, 11)], -1)
+        solved = np.linalg.solve(damped, right_side[..., None])[..., 0] * [-1.0, 1.0]
+        step = np.clip(solved - np.stack([d - start, v], -1), -1.0, 1.0)
         d, v, last = d + mask * step[..., 0], v + mask * step[..., 1], np.abs(step).max(-1)
     noise = box(mask * (left - slow_sample(right, x - d, y + v)) ** 2, 11) / np.maximum(pixels, 1)
     schur = tensor[..., 1, 1] - tensor[..., 0, 1] ** 2 / (tensor[..., 0, 0] + 1e-6)
@@ -157,8 +158,8 @@ def test_a_known_motion_is_recovered(d, v):
 
 
 def test_the_variance_follows_repeated_noise():
-    """Where a window says that it knows less, it scatters more, and as much as it says within a factor of three:
-    neighbours follow each other's noise."""
+    """Where a window says that it knows less, it scatters more, and as much as it says: what its neighbours moved by
+    does not add to its own noise."""
     rng, truth = np.random.default_rng(0), moved(6.2, 0.3)
     rows, said = [], []
     for _ in range(20):
@@ -167,8 +168,8 @@ def test_the_variance_follows_repeated_noise():
         rows.append(np.asarray(offsets.row)[INNER])
         said.append(np.asarray(offsets.variance)[INNER])
     scatter, said = np.std(rows, axis=0, ddof=1), np.sqrt(np.mean(said, axis=0))
-    assert 0.7 < np.median(scatter) / np.median(said) < 3.0
-    assert np.corrcoef(scatter.ravel(), said.ravel())[0, 1] > 0.3
+    assert 0.8 < np.median(scatter) / np.median(said) < 1.25
+    assert np.corrcoef(scatter.ravel(), said.ravel())[0, 1] > 0.6
 
 
 @settings(max_examples=10)
