@@ -140,9 +140,16 @@ def gathered(
         xp.asarray(_tiles(len(weight), width // side, height // side)),
         xp.asarray(data.view.focal, np.float32),
         xp.asarray(data.scale, np.float32),
-        xp.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+        xp.asarray(_independent(side), np.float32),
         data.view.projection,
     )
+
+
+def _independent(side: int) -> float:
+    """The share of cells that is independent: pixels of a cell over those that its noise is averaged over, which its
+    windows reach, those in the middle most often."""
+    reached = np.convolve(np.ones(WINDOW), np.ones(side))
+    return float(side * np.sum(reached**2) / np.sum(reached) ** 2) ** 2
 
 
 def _side(data: ScoringData) -> int:

@@ -31,6 +31,12 @@ SHIFT = 0.009  # drift of y and z for a degree, in baselines
 _DRIFT, _SCENE = 1, 2  # streams of random numbers of a seed; that of its calibration is another
 
 
+def independent(side: int) -> float:
+    """The share of the library's cells that is independent, since their windows overlap."""
+    reached = np.convolve(np.ones(WINDOW), np.ones(side))
+    return float(side * np.sum(reached**2) / np.sum(reached) ** 2) ** 2
+
+
 @dataclass(frozen=True, eq=False)
 class Simulated:
     """A rig whose calibration is known, and whose truth is known too.
@@ -91,7 +97,7 @@ class Simulated:
             (np.arange(frames)[:, None] * TILES[0] * TILES[1] + tile.ravel()).astype(np.int32),
             np.asarray(view.focal, np.float32),
             np.asarray(1.0, np.float32),
-            np.asarray(min(1.0, side**2 / WINDOW**2), np.float32),
+            np.asarray(independent(side), np.float32),
             view.projection,
         )
 

@@ -1,10 +1,13 @@
 """Dense correspondences of rendered scenes, whose truth is known."""
 
+from itertools import product
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from fixtures import SAD_48
 from parts_of_estimates import _means_of_cells
+from scipy.ndimage import uniform_filter
 from spoiled import fog
 
 from stereorecal.geometry import rectifying_rotations, view, with_unit_baseline
@@ -42,7 +45,15 @@ def test_shapes_are_those_of_the_images(found, in_fog):
         assert [getattr(one, name).dtype for name in FIELDS] == [np.float32, np.float32, np.float32, np.int32]
         assert all(np.isfinite(getattr(one, name)).all() for name in FIELDS)
     assert float(found.scale) == 1.0
-    assert float(found.independent) == pytest.approx(16 / 121)
+
+
+def test_cells_are_as_independent_as_their_windows_leave_them(found):
+    """Windows of 11 pixels over white noise, averaged over cells of 4x4: each cell follows those around it."""
+    windows = uniform_filter(np.random.default_rng(0).normal(size=(1200, 1600)), 11, mode="wrap")
+    cells = windows.reshape(300, 4, 400, 4).mean(axis=(1, 3))
+    shifts = product(range(-4, 5), repeat=2)
+    follows = sum(np.mean(cells * np.roll(cells, shift, axis=(0, 1))) for shift in shifts) / np.mean(cells**2)
+    assert float(found.independent) == pytest.approx(1.0 / follows, rel=0.05)
 
 
 def test_weights_are_one_in_the_mean_of_those_found(found, in_fog):
