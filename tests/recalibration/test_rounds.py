@@ -109,7 +109,7 @@ def test_what_has_not_settled_is_said(scene):
     given = scene("harbour", 0, (320, 240))
     off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([1.0, 0.0, 0.2, 0, 0, 0]))
     *coarse, last = Schedule.default().stages
-    schedule = Schedule("impatient", (*coarse, replace(last, rounds=2)))
+    schedule = Schedule("impatient", (*coarse, replace(last, rounds=1)))
     options = {"matcher": SAD(num_disparities=48), "prior": "exact", "free": ("roll",), "schedule": schedule}
     assert recalibrate(off, given.pairs, **options).status is Status.STALLED
     assert recalibrate(off, given.pairs, **{**options, "free": ("pitch", "roll")}).status is Status.CONVERGED
