@@ -105,15 +105,15 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
         InputError: if the images are certainly no left and right image of this rig.
     """
     sparse = ENOUGH.of_texture * images.best_quality.texture
-    enough = 2.0 * sparse
-    if not images.enough or (covered >= enough and not ratios_of_sizes(images.rig)):
+    ample = 2.0 * sparse
+    if not images.enough or (covered >= ample and not ratios_of_sizes(images.rig)):
         return None
-    motion, found = None if covered >= enough else host.refuse_swapped_images(images), Mismatch(covered)
+    motion, found = None if covered >= ample else host.refuse_swapped_images(images), Mismatch(covered)
     own = _covered(images.rig, images.pairs, images, matcher)
     for cause, rig, pairs in _causes(images.rig, images.pairs):
         scaled = cause.name == "scaled"
-        if found.cause is not None and found.covered_without >= enough and cause.name != found.cause.name:
-            break  # the likelier mistakes are asked first
+        if found.cause is not None and found.covered_without >= ample and cause.name != found.cause.name:
+            break  # the likelier mistakes are asked first; one that explains little is asked against the others
         if not scaled and (motion is None or motion.turned):
             continue
         share = _covered(rig, pairs, images, matcher)

@@ -146,8 +146,8 @@ def gathered(
 
 
 def _independent(side: int) -> float:
-    """The share of cells that is independent: pixels of a cell over those that its noise is averaged over, which its
-    windows reach, those in the middle most often."""
+    """The share of cells that is independent. The noise of a cell is a mean over the pixels that its windows reach,
+    each as often as windows reach it, and neighbours share these pixels; exact for white noise and equal weights."""
     reached = np.convolve(np.ones(WINDOW), np.ones(side))
     return float(side * np.sum(reached**2) / np.sum(reached) ** 2) ** 2
 

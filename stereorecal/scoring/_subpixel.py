@@ -1,10 +1,10 @@
 """Sub-pixel refinement of a matched frame: the disparity and the row offset of each pixel's match.
 
 The right image is warped by disparity and row offset as they are, so that a window follows slanted surfaces, and the
-difference that remains within the window of a pixel says what that pixel moves by (Lucas & Kanade 1981): one
-correction of the matcher's disparities and one row offset for all of the window, whatever its pixels were moved by
-before. To add up what each time remains would amplify what windows average out, time after time. Pixels without a valid
-disparity take no part in any window. Where the disparity changes fast, at the
+difference that remains within the window of a pixel says where that pixel belongs (Lucas & Kanade 1981): one correction
+of the matcher's disparities and one row offset for all of the window. Increments are not added up: a box window has
+negative frequencies, and what it averages out would grow with every iteration. Pixels without a valid disparity take no
+part in any window. Where the disparity changes fast, at the
 edges of objects and on steep slants, a window covers more than one depth: the offsets there have a small bias that does
 not average out, and get less weight.
 """
@@ -71,8 +71,11 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
 
     def step(_, fields):
         d, v, error, _ = fields
+        # What would remain at the matcher's disparity and row 0, linear where each pixel is now.
         at_start = error - gradient_x * (d - start) + gradient_y * v
         x, y = _window_sums(jnp.stack([gradient_x * at_start, gradient_y * at_start]))
+        # Damped towards where it is, not where it began: weak texture would be drawn to row 0.
+        x, y = x - damping * (d - start), y + damping * v
         # The least-squares solution of at_start + gradient_x (d - start) - gradient_y v = 0 over the window.
         delta_d = jnp.clip(start + (xy * y - (yy + damping) * x) / determinant - d, -1.0, 1.0)
         delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant - v, -1.0, 1.0)

@@ -32,7 +32,8 @@ _DRIFT, _SCENE = 1, 2  # streams of random numbers of a seed; that of its calibr
 
 
 def independent(side: int) -> float:
-    """The share of the library's cells that is independent, since their windows overlap."""
+    """The share of the library's cells that is independent, as the library has it, since their windows overlap. Those
+    simulated here are independent but for a smooth field: what is said of them is on the safe side."""
     reached = np.convolve(np.ones(WINDOW), np.ones(side))
     return float(side * np.sum(reached**2) / np.sum(reached) ** 2) ** 2
 

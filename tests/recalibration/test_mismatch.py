@@ -1,7 +1,6 @@
 """Images that cannot be of a rig: the mistake is named, and corrected where that is asked for."""
 
 import pickle
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -160,7 +159,8 @@ def test_images_of_two_moments_on_the_move(data_dir: Path):
 def test_k_of_another_size_of_a_real_rig(data_dir: Path, look, size, ratio):
     given = load_scene(data_dir / "boofcv_bumblebee2/garden01")
     said = look(scaled(given.rig.resized(size), ratio), [pair.resized(size) for pair in given.pairs])
-    assert re.search(rf"with K scaled by {1 / ratio:g} [78]\d %", said.verdict), "and seven tenths match, or more"
+    _, share = said.verdict.split(f"with K scaled by {1 / ratio:g} ")
+    assert 70 <= int(share.removesuffix(" %.")) < 90
     assert "--fix scaled" in said.advice
     assert not any(word in str(said) for word in ("rows differ", "misfit", "not determined")), "of chance matches"
 

@@ -20,14 +20,14 @@ Y, X = np.mgrid[:HEIGHT, :WIDTH].astype(float)
 
 
 @cache
-def waves(seed: int):
+def waves(seed: int, highest: float):
     rng = np.random.default_rng(seed)
-    return (*rng.uniform(-0.12, 0.12, (2, 40)), rng.uniform(0, 2 * np.pi, 40))
+    return (*rng.uniform(-highest, highest, (2, 40)), rng.uniform(0, 2 * np.pi, 40))
 
 
-def texture(x, y, seed=0):
-    """Grey levels about 128: a sum of waves, none of them shorter than six pixels."""
-    fx, fy, phase = waves(seed)
+def texture(x, y, seed=0, highest=0.12):
+    """Grey levels about 128: a sum of waves, none of them shorter than six pixels, or of a higher frequency."""
+    fx, fy, phase = waves(seed, highest)
     return 128.0 + 8.0 * np.sin(2 * np.pi * (fx * x[..., None] + fy * y[..., None]) + phase).sum(-1)
 
 
@@ -81,13 +81,15 @@ def slow_refine(rectified: Rectified, found: Disparity):
     pixels = box(mask, 11)
     tensor = np.stack([box(mask * a * b, 11) for a, b in ((gx, gx), (gx, gy), (gx, gy), (gy, gy))], -1)
     tensor = tensor.reshape(*left.shape, 2, 2)
-    damped = tensor + (1e-3 * pixels + 1e-6)[..., None, None] * np.eye(2)
+    damping = (1e-3 * pixels + 1e-6)[..., None]
+    damped = tensor + damping[..., None] * np.eye(2)
     start = np.where(found.valid, found.values, 0.0).astype(float)
     d, v = start.copy(), np.zeros_like(start)
     for _ in range(3):
         # The warped right image grows by -gx for each pixel of disparity and by gy for each of the row.
         at_start = mask * (left - slow_sample(right, x - d, y + v) - gx * (d - start) + gy * v)
         right_side = np.stack([box(mask * gx * at_start, 11), box(mask * gy * at_start, 11)], -1)
+        right_side += damping * np.stack([start - d, v], -1)
         solved = np.linalg.solve(damped, right_side[..., None])[..., 0] * [-1.0, 1.0]
         step = np.clip(solved - np.stack([d - start, v], -1), -1.0, 1.0)
         d, v, last = d + mask * step[..., 0], v + mask * step[..., 1], np.abs(step).max(-1)
@@ -155,6 +157,17 @@ def test_a_known_motion_is_recovered(d, v):
         assert np.median(np.abs(found[good] - truth)) < 0.03
     assert np.median(np.abs(offsets.row[good] - v)) < 0.02
     assert np.quantile(np.abs(offsets.row[good] - v), 0.95) < 0.08
+
+
+def test_weak_texture_is_not_drawn_to_where_it_began():
+    """Where a window hardly tells, its row is uncertain, and not nearer to none."""
+    noise = np.random.default_rng(0).normal(0, 1, (2, *SIZE))
+    weak = frame(texture(X, Y, 0, 0.06) + noise[0], texture(X + 6.3, Y - 0.8, 0, 0.06) + noise[1])
+    offsets = jax.tree.map(lambda leaf: np.asarray(leaf)[INNER], refined(weak, matched(6)))
+    good = offsets.good
+    assert good.mean() > 0.5
+    weight = 1.0 / (offsets.variance[good] + 1e-4)
+    assert np.average(offsets.row[good], weights=weight) == pytest.approx(0.8, abs=0.01)
 
 
 def test_the_variance_follows_repeated_noise():
