@@ -4,6 +4,7 @@ import pickle
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import jax
@@ -107,6 +108,24 @@ def test_frames_that_are_one_aside_are_named(data_dir: Path, look, by, name, whe
     assert f"right images one frame {when}" in said.verdict
     assert len(said.verdict.split()) <= 12
     assert f"--fix {name}" in said.advice
+
+
+@pytest.mark.parametrize(("exchanged", "named"), [(0.2, "early"), (0.7, "exchanged")])
+def test_the_likelier_mistake_is_named_unless_it_explains_little(scene, monkeypatch, exchanged, named):
+    """Right images one frame later match by six tenths, as they are hardly at all."""
+    shown = scene("harbour", 0, SIZE)
+    pairs = [shown.pairs[0], replace(shown.pairs[0])]
+
+    def covered(rig, given, images, matcher):
+        if len(given) < len(pairs):
+            return 0.6
+        return 0.01 if given[0].left is pairs[0].left else exchanged
+
+    monkeypatch.setattr("stereorecal.recalibration._mismatch._covered", covered)
+    motion = SimpleNamespace(turned=False, aside=True)
+    monkeypatch.setattr("stereorecal.scoring.host.refuse_swapped_images", lambda images: motion)
+    found = mismatch_of(pyramid(shown.rig, pairs), SAD_ANY, 0.01)
+    assert found.cause.name == named
 
 
 @pytest.mark.slow(after=1)
