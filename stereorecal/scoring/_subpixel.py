@@ -4,9 +4,8 @@ The right image is warped by disparity and row offset as they are, so that a win
 difference that remains within the window of a pixel says where that pixel belongs (Lucas & Kanade 1981): one correction
 of the matcher's disparities and one row offset for all of the window. Increments are not added up: a box window has
 negative frequencies, and what it averages out would grow with every iteration. Pixels without a valid disparity take no
-part in any window. Where the disparity changes fast, at the
-edges of objects and on steep slants, a window covers more than one depth: the offsets there have a small bias that does
-not average out, and get less weight.
+part in any window. Where the disparity changes fast, at the edges of objects and on steep slants, a window covers more
+than one depth: the offsets there have a small bias that does not average out, and get less weight.
 """
 
 from functools import partial
