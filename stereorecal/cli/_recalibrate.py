@@ -67,10 +67,12 @@ def run(options: RecalibrateOptions) -> int:
         if any(repair.solution for repair in repairs):
             prior = options.prior or (SAVED if any(priors) else DEFAULT)
             prior = {"prior": prior if settings.prior is options.prior else "given"}
-            told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
-            content = _content(scenes, repairs, told, interrupted=interrupted)
             about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
-            steps = [partial(_show, repairs, options), partial(write_json, content, options.json, force=options.force)]
+            steps = [partial(_show, repairs, options)]
+            if options.json is not None:
+                told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
+                content = _content(scenes, repairs, told, interrupted=interrupted)
+                steps.append(partial(write_json, content, options.json, force=options.force))
             if (first := repairs[0].solution) is not None:
                 steps += [
                     partial(_save_calibration, options, first, scenes[0], output),
