@@ -65,38 +65,38 @@ def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     determinant = (xx + damping) * (yy + damping) - xy * xy
     start = jnp.where(disparity.valid, disparity.values, 0.0)
 
-    def difference(d, v):
-        return mask * (left - sample(jnp.stack([columns - d, rows[:, None] + v])))
+    def difference(change, v):
+        return mask * (left - sample(jnp.stack([columns - (start + change), rows[:, None] + v])))
 
     def step(_, fields):
-        d, v, error, _ = fields
+        change, v, error, _ = fields
         # What would remain at the matcher's disparity and row 0, linear where each pixel is now.
-        at_start = error - gradient_x * (d - start) + gradient_y * v
+        at_start = error - gradient_x * change + gradient_y * v
         x, y = _window_sums(jnp.stack([gradient_x * at_start, gradient_y * at_start]))
         # Damped towards where it is, not where it began: weak texture would be drawn to row 0.
-        x, y = x - damping * (d - start), y + damping * v
-        # The least-squares solution of at_start + gradient_x (d - start) - gradient_y v = 0 over the window.
-        delta_d = jnp.clip(start + (xy * y - (yy + damping) * x) / determinant - d, -1.0, 1.0)
-        delta_v = jnp.clip(((xx + damping) * y - xy * x) / determinant - v, -1.0, 1.0)
-        d, v = d + mask * delta_d, v + mask * delta_v
-        return d, v, difference(d, v), jnp.maximum(jnp.abs(delta_d), jnp.abs(delta_v))
+        x, y = x - damping * change, y + damping * v
+        # The least-squares solution of at_start + gradient_x change - gradient_y v = 0 over the window.
+        by = jnp.clip((xy * y - (yy + damping) * x) / determinant - change, -1.0, 1.0)
+        by_v = jnp.clip(((xx + damping) * y - xy * x) / determinant - v, -1.0, 1.0)
+        change, v = change + mask * by, v + mask * by_v
+        return change, v, difference(change, v), jnp.maximum(jnp.abs(by), jnp.abs(by_v))
 
     zero = jnp.zeros_like(start)
     # The first time around no error is known and nothing moves. Sampled in one place only, there is less to
     # compile, and no sum over a window in which XLA would sample anew.
-    d, v, error, moved = jax.lax.fori_loop(0, 1 + _ITERATIONS, step, (start, zero, zero, zero))
+    change, v, error, moved = jax.lax.fori_loop(0, 1 + _ITERATIONS, step, (zero, zero, zero, zero))
     noise = box_sum(error**2, WINDOW) / jnp.maximum(pixels, 1.0)
     variance = jnp.maximum(noise, _QUIETEST) / jnp.maximum(yy - xy * xy / (xx + 1e-6), 1e-6)
     by_uneven = _BY_UNEVEN**2 * _uneven(disparity)
     good = (
         disparity.valid
         & (moved < _SETTLED)
-        & (jnp.abs(d - start) < _AWAY)
+        & (jnp.abs(change) < _AWAY)
         & (jnp.abs(v) < _FARTHEST_ROW)
         & (pixels > _COVER * WINDOW**2)
         & (variance < _WIDEST**2)
     )
-    return Offsets(d, v, variance + by_uneven, good)
+    return Offsets(start + change, v, variance + by_uneven, good)
 
 
 _window_sums = jax.vmap(partial(box_sum, block_size=WINDOW))  # of several fields in one go: less to compile
