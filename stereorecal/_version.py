@@ -6,7 +6,7 @@ __version__ = "0.1.0"
 
 
 def versions() -> dict[str, str]:
-    """Of Python, stereorecal and what its numbers depend on."""
+    """The versions of Python, stereorecal and what its numbers depend on."""
     import cv2  # here, since commands have this at hand before they know whether there is work
     import jax
     import numpy as np

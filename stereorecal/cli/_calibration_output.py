@@ -41,7 +41,7 @@ class Output:
 
     @property
     def files(self) -> list[Path]:
-        """Of the calibration."""
+        """The files of the calibration."""
         return [] if self.place is None else paths(self.place)
 
 

@@ -83,7 +83,7 @@ def _curve(key: tuple[str, str, str], trials: list[Trial], cost: np.ndarray, thr
 
 
 def _quartiles(courses: Sequence[dict[str, list]], name: str, cost: np.ndarray) -> Float[np.ndarray, "3 m"]:
-    """Of what the trials had reached after so many units: the last step before."""
+    """The quartiles of what the trials had reached after so many units, at the last step before."""
     reached = [
         np.array(course[name], float)[np.searchsorted(course["cost"], cost, side="right") - 1] for course in courses
     ]

@@ -121,7 +121,7 @@ def _summary(
 
 
 def _median(values: Sequence[float | None]) -> float | None:
-    """Of those that are known."""
+    """The median of those that are known."""
     known = [value for value in values if value is not None]
     return float(np.median(known)) if known else None
 

@@ -23,9 +23,9 @@ SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run,
 
 
 def errors_by_truth(start: StereoRig, final: StereoRig, truth: StereoRig, view: View) -> dict[str, Any]:
-    """Of both rigs, under "start" and "final": "row_error_px", median |row difference| over the view of points at 10
-    baselines and at infinity (NaN where nothing is seen), and "depth_error_percent" by distance in baselines (positive:
-    too far; infinite where rays do not meet)."""
+    """The errors of both rigs, under "start" and "final": "row_error_px", the median |epipolar error| over the view of
+    points at 10 baselines and at infinity (NaN where nothing is seen), and "depth_error_percent" by distance in
+    baselines (positive: too far; infinite where rays do not meet)."""
     wrong = {name: difference(rig, truth, view=view) for name, rig in (("start", start), ("final", final))}
     return {
         "row_error_px": {name: one.row_error_median for name, one in wrong.items()},
@@ -192,8 +192,8 @@ def _trial_of_solution(task: Task, solution: Solution) -> Trial:
 
 
 def _counts(task: Task, solution: Solution) -> tuple[int, int, int]:
-    """Of the start, of what the repair ended with and of the reference, over all frames: strategies do not compare on
-    those that each of them left out."""
+    """The counts of the start, of what the repair ended with and of the reference, over all frames: strategies do not
+    compare on those that each of them left out."""
     pairs, how = task.judged.scene.pairs, {"matcher": task.judged.matcher, "view": solution.view}
     before, after = solution.score_before, solution.score_after
     if len(solution.used) < len(pairs):

@@ -130,8 +130,9 @@ def decide_together(
 def _candidate(
     several: Sequence[Estimate], free: Sequence[str], harmless: Callable[[list[Float[np.ndarray, "n"]]], bool]
 ) -> tuple[list[Float[np.ndarray, "n"]], float, float]:
-    """Of each calibration the first that is harmless, from losing least to keeping depth, and on to where its change
-    costs more, else the one that keeps depth; how far they lie from that to losing least, and the cost."""
+    """The first candidates that are harmless, one of each calibration, from losing least to keeping depth, and on to
+    where a change of depth costs more; else those that keep depth. Also how far they lie from that to losing least, and
+    the cost."""
     least = with_free_together(several, free)
     if harmless(least):
         return least, 1.0, 1.0

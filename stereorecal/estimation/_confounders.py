@@ -93,7 +93,7 @@ def _hypothesis_with(rows: LinearGroups, confounder: Confounder, likely: Explana
 
 
 def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: tuple[float, float]) -> list[Normal]:
-    """Of θ and of the parameters of each confounder."""
+    """The likelihoods of θ and of the parameters of each confounder."""
     columns = [confounder.columns(rows) for confounder in confounders]
     whole = replace(rows, jacobian=np.column_stack([rows.jacobian, *columns])).normal(misfit[0])
     n, found = rows.jacobian.shape[1], []

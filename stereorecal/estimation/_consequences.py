@@ -86,7 +86,7 @@ def _weights(
 
 
 def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:
-    """Of the left camera, at depth 1: the corners of a fisheye's image lie on no plane, and nobody rectifies them."""
+    """Rays of the left camera, at depth 1; without the corners of a fisheye, which lie on no plane."""
     to_left, _ = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = _pixel_grid(view.size).T
     rays = np.asarray(view.directions(columns, rows, 0)) @ to_left

@@ -128,12 +128,12 @@ class Estimate:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all parameters, in the order of θ."""
+        """The names of all parameters, in the order of θ."""
         return self.chart.names
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Of all parameters: "deg", "%", "px" or "" for coefficients."""
+        """The units of all parameters: "deg", "%", "px" or "" for coefficients."""
         return tuple(parameter.unit for parameter in self.chart.parameters)
 
     @property
@@ -160,7 +160,7 @@ class Estimate:
 
     @cached_property
     def motions(self) -> tuple[Window, ...]:
-        """Of the rig at the posterior's mean, in each window."""
+        """The motion of the rig at the posterior's mean, in each window."""
         return self.windows.linear_at(self.chart, self.theta)
 
     @one_blas_thread()
@@ -184,7 +184,7 @@ class Estimate:
 
     @cached_property
     def _errors(self) -> Errors:
-        """Of rigs, if the one at the posterior's mean is true."""
+        """The errors of rigs, if the one at the posterior's mean is true."""
         points = self.points
         if points is None and self.shown is not None:
             points = points_shown(self.shown, self.chart, self.theta, self.view)

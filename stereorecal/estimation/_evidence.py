@@ -38,7 +38,7 @@ class Normal:
         return cls(np.zeros((n, n)), np.zeros(n), 0.0)
 
     def of_parameters(self, to: Float[np.ndarray, "n m"]) -> "Normal":
-        """Of parameters p with x = to p."""
+        """The likelihood of parameters p with x = to p."""
         return Normal(to.T @ self.a @ to, to.T @ self.b, self.c)
 
     def of(self, which: Int[np.ndarray, "m"]) -> "Normal":
@@ -46,7 +46,7 @@ class Normal:
         return Normal(self.a[np.ix_(which, which)], self.b[which], self.c)
 
     def around(self, mean: Float[np.ndarray, "m"]) -> "Normal":
-        """Of what the first parameters differ by from a mean."""
+        """The likelihood of what the first parameters differ by from a mean."""
         by_mean = self.a[:, : len(mean)] @ mean
         return Normal(self.a, self.b - by_mean, self.c - float(mean @ (2.0 * self.b - by_mean)[: len(mean)]))
 
@@ -67,7 +67,7 @@ class Normal:
 def normal_of(
     lower: Float[np.ndarray, "g g"], columns: Float[np.ndarray, "g n"], rows: Float[np.ndarray, "g"]
 ) -> Normal:
-    """Of rows whose covariance is lower lowerᵀ."""
+    """The likelihood by rows whose covariance is lower lowerᵀ."""
     from scipy.linalg import solve_triangular
 
     white = solve_triangular(lower, np.column_stack([columns, rows]), lower=True, check_finite=False)
@@ -139,7 +139,7 @@ class Explanation:
 
     @property
     def means(self) -> Float[np.ndarray, "k n"]:
-        """Of θ."""
+        """The means of θ."""
         return self._all_means[:, : len(self.calibration)]
 
     @property

@@ -20,7 +20,7 @@ _MOST = 32  # explanations: an estimate travels between processes
 
 @cache
 def _root_of_field() -> Float[np.ndarray, "p p"]:
-    """Of its correlation, over all places."""
+    """A root of the field's correlation over all places."""
     return root(correlation(np.arange(PLACES[0] * PLACES[1])))
 
 

@@ -199,8 +199,8 @@ def any_same(first: Int[np.ndarray, "k"]) -> bool:
 
 
 def first_of_same(groups: Groups) -> Int[np.ndarray, "k"]:
-    """Of each frame the first of those that show the same: between them, or others of the same, half of what both show
-    hardly changes its disparity."""
+    """For each frame the first of those that show the same: between them, or others of the same, half of what both
+    show hardly changes its disparity."""
     frames, first = np.unique(groups.frame), groups.first.copy()
     disparity = {frame: _disparities(groups.of(groups.frame == frame)) for frame in frames.tolist()}
     for index, frame in enumerate(frames):

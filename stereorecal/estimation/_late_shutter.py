@@ -32,7 +32,7 @@ _FEWEST_MOVING = 2  # windows that move: one says nothing that the rig does not
 
 @dataclass(frozen=True)
 class Delay:
-    """Of the right shutter.
+    """The delay of the right shutter.
 
     Attributes:
         probability: that there is one.
@@ -140,7 +140,7 @@ def _likelihoods(
 def _of_frames(
     windows: Windows, told: Sequence[Window], ways: Float[np.ndarray, "w n"], groups: Groups
 ) -> Float[np.ndarray, "g n"]:
-    """Of the frame of each group: the mean of its windows; of one that is in none, that of the nearest."""
+    """What a delay does to the frame of each group: the mean of its windows; in none, that of the nearest."""
     known = [
         (groups.first[frame], way)
         for pair, one, way in zip(windows.frames, told, ways, strict=True)

@@ -198,7 +198,7 @@ def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypoth
 
 
 def _prior_variance(several: Sequence[Explanation], prior: Mixture) -> Float[np.ndarray, "n"]:
-    """Of the calibration's error before any image was seen, by the weights that its covariances have after."""
+    """The variance of the calibration's error before any image was seen, by its covariances' weights after it."""
     evidence = np.array([evidence_of([one]) for one in several])
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     return weights @ np.stack([np.diag(prior.covariances[one.prior]) for one in several])

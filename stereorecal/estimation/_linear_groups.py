@@ -47,7 +47,7 @@ def correlation(place: Int[np.ndarray, "g"]) -> Float[np.ndarray, "g g"]:
 
 @cache
 def _correlation_of_places() -> Float[np.ndarray, "p p"]:
-    """Of all places."""
+    """The correlation of all places."""
     row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
     apart2 = (row[:, None] - row) ** 2 + (column[:, None] - column) ** 2
     return np.exp(-0.5 * apart2 / _LENGTH**2)
@@ -56,7 +56,7 @@ def _correlation_of_places() -> Float[np.ndarray, "p p"]:
 def covariance_of_rows(
     place: Int[np.ndarray, "g"], deviation: Float[np.ndarray, "g"], misfit: float
 ) -> Float[np.ndarray, "g g"]:
-    """Of the mean row differences of the groups of one frame, with a misfit of this deviation."""
+    """The covariance of the mean row differences of the groups of one frame, with a misfit of this deviation."""
     return misfit**2 * correlation(place) + np.diag(deviation**2)
 
 

@@ -97,7 +97,7 @@ class Errors:
 
     @cached_property
     def weights(self) -> Float[np.ndarray, "q"]:
-        """Of all errors in the loss; those of rows sum to 1, and so do those of depth."""
+        """The weights of all errors in the loss; those of rows sum to 1, and so do those of depth."""
         return np.concatenate([_OF_SHOWN * self.seen + (1.0 - _OF_SHOWN) * self.even, self.even])
 
     @cached_property

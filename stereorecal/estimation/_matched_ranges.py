@@ -77,7 +77,7 @@ class MatchedRanges:
         return (float(rig.right.focal[0]) * found / self.deviations(rig)).T
 
     def deviations(self, rig: StereoRig) -> Float[np.ndarray, "b"]:
-        """Of the disparities less those that the distances ask for, pixels of the right camera."""
+        """Standard deviations of the disparities less those that the distances ask for, pixels of the right camera."""
         pull, finite = float(rig.right.focal[0]) * float(rig.baseline), np.isfinite(self.metres)
         return np.hypot(self.matching, pull * np.where(finite, self.sigma, 0.0) * self._nearness**2)
 
@@ -126,7 +126,7 @@ class MatchedRanges:
 
     @staticmethod
     def _scale(residuals: Float[np.ndarray, "b"]) -> float:
-        """Of those that are far; from afar, where all are wrong, those that agree with each other keep their say."""
+        """The distance at which residuals lose their say; from afar, where all are wrong, those that agree keep it."""
         return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
 
 

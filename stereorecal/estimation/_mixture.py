@@ -38,12 +38,12 @@ class Mixture:
 
     @cached_property
     def mean(self) -> Float[np.ndarray, "n"]:
-        """Of θ."""
+        """The mean of θ."""
         return self.weights @ self.means
 
     @cached_property
     def covariance(self) -> Float[np.ndarray, "n n"]:
-        """Of θ, what the explanations differ by included."""
+        """The covariance of θ, what the explanations differ by included."""
         deviations = self.means - self.mean
         return np.einsum("m,mij->ij", self.weights, self.covariances) + (self.weights * deviations.T) @ deviations
 

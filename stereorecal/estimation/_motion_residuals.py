@@ -36,7 +36,7 @@ _NEAREST = 0.1  # of the distance at which a point was seen first, and, of its o
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Of the left camera: x later = rotation x + translation, in metres."""
+    """The motion of the left camera: x later = rotation x + translation, in metres."""
 
     rotation: Float[np.ndarray, "3 3"]
     translation: Float[np.ndarray, "3"]

@@ -16,7 +16,7 @@ _holds = threading.Lock()
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Of the libraries that are loaded: searching for them takes milliseconds."""
+    """The controller of the libraries that are loaded: searching for them takes milliseconds."""
     import scipy.linalg  # noqa: F401  # has a BLAS of its own
 
     return ThreadpoolController()

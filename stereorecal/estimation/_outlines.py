@@ -103,7 +103,7 @@ def _spans(n: int) -> Float[np.ndarray, "m n"]:
 
 
 def _sums(values: Float[np.ndarray, "p"]) -> Float[np.ndarray, "s"]:
-    """Of values inside of each rectangle."""
+    """The sums of values inside of each rectangle."""
     across, down = map(_spans, PLACES)
     return (down @ values.reshape(len(down[0]), -1) @ across.T).ravel()
 

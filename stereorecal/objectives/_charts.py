@@ -83,7 +83,7 @@ class RigChart:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Of the free parameters."""
+        """The names of the free parameters."""
         return tuple(parameter.name for parameter in self.parameters)
 
     @cached_property

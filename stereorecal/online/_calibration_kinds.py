@@ -23,7 +23,7 @@ _NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 
 @lru_cache(maxsize=4)  # a step asks several times
 def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Mixture:
-    """Of θ, as one normal distribution: the mixture of all kinds, by their evidence."""
+    """The posterior of θ, from one normal distribution: the mixture of all kinds, by their evidence."""
     mean, covariance = filtered.theta, filtered.of_theta
     if not is_exact(prior):
         weights, informations, log_volumes = _kinds(initial, prior)
@@ -49,7 +49,7 @@ def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False
 
 
 def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> float:
-    """Of the lenses, by what calibrations leave of them: squared standard deviations."""
+    """The squared error of the lenses, in standard deviations that calibrations leave."""
     root = _calibration_root(initial, prior)[SIZE:]
     return float(np.sum((np.linalg.pinv(root) @ filtered.theta[SIZE:]) ** 2))
 
@@ -66,7 +66,7 @@ def _calibration_root(initial: StereoRig, prior: str | None) -> Float[np.ndarray
 def _kinds(
     initial: StereoRig, prior: str | None
 ) -> tuple[Float[np.ndarray, "k"], Float[np.ndarray, "k n n"], Float[np.ndarray, "k"]]:
-    """Of each kind its probability; what it knows of the lenses more than all kinds together, as information of θ; and
+    """The probability of each kind; what it knows of the lenses more than all kinds together, as information of θ; and
     the logarithm of its volume, of theirs. Where it knows less, it is as they are."""
     known, lenses = as_prior(prior, rig_parameters(initial)), slice(SIZE, None)
     white = np.linalg.pinv(_calibration_root(initial, prior)[lenses])

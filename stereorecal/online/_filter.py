@@ -98,7 +98,7 @@ class FilterEstimate:
 
     @property
     def delay(self) -> float:
-        """Of the right shutter, in frames."""
+        """How late the right shutter is, in frames."""
         return float(self.mean[_LATE])
 
     @property
@@ -150,14 +150,14 @@ class FilterEstimate:
         return a - a[:, :3] @ less, b - b[:3] @ less
 
     def chance_of(self, measured: Measurement) -> float:
-        """Of a measurement as far from the estimate as this one, or farther (chi-square of the innovation)."""
+        """The probability that a measurement is as far from the estimate, or farther (chi-square of the innovation)."""
         from scipy.special import chdtrc  # a third of a second to import
 
         number, squared_distance, _ = self._innovation(measured)
         return float(chdtrc(number, squared_distance)) if number else 1.0
 
     def log_likelihood(self, measured: Measurement, most: float = np.inf) -> OfEach:
-        """Of a measurement, one that is farther away than so many squared standard deviations being as far."""
+        """The logarithm of the likelihood of a measurement, at most so many squared standard deviations away."""
         _, squared_distance, log_volume = self._innovation(measured)
         return -0.5 * (np.minimum(squared_distance, most) + log_volume)
 

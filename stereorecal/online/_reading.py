@@ -91,7 +91,7 @@ class Reading:
 
     @property
     def change(self) -> Float[np.ndarray, "5"] | None:
-        """Of pitch, yaw, roll [deg], y, z [percent], that the decision asks for; None where it asks for none."""
+        """The change of pitch, yaw, roll [deg], y, z [percent] that the decision asks for; None if it asks for none."""
         return None if self.decision is None or self.decision.refused else self.decision.theta[:SIZE]
 
     @property

@@ -33,7 +33,7 @@ from stereorecal.scoring.host import Corners
 _REPAIR_PAIRS = 3  # of a repair after a knock
 
 Offset = Float[np.ndarray, "5"]
-"""Of a calibration from the one that was given first: pitch, yaw, roll in degrees, y, z in percent of the baseline."""
+"""What a calibration differs by from the one that was given first: pitch, yaw, roll in degrees, y, z in percent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,12 +123,12 @@ class State:
 
     @property
     def theta(self) -> Float[np.ndarray, "n"]:
-        """Of the calibration in use."""
+        """The calibration in use, as θ."""
         return theta_of(self.using, self.chart)
 
     @property
     def posterior(self) -> Mixture:
-        """Of θ, under all kinds of calibration."""
+        """The posterior of θ, under all kinds of calibration."""
         return posterior(self.initial, self.config.prior, self.estimate)
 
     @property
@@ -138,7 +138,7 @@ class State:
 
     @property
     def offset(self) -> Offset:
-        """Of the true rig."""
+        """The offset of the true rig."""
         return self.as_extrinsics @ self.posterior.mean
 
     @property

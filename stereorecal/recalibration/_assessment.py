@@ -38,7 +38,7 @@ _Fitter = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Fit
 
 
 def counts(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
-    """Of the tiles of all frames at full scale, under the initial calibration and a candidate."""
+    """The counts of the tiles of all frames at full scale, under the initial calibration and a candidate."""
     data, rigs = case.images.at(1.0), (case.rig, candidate)
     extrinsics = np.stack([with_unit_baseline(rig.extrinsics) for rig in rigs])
     if same_cameras(candidate, case.rig):

@@ -38,8 +38,8 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Expected:
-    """Of a calibration, from the full covariance: what the images say, what they leave to the priors of extrinsics and
-    intrinsics, and the misfit.
+    """The errors to expect of a calibration, from the full covariance: what the images say, what they leave to the
+    priors of extrinsics and intrinsics, and the misfit.
 
     Attributes:
         estimated, used, view: the true rig is where the estimate says, and `used` is read in the view.

@@ -159,7 +159,7 @@ def motion_as_dict(estimated: Estimate) -> dict[str, Any]:
 
 
 def _unit(estimated: Estimate) -> str:
-    """Of a delay: where times are not known, all windows last 1, and no two pairs of known times are so far apart."""
+    """The unit of a delay: where times are not known all windows last 1, and no known times are so far apart."""
     return "pairs" if set(estimated.windows.seconds) == {1.0} else "s"
 
 

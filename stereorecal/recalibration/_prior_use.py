@@ -166,7 +166,7 @@ def saved_with(rig: StereoRig) -> tuple[SavedPrior | None, str | None]:
 
 
 def fingerprint(pair: Pair) -> str:
-    """Of the grey levels of both images: the same for the same pixels, whatever the names."""
+    """A digest of the grey levels of both images: the same for the same pixels, whatever the names."""
     digest = hashlib.blake2b(repr(pair.size).encode(), digest_size=8)
     for image in (pair.left, pair.right):
         digest.update(np.ascontiguousarray(image, np.float32).data)

@@ -68,7 +68,7 @@ def way_of(found: Correspondences, path: Sequence[Waypoint]) -> Climb:
 
 
 def _differences(found: Correspondences, rig: StereoRig) -> Float[np.ndarray, "k m"]:
-    """Of rays that the cameras of the rig give."""
+    """The row differences of rays that the cameras of the rig give."""
     return np.asarray(row_differences(found, with_unit_baseline(rig.extrinsics))) / float(found.scale)
 
 

@@ -94,9 +94,9 @@ class AbstractResult:
 
     @property
     def condition(self) -> Condition:
-        """Of the initial calibration. Repair, if a change is an improvement, or hardly anything matches of images that
-        show enough. Healthy, if none is, and the rows are aligned where the images show something. Wrong input, if the
-        images cannot be of this rig. Cannot tell, otherwise."""
+        """The condition of the initial calibration. Repair, if a change is an improvement, or hardly anything matches
+        of images that show enough. Healthy, if none is, and the rows are aligned where the images show something. Wrong
+        input, if the images cannot be of this rig. Cannot tell, otherwise."""
         if self.mismatch is not None:
             return Condition.WRONG_INPUT
         if self.reason is Reason.ALREADY_GOOD:
@@ -238,8 +238,8 @@ class AbstractResult:
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"] | None:
-        """Of the parameters of `uncertainty.names`: degrees, percent of the baseline or of the focal length, pixels;
-        of pitch, yaw, roll, y, z by default. Around the candidate; None without an epipolar
+        """The covariance of the parameters of `uncertainty.names` around the candidate, in degrees, percent of the
+        baseline or of the focal length, pixels; of pitch, yaw, roll, y, z by default. None without an epipolar
         stage."""
         return None if self.uncertainty is None else self.uncertainty.covariance
 
@@ -301,7 +301,7 @@ class AbstractResult:
 
 
 def depth_outcome(result: AbstractResult, decision: Decision) -> DepthOutcome:
-    """Of an improvement, and its decision."""
+    """What an improvement does to depth, by its decision."""
     if not decision.depth_corrected:
         return DepthOutcome.KEPT
     if not any(error.significant for error in result.depth_before):

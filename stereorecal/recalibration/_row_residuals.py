@@ -170,7 +170,7 @@ def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
 
 
 def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
-    """Of tiles, from -1 to 1 over the image."""
+    """The centres of tiles, from -1 to 1 over the image."""
     row, column = np.divmod(place, TILES[0])
     return (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1
 

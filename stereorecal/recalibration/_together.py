@@ -107,7 +107,7 @@ class RepairedRecording:
 
     @property
     def windows(self) -> Windows:
-        """Of the kept pairs that follow each other, numbered as these."""
+        """The windows of the kept pairs that follow each other, numbered as these."""
         estimate = self.repair.estimate
         return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.used)
 

@@ -21,7 +21,7 @@ OBSERVED = 0.5  # of the prior's standard deviation; above it, the answer is mos
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """Of the free parameters: pitch, yaw, roll in degrees, y, z in percent of the baseline.
+    """The uncertainty of the free parameters: pitch, yaw, roll in degrees, y, z in percent of the baseline.
 
     Attributes:
         names: of the parameters, n of them; five by default.
@@ -69,8 +69,8 @@ def uncertainty(
 
 
 def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
-    """Of the parameters of a chart, around a candidate and marginal over all others: mean squares of what the truth may
-    differ by."""
+    """The uncertainty of the parameters of a chart, around a candidate and marginal over all others: mean squares of
+    what the truth may differ by."""
     where = [estimated.names.index(name) for name in chart.names]
     offset = (estimated.theta - estimated.chart.coordinates_of(candidate))[where]
     spread = estimated.posterior.covariance[np.ix_(where, where)]

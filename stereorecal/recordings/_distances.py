@@ -99,7 +99,7 @@ class Odometer:
         metres_per_second: Sequence[float] | Real[np.ndarray, "m"],
         sigma: float = 0.01,
     ) -> "Odometer":
-        """Of speeds at some times, as wheels and GPS receivers log them; between them they change evenly.
+        """An odometer from speeds at some times, as wheels and GPS receivers log them; between them they change evenly.
 
         Raises:
             InputError: as `Odometer`.
@@ -117,7 +117,7 @@ class Odometer:
         sigma: float = 0.01,
         noise: float = _NOISE,
     ) -> "Odometer":
-        """Of positions in metres at some times, two or three numbers each: `between` is the straight line.
+        """An odometer from positions at some times, two or three numbers each, metres; straight lines in between.
 
         Args:
             noise: standard deviation of each number of each position by itself, metres.
@@ -147,5 +147,6 @@ class Odometer:
         return then - at
 
     def deviation(self, metres: float, together: int = 1) -> float:
-        """Of such a way, metres; what errs alike in all is larger where so many ways are taken as independent."""
+        """The standard deviation of such a way, metres; larger where so many ways, which err alike in part, are taken
+        as independent."""
         return float(np.hypot(self.sigma * np.sqrt(together) * metres, np.sqrt(2.0) * self.noise))

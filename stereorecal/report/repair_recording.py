@@ -107,5 +107,5 @@ def _log_pair(stream: rr.RecordingStream, state: str, sight: Sight) -> None:
 
 
 def _jpeg(picture: UInt8[np.ndarray, "h w *rgb"]) -> bytes:
-    """Of a grey or RGB picture."""
+    """The JPEG of a grey or RGB picture."""
     return cv2.imencode(".jpg", picture[..., ::-1] if picture.ndim == 3 else picture, _QUALITY)[1].tobytes()

@@ -153,7 +153,7 @@ def _independent(side: int) -> float:
 
 
 def _side(data: ScoringData) -> int:
-    """Of a cell, in pixels."""
+    """The side of a cell, in pixels."""
     return max(1, round(math.sqrt(data.view.size[0] * data.view.size[1] / _CELLS)))
 
 

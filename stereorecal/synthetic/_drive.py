@@ -32,7 +32,7 @@ TOURS = {"harbour": ("harbour", "coast"), "street": ("street",)}
 """Name of each tour and the kinds of scenes that it passes through."""
 
 SIZE = (320, 240)
-"""Of the images; the focal length is about 300 pixels."""
+"""The size of the images; the focal length is about 300 pixels."""
 
 _PLACE = 50  # frames at one place: the rig travels a few metres there
 _WALK = np.radians(1e-4)  # random walk of each angle, a frame
@@ -170,7 +170,7 @@ def plan_drive(
 
 
 def _weather(tour: str, frames: int, first: int | None) -> tuple[str, ...]:
-    """Of each frame; the first stretch is always clear."""
+    """The weather of each frame; the first stretch is always clear."""
     found = []
     for frame in range(frames):
         stretch = frame // (_PLACE * _STRETCH)

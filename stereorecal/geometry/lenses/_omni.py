@@ -33,7 +33,7 @@ class Omni(LensModel):
             )
 
     def project(self, x: Any, y: Any, z: Any, coefficients: Any) -> tuple[Any, Any]:
-        """Of the unit sphere, seen from behind its centre."""
+        """The image of the unit sphere, seen from behind its centre."""
         xp = namespace(x, y, z, coefficients)
         below = z + coefficients[0] * xp.sqrt(x * x + y * y + z * z)
         return distort_planes(x / below, y / below, coefficients[1:])

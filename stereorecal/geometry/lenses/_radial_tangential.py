@@ -26,7 +26,7 @@ class RadialTangential(LensModel):
         """Nothing: where the image folds back, `field` ends."""
 
     def project(self, x: Any, y: Any, z: Any, coefficients: Any) -> tuple:
-        """Of directions ahead of the camera."""
+        """The image of directions ahead of the camera."""
         return distort_planes(x / z, y / z, coefficients)
 
     def unproject(self, points: AnyArray, coefficients: AnyArray, start: np.ndarray | None = None) -> AnyArray:

@@ -53,7 +53,7 @@ class SAD(AbstractMatcher):
 
     @property
     def custom_calls(self) -> tuple[str, ...]:
-        """Of XLA, in the programs of the search on a CPU; for the cache of traced programs."""
+        """The custom calls of XLA in the programs of the search on a CPU; for the cache of traced programs."""
         return (CALL,) if has_kernel() else ()
 
     def search(self, left: Float[AnyArray, "h w"], right: Float[AnyArray, "h w"]) -> Disparity:
