@@ -22,7 +22,7 @@ def sight(size: tuple[int, int], seed: int) -> Sight:
 def misfit(
     *, before: Mapping[int, float] | None = None, after: Mapping[int, float] | None = None, frames: int = 1, **changes
 ) -> dict[str, Any]:
-    """Of regions whose rows lie 0.02 px apart, but for those that are given by place, in the first frame."""
+    """A misfit of regions whose rows lie 0.02 px apart, but for those that are given by place, in the first frame."""
     places = [*range(48)] * frames
     apart = {
         when: [{**dict.fromkeys(range(48), 0.02), **(given if index < 48 else {})}[p] for index, p in enumerate(places)]

@@ -38,7 +38,7 @@ def kinds(steps: list[Stepped]) -> list[str]:
 
 
 def error(state: State, truth: StereoRig) -> np.ndarray:
-    """Of the rig in use: pitch, yaw, roll [deg]."""
+    """The error of the rig in use: pitch, yaw, roll [deg]."""
     return np.abs(state.using - state.offset_of(truth))[:3]
 
 

@@ -21,7 +21,7 @@ def tracks_of(
     with_rig=0.0,
     late=0.0,
 ) -> Tracks:
-    """Of points 5 to 60 baselines away.
+    """Tracks of points 5 to 60 baselines away.
 
     Args:
         move: of points as the left camera has them, baselines.

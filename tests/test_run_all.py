@@ -113,7 +113,7 @@ def test_who_stops_looking_cancels_what_waits():
 
 
 def repaired(scene: sr.Scene, interrupted: bool = False, **options: Any) -> list[tuple[str | None, Any]]:
-    """Of three recordings: what went wrong, and the answer but for the time that it took."""
+    """The results of three recordings: what went wrong, and the answer but for the time that it took."""
     finished: dict[int, Any] = {}
     scenes = [replace(scene, name=name) for name in ("one", "two", "three")]
     schedule = sr.Schedule.count("compass", 0.5)
@@ -125,7 +125,7 @@ def repaired(scene: sr.Scene, interrupted: bool = False, **options: Any) -> list
 
 
 def compared(scene: sr.Scene, interrupted: bool = False, **options: Any) -> list[tuple[str | None, Any]]:
-    """Of three draws, likewise."""
+    """The results of three draws, likewise."""
     table = compare_scenes([scene], strategies=["compass"], draws=3, scale=0.5, **SMALL, **options)
     assert table.interrupted is interrupted
     return [(one.message if one.status == "FAILED" else None, replace(one, seconds=None)) for one in table.trials]

@@ -233,7 +233,7 @@ def field() -> None:
 
 
 def field_figures(data: dict) -> None:
-    """Of the JSON of a field's table."""
+    """Draw the figures of the field's page, from the JSON of its table."""
     for name, figure in (("seconds", error_against_seconds), ("coverage", coverage), ("harm", harm)):
         (HERE / f"field-{name}.svg").write_text((figure(data) or "").replace("currentColor", "#666"))
 

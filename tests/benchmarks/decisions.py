@@ -59,7 +59,7 @@ def judged(seed: int, kind: str, degrees: float, frames: int, folder: Path | Non
 
 
 def rows_of(of_kind: dict[tuple[str, float], list[dict[str, float]]]) -> Iterator[tuple[str, ...]]:
-    """Of the table: each kind, then all, and all that drifted by little."""
+    """The rows of the table: each kind, then all, and all that drifted by little."""
     groups = {f"{kind} {degrees}°" if degrees else kind: found for (kind, degrees), found in of_kind.items()}
     groups["all"] = [one for found in of_kind.values() for one in found]
     small = [one for (_, degrees), found in of_kind.items() if degrees in SMALL for one in found]

@@ -118,7 +118,8 @@ def harmful(state: State, before: StereoRig, true: StereoRig) -> bool:
 
 
 def effects(used: StereoRig, true: StereoRig, state: State) -> tuple[float, float]:
-    """Of a calibration: rows over the view [px], root mean square, and |error of depth| [%] at 30 baselines."""
+    """The epipolar error of a calibration over the view [px], root mean square, and |error of depth| [%] at 30
+    baselines."""
     rows, nearness = readings(used, true, points_of_view(true, 30.0, state.view), state.view)
     return float(np.sqrt(np.mean(rows**2))), float(abs(100.0 * (1.0 / (1.0 + np.mean(nearness)) - 1.0)))
 

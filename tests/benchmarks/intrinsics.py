@@ -68,8 +68,8 @@ def some_ranges(kind: str, seed: int, pair: sr.Pair | int, number: int, draw: in
 
 
 def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str) -> Iterator[tuple]:
-    """Of the rig in use: rows where lenses are held, rows where they are free, depth at 10 and 30 baselines, whether
-    the intrinsics were taken, harm."""
+    """The errors of the rig in use after each repair: rows where lenses are held, rows where they are free, depth at 10
+    and 30 baselines; also whether the intrinsics were taken, and harm."""
     ranges = some_ranges(KINDS[0], 10, given[0].pairs[0], 10, seed) if part == "ranges" else []
     if part == "each":
         some = [replace(s, rig=rig) for s in given]

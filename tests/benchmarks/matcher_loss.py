@@ -50,7 +50,7 @@ def _valid(found: Disparity) -> np.ndarray:
 
 
 def _shares(disparity: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
-    """Of the pixels that were found, and of those that are wrong."""
+    """The share of the pixels that were found, and the share of those that is wrong."""
     found = np.isfinite(disparity) & (disparity > 0.0)
     known = found & np.isfinite(truth)
     return float(found.mean()), float(np.mean(np.abs(disparity - truth)[known] > _WRONG))

@@ -97,7 +97,7 @@ def turning() -> None:
 
 
 def judge_of(scene: Scene) -> ByTrueRig:
-    """Of the clean images."""
+    """The judge of a scene, by its clean images."""
     rig, images = rig_of(scene), pyramid(rig_of(scene), scene.pairs)
     unit, matcher = with_unit_baseline(rig.extrinsics), with_measured_range(None, images)
     return ByTrueRig(rig, host.correspondences(images.at(1.0), unit, matcher), scene.name.startswith(MOVING))

@@ -102,7 +102,7 @@ def on_the_vehicle() -> None:
 
 
 def depth_error_percent(used: sr.StereoRig, true: sr.StereoRig, baselines: float = 30.0) -> float:
-    """Of the depth that a rig reads, over the view, on average; positive: too far."""
+    """The error of the depth that a rig reads, over the view, on average; positive: too far."""
     near = float(readings(used, true, points_of_view(true, baselines))[1].mean())
     return 100.0 * (1.0 / (1.0 + near) - 1.0)
 

@@ -33,7 +33,7 @@ def last_line(*words: object, cores: Sequence[int], **environment: str) -> str:
 
 
 def seconds(*words: object, cores: int = 2, **environment: str) -> float:
-    """Of a whole Python program, without this shell's settings of JAX; exit code 1 is an answer."""
+    """The seconds that a whole Python program takes, without this shell's settings of JAX; exit code 1 is an answer."""
     began = time.perf_counter()
     done = subprocess.run(
         [sys.executable, *map(str, words)],
@@ -48,6 +48,6 @@ def seconds(*words: object, cores: int = 2, **environment: str) -> float:
 
 
 def memory_mb(key: str = "VmRSS") -> int:
-    """Of this process, as /proc has it: VmRSS now, VmHWM at its peak."""
+    """The memory of this process, as /proc has it: VmRSS now, VmHWM at its peak."""
     with open("/proc/self/status") as status:
         return next(int(line.split()[1]) for line in status if line.startswith(key)) // 1024

@@ -25,7 +25,7 @@ _VIEW_AT, _FAR = (5, 10, 30), 30  # baselines
 
 @dataclass(frozen=True)
 class Errors:
-    """Of a rig, by truth.
+    """The errors of a rig, by truth.
 
     Attributes:
         rows: row errors, each by another judge, pixels.
@@ -101,7 +101,7 @@ class BySimulation:
 
 
 def simulated_errors(truth: simulated_rigs.Simulated, rig: sr.StereoRig) -> Errors:
-    """Of a rig, by a simulated one that is true."""
+    """The errors of a rig, by a simulated one that is true."""
     rows = truth.rows_px(rig, tuple(map(float, _VIEW_AT)), rms=True)
     return Errors((float(rows.mean()),), float(truth.absolute_depth_error_percent(rig, (float(_FAR),))[0]))
 

@@ -20,7 +20,7 @@ from stereorecal.decision import DEFAULT, Reason, Tolerances, as_tolerances, dec
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of one case under one rule."""
+    """The outcome of one case under one rule."""
 
     accepted: bool
     harmful: bool

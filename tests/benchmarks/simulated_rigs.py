@@ -161,9 +161,8 @@ class Simulated:
     def readings(
         self, rig: sr.StereoRig, baselines: Sequence[float]
     ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of points at each distance, as `rig` reads them in the stored rig's view: row differences in pixels,
-        baselines over distance, and the depth along the left camera's axis of what is at distance 1 by the view's
-        count."""
+        """What `rig` reads of points at each distance, in the stored rig's view: row differences in pixels, baselines
+        over distance, and the depth along the left camera's axis of what is at distance 1 by the view's count."""
         pixels, true = self._grid
         to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
         column, row = self._view.pixels(rays(rig.left, pixels) @ to_left.T, 0)
@@ -177,20 +176,20 @@ class Simulated:
 
 
 def _median(values: np.ndarray) -> float:
-    """Of numbers some of which are NaN or infinite."""
+    """The median of numbers, some of which are NaN or infinite."""
     known = np.sort(values[~np.isnan(values)])
     return float(known[len(known) // 2]) if len(known) else float("nan")
 
 
 def _rms(values: np.ndarray) -> float:
-    """Of numbers some of which are NaN."""
+    """The root mean square of numbers, some of which are NaN."""
     known = values[~np.isnan(values)]
     return float(np.sqrt(np.mean(known**2))) if len(known) else float("nan")
 
 
 def drift_of(kind: str, degrees: float, baseline: float, rng: np.random.Generator) -> np.ndarray:
-    """Of pitch, yaw, roll [rad], x, y, z [m]. "all": each angle within ± `degrees`, y and z within ± 0.9 % of the
-    baseline for each degree; one axis: this one alone by + or - `degrees`."""
+    """A drift of pitch, yaw, roll [rad], x, y, z [m]. "all": each angle within ± `degrees`, y and z within ± 0.9 % of
+    the baseline for each degree; one axis: this one alone by + or - `degrees`."""
     drift = np.zeros(6)
     if kind == "all":
         limits = np.radians(degrees), SHIFT * degrees * baseline

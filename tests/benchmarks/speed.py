@@ -60,7 +60,7 @@ class Figure:
 
     @property
     def ratio(self) -> float | None:
-        """Of ours to theirs."""
+        """The ratio of our time to theirs."""
         return None if self.theirs is None else self.ours / self.theirs
 
     @property

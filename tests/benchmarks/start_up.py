@@ -40,7 +40,7 @@ class Figure:
 
 
 def medians(rounds: int, **commands: Callable[[], float]) -> dict[str, float]:
-    """Of each command, run in turn."""
+    """The median of each command, run in turn."""
     spent: dict[str, list[float]] = {name: [] for name in commands}
     for _ in range(rounds):
         for name, run in commands.items():

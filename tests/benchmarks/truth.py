@@ -217,7 +217,7 @@ def wide(options: Options) -> None:
 
 
 def commit() -> str:
-    """Of the checkout, and whether the library there is another."""
+    """The commit of the checkout, and whether the library there has changed since."""
 
     def git(*words: str) -> str:
         return subprocess.run(("git", *words), cwd=CHECKOUT, capture_output=True, text=True, check=False).stdout.strip()

@@ -29,7 +29,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Options:
-    """Of the command line."""
+    """The options of the command line."""
 
     methods: Sequence[str]
     degrees: float
@@ -47,7 +47,7 @@ class Options:
             yield Task(f"{name} #{draw}", stored, drifted, scenes)
 
     def answers(self, task: Task, bench: str, judge: Callable[[sr.StereoRig], Errors]) -> Iterator[tuple[str, Answer]]:
-        """Of each method; those of the library can be recorded, with a judge."""
+        """The answers of the methods; those of the library can be recorded, with a judge."""
         for method in self.methods:
             began = time.perf_counter()
             answer = METHODS[method](task.start, task.scenes)

@@ -140,7 +140,7 @@ def uv(*words: object, given: str = "") -> subprocess.CompletedProcess[str]:
 
 
 def version_of(python: Path) -> str:
-    """Of the interpreter."""
+    """The version of the interpreter."""
     return subprocess.run([python, "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
 
 

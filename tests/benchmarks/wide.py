@@ -145,7 +145,7 @@ def simulated(options: argparse.Namespace) -> None:
 
 
 def line(some: list[dict]) -> list[str]:
-    """Of rigs, for the table."""
+    """A line of the table, of some rigs."""
     of = {name: np.array([one[name] for one in some], float) for name in some[0]}
     worst = np.nanquantile(of["rows used"], 0.95)
     return [

@@ -56,7 +56,7 @@ def told(command, drifted_scene: Path, kept) -> Callable[[str], tuple[dict, list
 
 @each_verb
 def test_json_on_stdout_is_what_a_file_would_hold(told, command, drifted_scene: Path, tmp_path: Path, terminal, verb):
-    """Of which a quiet run says nothing, also on a terminal; the exit code tells."""
+    """Each command says nothing in a quiet run, also on a terminal; the exit code tells."""
     target, (content, rows) = tmp_path / "out.json", told(verb)
     terminal("stderr")
     answer = command(verb, *WORDS[verb], drifted_scene, "--quiet", "--json", target)
@@ -100,7 +100,7 @@ def test_matchers(told, command, drifted_scene: Path, verb: str):
 
 @pytest.fixture(scope="module")
 def recordings(clean_scene: Path, drifted_scene: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """Of a good rig, of one that has drifted, of fog, and one whose right images are upside down."""
+    """Recordings of a good rig, of one that has drifted, of fog, and one whose right images are upside down."""
     folder, scene = tmp_path_factory.mktemp("spoiled"), load_scene(clean_scene)
     (pair,) = scene.pairs
     upside_down = replace(pair, right=pair.right[::-1, ::-1].copy(), origin=None)

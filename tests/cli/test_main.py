@@ -43,7 +43,7 @@ def test_traceback_of_a_bug(command, broken, clean_scene: Path, tmp_path: Path):
     "words", [("--traceback", "score", "{}"), ("score", "{}", "--traceback"), ("score", "--traceback", "{}")]
 )
 def test_traceback_of_bad_input(command, tmp_path: Path, words: tuple[str, ...]):
-    """Of every command; also where nothing is wrong it is no news."""
+    """The option may stand anywhere; where nothing is wrong it changes nothing."""
     answer = command(*(word.format(tmp_path / "nowhere") for word in words))
     assert answer.code == 2
     assert answer.err.startswith("Traceback (most recent call last):\n")

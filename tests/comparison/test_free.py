@@ -53,7 +53,7 @@ def test_extrinsics_must_be_free(scene):
 
 @pytest.mark.slow
 def test_the_count_of_a_point_is_that_of_its_rig(scene):
-    """Of the whole rig: its lenses too."""
+    """The count is that of the whole rig, its lenses too."""
     rig, pairs, matcher = scene().rig, scene().pairs, SMALL["matcher"]
     chart = reach_chart(rig, sr.Reach(), Parameters(BOTH))
     asked = rig_count_objective(pyramid(rig, pairs), matcher, chart)

@@ -205,7 +205,7 @@ def test_parts_whose_rows_stay_aligned_do_where_something_else_tells_depth(drift
 
 
 def known_length(chart, percent: float, deviation: float, matched_ranges: MatchedRanges = NO_RANGES) -> Estimate:
-    """Of a rig whose baseline is so much longer, and all else as it was calibrated."""
+    """The estimate of a rig whose baseline is so much longer, and all else as it was calibrated."""
     length = np.eye(chart.dim)[chart.names.index(BASELINE)]
     covariance = np.diag(1e-12 + (deviation * length) ** 2)
     posterior = Mixture(np.ones(1), percent * length[None], covariance[None])

@@ -23,7 +23,7 @@ KINDS = ("some", "extrinsics", "lens", "everything")
 
 @pytest.fixture(scope="module")
 def several(rig, chart, prior, seen) -> list[Estimate]:
-    """Of rigs that a calibration left, with a drift."""
+    """Estimates of rigs that a calibration left, with a drift."""
 
     def make(seed: int) -> Estimate:
         left = prior.roots[1] @ np.random.default_rng(seed).normal(size=chart.dim)

@@ -51,7 +51,7 @@ def test_opencv_reads_the_same(chart, seed, distance):
 
 
 def in_the_middle(rig, points) -> np.ndarray:
-    """Of the left image."""
+    """Whether points lie in the middle of the left image."""
     share = np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
     return np.abs(share - 0.5).max(axis=1) < 0.25
 
@@ -79,8 +79,8 @@ def assert_near(found, expected) -> None:
 
 
 def weights(used: sr.StereoRig, points: np.ndarray, shown: sr.View) -> np.ndarray:
-    """Of points in a mean over the view, and over the middle of the left image, by the squares of their disparities:
-    less, where the view stretches rows."""
+    """The weights of points in a mean over the view, and over the middle of the left image, by the squares of their
+    disparities: less, where the view stretches rows."""
     x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
     squares = (shown.formulas.stretch(y, z, np.sqrt(x**2 + y**2 + z**2)) * np.ones(len(points))) ** -2
     both = squares * [np.ones(len(points)), in_the_middle(used, points)]

@@ -20,12 +20,12 @@ def at(chart, drift=DRIFT) -> np.ndarray:
 
 
 def sigmas(found) -> np.ndarray:
-    """Of all parameters; those that are held have none and are not compared."""
+    """Standard deviations of all parameters; those that are held have none and are not compared."""
     return np.maximum(np.sqrt(np.diag(found.posterior.covariance)), 1e-9)
 
 
 def width(found) -> float:
-    """Of the interval of depth at 30 baselines."""
+    """The width of the interval of depth at 30 baselines."""
     _, low, high = found.depth_error_percent(np.zeros(len(found.theta)))[30]
     return high - low
 

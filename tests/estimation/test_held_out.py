@@ -14,7 +14,7 @@ DRIFT = (0.3, 0.2, -0.4, 0.2, -0.3)
 
 
 def shown(disparity) -> Groups:
-    """Of frames (f, p) that show these disparities, at as many places; each is the first of its own."""
+    """Groups of frames (f, p) that show these disparities, at as many places; each is the first of its own."""
     frames, size = np.shape(disparity)
     rays, one = np.tile([0.0, 0.0, 1.0], (frames * size, 1)), np.ones(frames * size)
     frame, place = np.repeat(np.arange(frames), size), np.tile(np.arange(size), frames)

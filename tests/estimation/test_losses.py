@@ -68,7 +68,7 @@ def test_an_estimate_says_one_loss_on_average_and_of_each_rig(chart, found):
 
 
 def test_losses_are_those_of_points_of_the_view(rig, chart, found):
-    """Of one rig that is surely the true one: rows and depth as `readings` has them."""
+    """The losses are rows and depth as `readings` has them, where one rig is surely the true one."""
     true = found.chart.rig_at(found.theta)
     surely = Mixture(np.ones(1), found.theta[None], np.zeros((1, chart.dim, chart.dim)))
     alone = Estimate(chart, surely, (0.0, 0.0), 0, 0.0, np.zeros(chart.dim), shown=found.shown)

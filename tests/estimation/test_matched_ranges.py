@@ -18,7 +18,7 @@ def scaled(chart, prior) -> Mixture:
 
 
 def ranges_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> MatchedRanges:
-    """Of points that a rig sees, in pixels with an error."""
+    """Ranges of points that a rig sees, in pixels with an error."""
     rng = np.random.default_rng(seed)
     left = rng.uniform([40, 40], [600, 440], (number, 2))
     rays, metres = np.asarray(true.left.rays(left)), rng.uniform(*METRES, number)
@@ -63,7 +63,7 @@ def test_slopes_are_those_of_the_residuals(chart, steps):
 
 @pytest.mark.parametrize("percent", [0.0, 2.0])
 def test_they_tell_depth(rig, chart, scaled, seen, percent):
-    """Of a rig that has drifted, whose boards may have been of another size."""
+    """Ranges tell the depth of a rig that has drifted, whose boards may have been of another size."""
     true = chart.rig_at(np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)] + longer(chart, percent))
     found = seen(rig, true, cells=700)
     alone, told = estimate(found, rig, scaled), estimate(found, rig, scaled, ranges=ranges_of(true))

@@ -11,7 +11,7 @@ UNITS = np.array([1e-6, 1.0, 1e3, 0.05])
 
 
 def covariance(seed: int, rank: int) -> np.ndarray:
-    """Of parameters in very different units."""
+    """A covariance of parameters in very different units."""
     half = np.random.default_rng(seed).normal(0, 1, (4, rank)) * UNITS[:, None]
     return half @ half.T
 

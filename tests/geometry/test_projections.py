@@ -64,7 +64,7 @@ def test_pixels_to_directions_and_back(name: str, rig: StereoRig, data, side: in
 @pytest.mark.parametrize("name", NAMES)
 @given(rig=rigs(), data=st.data(), away=st.floats(1.5, 1e4))
 def test_epipolar_planes_are_rows_and_disparities_tell_distances(name: str, rig: StereoRig, data, away: float):
-    """Of points anywhere before both cameras, up to 80 degrees off the middle, or all around the left half space."""
+    """Points may lie anywhere before both cameras, up to 80 degrees off the middle, or around the left half space."""
     shown = view(rig, field=FIELDS[name], projection=name, zero_disparity=data.draw(st.booleans()))
     to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
     rectified = directions_of(data, np.radians(75.0)) * away * float(rig.baseline)

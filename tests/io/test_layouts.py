@@ -16,7 +16,7 @@ TREE = pytest.mark.parametrize("name", TREES)
 
 @TREE
 def test_only_what_is_asked_for_is_read(tmp_path: Path, name: str):
-    """Of each sequence the first pair, and no pair where the limit leaves none."""
+    """With a limit of one, the first pair of each sequence is read; a limit of none is refused."""
     folder = TREES[name](tmp_path)
     everything, firsts = load_log(folder), load_log(folder, limit=1)
     assert [mission.name for mission in firsts.missions] == [mission.name for mission in everything.missions]

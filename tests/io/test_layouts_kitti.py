@@ -58,7 +58,7 @@ def assert_sees_as_the_projections(rig: StereoRig, left: int, right: int) -> Non
 
 
 def names(pairs: tuple[Pair, ...]) -> list[tuple[str, str]]:
-    """Of the files: the folder of the image and its number."""
+    """The names of the files: the folder of the image and its number."""
     return [tuple("/".join(Path(path).parts[-3:]) for path in pair.origin[1][:2]) for pair in pairs]
 
 

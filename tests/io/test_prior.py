@@ -78,7 +78,7 @@ def test_a_rig_as_data_is_the_rig(angles, shift, k1):
 
 @pytest.mark.parametrize("name", FORMS)
 def test_it_comes_back_from_every_format(tmp_path: Path, name: str):
-    """Of the calibration that it was written with, and of no other."""
+    """What was written with a calibration is known of that one, and of no other."""
     known, (path, *_) = Known(RIG, (0.1, -2e-17, 5e-324, 1e300)), places(tmp_path, name)
     save_rig(RIG, places(tmp_path, name), format=name)
     assert len(list(tmp_path.iterdir())) == len(FORMS[name])

@@ -116,7 +116,7 @@ def test_the_sea_is_near_below_and_far_above(ridden: list[Stepped]):
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("first", ["garden01", "sundial01", "chair01"])
 def test_on_real_images_what_is_advised_narrows_most(data_dir: Path, first: str):
-    """Of four scenes that one rig took, one shows something as near as is asked for."""
+    """One of four scenes of a rig shows something as near as is asked for: it narrows the interval most."""
     folder = data_dir / "boofcv_bumblebee2"
     pairs = {name: load_scene(folder / name).pairs[0] for name in ("garden01", "stones01", "sundial01", "chair01")}
     rig, config = load_scene(folder / first).rig, Config(motion=False, repair=False)

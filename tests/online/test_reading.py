@@ -66,7 +66,7 @@ def unsure_of(state: State, offset: tuple[float, ...], **sigmas: float) -> State
 
 
 def depth_change_percent(change: np.ndarray) -> float:
-    """Of depth at 30 baselines, straight ahead, by another rotation."""
+    """The change of depth at 30 baselines, straight ahead, by another rotation."""
     return float(100.0 * FAR * np.radians(change[1]))
 
 
@@ -103,7 +103,7 @@ def test_a_yaw_that_motion_tells_is_repaired(healthy):
 
 
 def expected_loss(state: State) -> float:
-    """Of the calibration in use, in what a matcher notices and points of depth."""
+    """The expected loss of the calibration in use, in what a matcher notices and points of depth."""
     rng = np.random.default_rng(0)
     loss = []
     for offset in rng.multivariate_normal(state.offset, state.of_offset, 60):

@@ -43,7 +43,7 @@ def test_a_loaded_state_goes_on(ride: Ride, ridden: list[Stepped], tmp_path: Pat
 
 
 def test_the_images_of_corners_are_not_kept(tmp_path: Path):
-    """Of two megabytes: a disk would wear."""
+    """The file stays small: two megabytes of images would wear a disk."""
     place, image = tmp_path / "state", np.random.default_rng(0).integers(0, 255, (1080, 1920), np.uint8)
     none = np.zeros((0, 2))
     state = init(default_rig()).replace(corners=Corners(image, none, none), corners_time=1.0, last=image[:180, :320])

@@ -70,7 +70,7 @@ def test_what_a_calibration_leaves_is_made_through_the_lens(field: float):
 
 @pytest.mark.parametrize(("field", "projection"), [(60.0, "pinhole"), (100.0, "pinhole"), (115.0, "equirectangular")])
 def test_the_view_of_a_wide_model_follows_what_a_pinhole_can_show(field: float, projection: str):
-    """Of the same lens as another model has it, the same view; and no drift turns one into the other."""
+    """A lens has the same kind of view whatever model describes it; no drift turns one kind into the other."""
     rig = rig_of(field)
     view = sr.view(rig)
     assert view.projection == projection

@@ -103,7 +103,7 @@ def test_a_missing_strategy_is_said_once_and_before_any_work(scenes, nothing_ins
 
 
 def test_plain_data(scenes, serial):
-    """Of one judged by the count, which tells no more; and of one that failed."""
+    """A repair that is judged by the count tells no more than that; one that failed tells its error alone."""
     data = json.loads(json.dumps(serial[0].as_dict(), allow_nan=False))
     assert (data["scene"], data["accepted"]) == ("one", serial[0].solution.accepted)
     assert {**data, "scene": None} == {

@@ -64,7 +64,7 @@ def answer(rig: StereoRig, pairs: list[Pair]) -> str:
 
 @pytest.fixture
 def rig_and_pairs(scene):
-    """Of three places, by one rig."""
+    """A rig, and its pairs of three places."""
     scenes = [scene(kind, 0, SIZE) for kind in ("street", "harbour", "coast")]
     return scenes[0].rig, [one.pairs[0] for one in scenes]
 

@@ -113,7 +113,7 @@ def test_pairs_that_a_recording_repeats_show_no_motion(motion):
 
 
 def test_rolling_shutters_need_times():
-    """Of the readout, the share of the time between two pairs counts."""
+    """The readout counts as its share of the time between two pairs; where times do not tell it, motion is refused."""
     pairs = [pair.read_out(0.02) for pair in taken(0.0, 0.1)]
     assert following(pairs, range(2), None, None) == ((0, 1),)
     assert share_of(*pairs) == pytest.approx(0.2)

@@ -126,7 +126,7 @@ def test_load_prior(tmp_path: Path):
 
 @pytest.fixture(scope="module")
 def scenes(scene):
-    """Of one rig that drifted: two pairs."""
+    """A calibration that is off, two pairs, and the rig that took them."""
     pairs = [scene("street", seed).pairs[0] for seed in (3, 4)]
     return RIG.with_extrinsics(RIG.extrinsics + DRIFT), pairs, RIG
 

@@ -42,7 +42,7 @@ def of_small(times: float = 1.0, pair: sr.Pair | int = 0) -> list[sr.Range]:
 
 
 def test_disparities_err_as_their_deviations_say(scene):
-    """Of single pixels, whose ranges have no noise."""
+    """Disparities of single pixels, whose ranges have no noise, err by about a deviation."""
     pixels, metres = measured("harbour", 1, rig=SMALL, number=200, noise=0.0)
     images = pyramid(SMALL, scene("harbour", 1, SIZE).pairs)
     ranges = [sr.Range(images.pairs[0], tuple(p), far, 1e-9) for p, far in zip(pixels.tolist(), metres, strict=True)]

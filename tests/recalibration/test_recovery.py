@@ -137,10 +137,10 @@ def test_chance_matches_make_no_rig_good(data_dir, prior):
 )
 @example(seed=0, axis=[0.0, 0.0, 0.0, 1.0, 0.0], size=1.0)
 def test_any_decalibration_is_recovered_from_its_rows(rig, chart, seen, seed, axis, size):
-    """Of one axis, and of any mixture of them, without images: rows are aligned at every distance, rotations are held
-    by their intervals, and whatever blinds the matcher is repaired, unless it is a shift alone: an image that is late
-    has the same rows, and keeps a probability of a percent or two. A drift of z alone may stay within the noise of
-    rows, which then say nothing of it."""
+    """Rows are aligned at every distance after a drift of one axis, or of any mixture of them, without images;
+    rotations are held by their intervals, and whatever blinds the matcher is repaired, unless it is a shift alone: an
+    image that is late has the same rows, and keeps a probability of a percent or two. A drift of z alone may stay
+    within the noise of rows, which then say nothing of it."""
     drift = size * FARTHEST * axis
     true = chart.rig_at(np.r_[drift, np.zeros(chart.dim - 5)])
     found = estimate(seen(rig, true, seed), rig, "exact")

@@ -92,7 +92,7 @@ def long(number: int = 100) -> sr.Scene:
 
 
 def test_long_recordings_are_looked_at_in_part():
-    """Of each stretch the frame with the most texture; and those that ranges name."""
+    """The frame with the most texture of each stretch is looked at, and those that ranges name."""
     scene = long()
     ((some,), _) = sharing([scene], Parameters(BOTH), (), sr.Schedule.default())
     numbers = [int(pair.name) for pair in some.pairs]
@@ -118,7 +118,7 @@ def test_intrinsics_without_extrinsics(scenes):
 
 @pytest.mark.slow
 def test_motion_counts_in_what_is_shared(tmp_path):
-    """Of each recording's own windows."""
+    """Each recording has its own windows."""
     drive = plan_drive("street", 0, 10, weather=False, moving=False)
     pairs = list(photographs(drive, folder=tmp_path))[::3]
     scenes = [sr.Scene("first", drive.rig, pairs[:2]), sr.Scene("second", drive.rig, pairs[2:])]

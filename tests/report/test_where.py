@@ -12,7 +12,7 @@ CENTRE, LOWER_RIGHT = 27, 47
 
 
 def page(**changes) -> str:
-    """Of a made-up repair, with small pictures and none of the search."""
+    """The page of a made-up repair, with small pictures and none of the search."""
     return repair_page(made_up((64, 48), measured=False, climbs=[], **changes))
 
 
@@ -31,7 +31,7 @@ def test_the_verdict_is_that_of_the_text():
 
 
 def test_every_part_is_named():
-    """Of five parts, three would leave two that are cleared without a word."""
+    """All five parts are named: three would leave two that are cleared without a word."""
     left = misfit(after={0: 0.9, 1: 0.8, 7: 0.5, CENTRE: -0.4, 40: 0.3, LOWER_RIGHT: 0.3})
     assert where(misfit=left)[0] == (
         "In 6 of the 48 matched regions of the view the epipolar error exceeds 0.2 px (0.90 px at worst), at the "

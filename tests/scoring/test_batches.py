@@ -23,7 +23,7 @@ candidates = st.lists(st.tuples(angles, angles, angles, st.just(0.0), shifts, sh
 @settings(max_examples=max(4, settings.default.max_examples // 5))
 @given(offsets=candidates, asked=st.sampled_from([((160, 120), SAD_24), ((320, 240), SAD_48)]), data=st.data())
 def test_batch_size_and_order_do_not_matter(scene, offsets, asked, data):
-    """Of frames that are matched whole, and in blocks."""
+    """Counts are the same in any batch and order, of frames that are matched whole and in blocks."""
     size, matcher = asked
     given_scene = scene("harbour", 0, size)
     prepared = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
@@ -142,7 +142,7 @@ def test_blocks_change_nothing(scene):
 
 @pytest.mark.parametrize("size", [(160, 120), (168, 124)])
 def test_tiles_add_up(scene, size):
-    """Of sizes that eight by six tiles divide evenly or not; and each counts its own pixels."""
+    """Tiles add up in sizes that eight by six of them divide evenly or not; and each counts its own pixels."""
     given_scene = scene("harbour", 0, size, 2)
     data = prepare(given_scene.rig, given_scene.pairs, view(given_scene.rig))
     points = with_unit_baseline(given_scene.rig.extrinsics) + np.array([[0.0] * 6, [0.01, 0, 0, 0, 0, 0]])

@@ -44,7 +44,7 @@ class Watched(AbstractMatcher):
 
 @pytest.fixture(scope="module")
 def frames() -> list[ScoringData]:
-    """Of one to five pairs, whose middles are as bright as their numbers, and whose edges come and go with a pitch."""
+    """Data of one to five pairs, whose middles are as bright as their numbers; their edges come and go with a pitch."""
     pairs = []
     for number in range(5):
         left = np.where(np.abs(np.arange(120.0) - 60.0)[:, None] < 50.0, number, 200.0) * np.ones((120, 160))

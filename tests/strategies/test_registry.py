@@ -205,7 +205,7 @@ def test_names_are_those_of_registered_classes():
 
 
 def test_the_name_of_a_class_that_is_registered_through_another_module_or_twice(installed, monkeypatch):
-    """Of two names it is the first; a class inside a class has its own."""
+    """The first of two names is taken; a class inside a class has its own."""
     facade = ModuleType("facade")
     facade.Exported = Local
     monkeypatch.setitem(sys.modules, "facade", facade)

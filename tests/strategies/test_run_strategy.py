@@ -120,7 +120,7 @@ def test_of_charged_points_the_last_one_is_judged(told, nominated, best):
 
 
 def test_no_signal():
-    """Of which one point tells nothing: a budget of one evaluation, spent on the start."""
+    """One point alone cannot show that there is none: a budget of one evaluation, spent on the start."""
     run = judged(Scripted((0.2, 0.8), (0.8,)), lambda x: 7.0)
     assert (run.status, run.best) == (Status.NO_SIGNAL, [0.0])
     assert judged(Scripted((0.0,), (0.0,)), budget=Budget(evaluations=0.25)).status is Status.CONVERGED

@@ -76,8 +76,8 @@ def _turned(rig: StereoRig, board: Board) -> Board:
 
 
 def _with_squares(prior: Mixture, chart: RigChart, squares: float) -> Mixture:
-    """Of x: θ and the error of the squares' length in percent. The calibration was made with these boards: what its
-    baseline errs by for their sake is that error, so far as the prior lets it err."""
+    """The prior of x: θ and the error of the squares' length in percent. The calibration was made with these boards:
+    what its baseline errs by for their sake is that error, so far as the prior lets it err."""
     length, (one,) = chart.names.index(BASELINE), prior.roots
     other_rows = np.delete(one, length, axis=0)
     scales = np.linalg.norm(other_rows, axis=1, keepdims=True)
@@ -104,7 +104,7 @@ def _at_best_poses(chart: RigChart, posed_boards: Posed) -> Posed:
 
 
 def _likelihood(chart: RigChart, posed_boards: Posed, prior: Mixture) -> Normal:
-    """Of x, linear where it is most probable.
+    """The likelihood of x, linear where it is most probable.
 
     Raises:
         InputError: if the boards do not fit even there.

@@ -124,8 +124,8 @@ def test_noisier_boards_tell_less(rig, chart, found):
 
 
 def test_boards_that_contradict_each_other_tell_less(rig, chart, found):
-    """Of each board all corners of the right image are shifted, as by a mount that gives: single corners fit their
-    board as well as ever, and no noise of theirs shows it."""
+    """The roll is less certain where all right corners of each board are shifted, as by a mount that gives; yet single
+    corners fit their board as well as ever, and no noise of theirs shows it."""
     rng = np.random.default_rng(5)
     shaken = [moved(board, right=[0.0, shift]) for board, shift in zip(views(rig), rng.normal(0, 1.0, 12), strict=True)]
     said = covariance_of_boards(chart.rig, shaken)

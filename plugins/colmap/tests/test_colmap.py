@@ -100,7 +100,7 @@ def fit(images: StereoImages, matches: Matches) -> Outcome:
 
 
 def exact_matches(rig: StereoRig, frames: int, count: int = 150, nearest=1.0, farthest=6.0) -> Matches:
-    """Of points that both cameras see, in COLMAP's pixels, where the centre of the first one is (0.5, 0.5)."""
+    """Matches of points that both cameras see, in COLMAP's pixels, where the centre of the first one is (0.5, 0.5)."""
     draw, pixels = np.random.default_rng(0), []
     for _ in range(frames):
         points = draw.uniform([-0.4, -0.3, 1], [0.4, 0.3, 1], (count, 3)) * draw.uniform(nearest, farthest, (count, 1))

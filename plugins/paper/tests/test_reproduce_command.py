@@ -28,7 +28,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def words(log: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """Of a log, and of less than what --quick does."""
+    """The arguments of a run on a log, which does even less than --quick asks for."""
     monkeypatch.setattr(_command, "QUICK", replace(_command.QUICK, points=3, iterations=2))
     return ["--log", log, "--quick", "--schedule", "count", "--output", tmp_path / "out"]
 

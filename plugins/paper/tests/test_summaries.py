@@ -6,7 +6,7 @@ from stereorecal_paper import Reproduction
 
 
 def summary(name: str, rows=()) -> list[dict]:
-    """Of the rows of an experiment."""
+    """The summary of the rows of an experiment."""
     return Reproduction({}, {}, {name: tuple(rows)}, {}, 0).summary[name]
 
 

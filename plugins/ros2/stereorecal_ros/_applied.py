@@ -17,7 +17,8 @@ SCHEMA = "stereorecal.ros-applied/2"
 _KEPT = 8
 
 Offset = Float[np.ndarray, "5"]
-"""Of a calibration from the one that a state began with, as `State.using`: degrees and percent of the baseline."""
+"""What a calibration differs by from the one that a state began with, as `State.using`: degrees and percent of the
+baseline."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ class Applied:
 
     @property
     def offset(self) -> Offset:
-        """Of the calibration in use."""
+        """The offset of the calibration in use."""
         return self.offsets[-1]
 
     @cached_property

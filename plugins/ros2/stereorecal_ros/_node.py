@@ -155,7 +155,7 @@ class CalibrationNode(Node):
         self._diagnostics.publish(diagnostics_message(f"{self._full_name}: stereo calibration", status, stamp))
 
     def _about(self, name: str) -> str:
-        """Of an input that is silent."""
+        """What else to say of an input that is silent."""
         topic, wanted = self._topics[name]
         types = {one.topic_type for one in self.get_publishers_info_by_topic(topic)}
         if not types:

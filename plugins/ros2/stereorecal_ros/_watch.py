@@ -35,7 +35,7 @@ _SAVE_AGAIN = 10.0  # seconds, after which what could not be kept is tried again
 _OUTCOMES = (Kind.RECALIBRATED, Kind.REJECTED, Kind.REFUSED)
 
 Answer = tuple[bool, str]
-"""Of a request: whether it is done or begun, and what to say."""
+"""The answer to a request: whether it is done or begun, and what to say."""
 
 
 @dataclass(frozen=True, eq=False)

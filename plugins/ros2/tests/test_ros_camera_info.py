@@ -134,7 +134,7 @@ def test_exchanged_or_without_baseline():
 
 
 def test_the_whole_fourth_column():
-    """Of cameras that are placed against a third, as KITTI's; one above the other is said."""
+    """Cameras that are placed against a third one, as KITTI's, are read; one above the other is refused."""
     rig, infos = rig_with("plumb_bob"), corrected(rig_with("plumb_bob"))
     common, place = np.array([0.06, 4e-4, 2.7e-3]), np.array([-0.12, 4e-3, 2e-3])
 

@@ -95,7 +95,7 @@ def said(ros_python: str, drive, pairs, tmp_path_factory: pytest.TempPathFactory
 
 
 def row_errors(infos: dict, rig, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of points [m] that a rig sees, rectified by CameraInfo alone: row differences [px], depth over the true one."""
+    """Row differences [px] of points [m] that a rig sees, rectified by CameraInfo alone; depth over the true one."""
     seen = [points, points @ np.asarray(rig.rotation).T + np.asarray(rig.translation)]
     found = []
     for side, camera, there in zip(("left", "right"), (rig.left, rig.right), seen, strict=True):

@@ -72,7 +72,7 @@ def test_what_is_taken_back_does_not_come_back_while_the_worker_is_busy(robot):
 
 
 def test_a_roll_back_beyond_what_the_state_keeps(robot):
-    """Of the worker's switches, of which most were never published."""
+    """The worker takes back all its switches, of which most were never published."""
     one = robot()
     one.accept(BETTER)
     one.watch.apply()

@@ -181,7 +181,7 @@ def new_files(folder: Path, name: str) -> list[Path]:
 
 
 def unit_of(name: str) -> str | None:
-    """Of new files, for formats that say none."""
+    """The unit of new files, for formats that say none."""
     return "m" if name in ("opencv", "boofcv") else None
 
 

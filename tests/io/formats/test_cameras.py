@@ -26,8 +26,8 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*(translation is taken|turned b
 
 @pytest.mark.parametrize("turns", [(0, 0), (1, 1), (3, 3)])
 def test_derived_matrices(tmp_path: Path, turns: tuple[int, int]):
-    """Of a file whose right camera stands first, and of cameras one above the other, as OpenCV computes them; from
-    these alone R and T are read."""
+    """Matrices are as OpenCV computes them, for a file whose right camera stands first and for cameras one above the
+    other; from these alone R and T are read."""
     (path,) = paths = new_files(tmp_path, "opencv")
     if any(turns):
         save_rig(replace(RIG, turns=turns), path, format="opencv")

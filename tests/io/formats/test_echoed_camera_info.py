@@ -80,7 +80,7 @@ def test_files_that_are_no_pair(tmp_path: Path):
 
 
 def test_matrices_that_a_driver_left_empty(tmp_path: Path):
-    """Of rectified images, a rotation of zeros is none; else nothing tells it."""
+    """A rotation of zeros is none where the images are rectified; else nothing tells it, and it is refused."""
     (_, _, _, P1), (_, _, _, P2) = matrices(samples.RIG)
     paths, nothing = [tmp_path / "l.yaml", tmp_path / "r.yaml"], np.zeros((3, 3))
     for path, P in zip(paths, (P1, P2), strict=True):

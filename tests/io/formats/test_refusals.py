@@ -146,7 +146,7 @@ def test_an_inferred_unit_is_said(tmp_path: Path, stated: str, unit: str):
 
 
 def test_the_unit_of_a_template(tmp_path: Path):
-    """Of a baseline that tells nothing: 3, in centimetres."""
+    """A unit has to be said where the baseline tells nothing: 3, in centimetres."""
     template = tmp_path / "template.yaml"
     template.write_text(samples.OPENCV.replace("-120., 1., -2.", "-3., 0., 0."))
     with pytest.warns(CalibrationWarning, match="taken to be in m, a baseline"):

@@ -64,7 +64,7 @@ class _ByBoards:
 
 
 def board_recipes(place: str, draws: Draws) -> tuple[Boards, ...]:
-    """Of each scene in a folder, beside which the boards' images lie."""
+    """The recipes of each scene in a folder, beside which the boards' images lie."""
     folder = Path(place)
     folders = scene_folders(folder)
     check_rigs(folders)

@@ -11,8 +11,8 @@ ROWS_WORSE, DEPTH_WORSE = Thresholds.harmful_rows_px, Thresholds.harmful_depth_p
 
 @dataclass(frozen=True)
 class Judgement:
-    """Of a rig, by what no method looked at; but rows of lidar and of drives in folders are of images that methods got,
-    too.
+    """The errors of a rig, by what no method looked at; but rows of lidar and of drives in folders are of images that
+    methods got, too.
 
     Attributes:
         row_error_px: |row difference| of the judge's own points: median, of boards root mean square.

@@ -47,7 +47,7 @@ class _ByLidar:
 
 
 def lidar_recipes(place: str, draws: Draws) -> tuple[Lidar, ...]:
-    """Of each scene in a folder that names true disparities."""
+    """The recipes of each scene in a folder that names true disparities."""
     folder = Path(place)
     true = [one for one in scene_folders(folder) if load_scene(one, limit=1).info.get("disparity_gt")]
     for one in true:

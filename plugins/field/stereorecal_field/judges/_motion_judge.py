@@ -96,7 +96,7 @@ class _ByPoses:
 
 
 def motion_recipes(place: str, draws: Draws) -> tuple[AbstractRecipe, ...]:
-    """Of rendered drives; or of each scene in a folder, if one is given."""
+    """The recipes of rendered drives; or of each scene in a folder, if one is given."""
     if not place:
         tours = [_TOURS[draw % len(_TOURS)] for draw in range(draws.rides)]
         return tuple(Ride(tour, draw, *draws.drift, tour, draws.moving) for draw, tour in enumerate(tours))

@@ -25,7 +25,7 @@ class Optics:
 
     @property
     def focal(self) -> float:
-        """Of both rectified cameras, in pixels."""
+        """The focal length of both rectified cameras, in pixels."""
         return float(self.made.P1[0, 0])
 
     @property

@@ -51,7 +51,7 @@ class _ByOthers:
 
 
 def product_recipes(place: str, draws: Draws) -> tuple[Product, ...]:
-    """Of each scene in a folder, judged by the others."""
+    """The recipes of each scene in a folder, judged by the others."""
     folder = Path(place)
     folders = scene_folders(folder)
     _check_one_rig(folder, folders)

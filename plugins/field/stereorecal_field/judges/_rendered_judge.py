@@ -42,7 +42,7 @@ def _scene(kind: str, seed: int, frames: int) -> Scene:
 
 
 def rendered_recipes(kind: str, draws: Draws) -> tuple[Rendered, ...]:
-    """Of drawn drifts, in one scene of a kind, or of each."""
+    """The recipes of drawn drifts, in one scene of a kind, or of each."""
     kinds = (checked_choice(kind, list(KINDS), "kind of scene"),) if kind else draws.kinds
     return tuple(
         Rendered(f"{kind}-{draws.seed}", draw, *draws.drift, kind, draws.frames)

@@ -40,6 +40,6 @@ class Simulated(AbstractRecipe):
 
 
 def simulated_recipes(kind: str, draws: Draws) -> tuple[Simulated, ...]:
-    """Of drawn rigs, in scenes of a kind."""
+    """The recipes of drawn rigs, in scenes of a kind."""
     kind = checked_choice(kind, list(KINDS), "kind of scene") if kind else draws.kinds[0]
     return tuple(Simulated(kind, draw, *draws.drift, kind, draws.frames) for draw in range(draws.number))

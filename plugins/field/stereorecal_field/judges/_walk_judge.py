@@ -60,7 +60,7 @@ def walked(tour: str, seed: int, frames: int) -> Drive:
 
 
 def walk_recipes(place: str, draws: Draws) -> tuple[Walk, ...]:
-    """Of pairs of one walk."""
+    """The recipes of pairs of one walk."""
     if place:
         raise InputError("judge walk is rendered and takes no folder; leave it out.")
     moments = _moments(draws.walk, draws.number)

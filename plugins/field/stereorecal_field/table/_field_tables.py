@@ -43,7 +43,7 @@ def panel_of(row: Row) -> str:
 
 
 def cells(row: Row) -> list[str]:
-    """Of one row of the summary, in the order of the columns."""
+    """The cells of one row of the summary, in the order of the columns."""
     return [
         before_and_after(row["row_error_px"], 2),
         *(before_and_after(depth_at(row, at), 1) for at in ("10", "30")),
@@ -64,7 +64,7 @@ def before_and_after(values: Mapping[str, float | None] | None, digits: int) -> 
 
 
 def depth_at(row: Row, at: str) -> dict[str, float | None] | None:
-    """Of a row: the errors before and after at a distance; None where the judge tells none."""
+    """The errors of depth in a row, before and after, at a distance; None where the judge tells none."""
     depths = row["depth_error_percent"]
     return None if depths is None else {when: depths[when][at] for when in ("start", "final")}
 
