@@ -54,7 +54,7 @@ def made_up(
         "text": "Repaired or not.\nmatched  34 % of 100 pixels",
         "search": "the strategy met its own stopping rule",
         "baseline": 0.356,
-        "facts": {"row error": ("8.92 px", "0.10 px")},
+        "facts": {"epipolar error of the matches": ("8.92 px", "0.10 px")},
         "frame": f"0001.png {EVIL}",
         "before": sight(size, 1),
         "after": sight(size, 2),
@@ -70,7 +70,7 @@ def made_up(
         if healthy
         else [],
         "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
-        "way": Climb("median row error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
+        "way": Climb("median epipolar error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
         "frames": [("0001.png", "used", ""), ("0002.png", "left out", "it shows another rig than the others")],
         "remarks": ["Not determined by these images: y with z."],
         "command": f"python -m stereorecal recalibrate '{EVIL} a b'",

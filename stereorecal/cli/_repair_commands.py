@@ -106,10 +106,10 @@ class ScoreOptions(HealthOptions):
     one look at them would: the share of matched pixels, and, where they tell, the epipolar error and the error of depth
     with 95 % intervals.
 
-    Exit code, by the verdict: 0 good (no significant improvement, and a row error within 0.3 px with 95 % probability);
-    1 repair it (another calibration is a significant improvement, or hardly anything matches, and the rig turned); 4
-    cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot be images
-    of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly
+    Exit code, by the verdict: 0 good (no significant improvement, and an epipolar error within 0.3 px with 95 %
+    probability); 1 repair it (another calibration is a significant improvement, or hardly anything matches, and the rig
+    turned); 4 cannot tell (too dark, too little texture, or no improvement is significant); 5 wrong input (these cannot
+    be images of this rig: exchanged, of two moments, another size). Others: 2 bad input, also images that are certainly
     exchanged, upside down or of different scenes; 3 internal failure; 130 interrupted."""
 
     summary = "check a calibration against images"

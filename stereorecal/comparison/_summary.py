@@ -34,8 +34,8 @@ class Thresholds:
 class Summary:
     """The trials of one strategy in one schedule with one matcher on one scene; medians over the finished ones.
 
-    What the true rig judges (`harmful`, a number of trials, and the medians of row error and |depth error| at the end)
-    is None where it is not known.
+    What the true rig judges (`harmful`, a number of trials, and the medians of epipolar error and |depth error| at the
+    end) is None where it is not known.
     """
 
     scene: str

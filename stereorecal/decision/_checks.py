@@ -50,7 +50,7 @@ class Reason(enum.Enum):
 _UNSURE = (Reason.TOO_LITTLE_TEXTURE, Reason.FRAMES_DISAGREE, Reason.LATE_SHUTTER, Reason.OTHER_LENSES, Reason.MISFIT)
 _ADVICE = {
     Reason.ALREADY_GOOD: "Nothing to do.",
-    Reason.NOT_IMPROVED: "Use the default schedule, which judges by row error.",
+    Reason.NOT_IMPROVED: "Use the default schedule, which judges by epipolar error.",
     Reason.OUT_OF_BUDGET: "Give a larger budget.",
     Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture; of interlaced images take every second row.",
     Reason.NO_MATCHES: "Give a larger reach, or images that show more.",

@@ -41,7 +41,7 @@ class Decision:
         worse: probability that the candidate is worse than the calibration, in rows or in depth.
         better: probability that it loses less.
         loss: (2,) that is to be expected of the calibration, and of the candidate.
-        rows_px: (2, 3) row error where images show something, of both: median, 95 % interval.
+        rows_px: (2, 3) epipolar error where images show something, of both: median, 95 % interval.
         view_px: (2, 3) the same over the whole view at all distances.
         failed: the first criterion that the candidate fails; None: it meets all.
         held_out: what parts that were left out say; empty if nobody asked.

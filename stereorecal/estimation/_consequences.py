@@ -1,4 +1,4 @@
-"""What a rig's errors do: row errors and wrong disparities of points over the view, at some distances.
+"""What a rig's errors do: epipolar errors and wrong disparities of points over the view, at some distances.
 
 Both follow points of the world: the true rig says in which pixels they appear, the used one reads those pixels. If the
 truth is one of many rigs, drawn from a posterior, readings are exact at its mean, and linear around it.
@@ -256,8 +256,8 @@ class Readings:
     near: Consequences
 
     def of(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 p"]:
-        """Row errors [pixels] and relative errors of disparity of the rig at θ = used. Read once: where a search ends,
-        the decision begins."""
+        """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used. Read once: where a search
+        ends, the decision begins."""
         if (key := used.tobytes()) not in self._read:
             rig = self.chart.rig_at(used)
             kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right

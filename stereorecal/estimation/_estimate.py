@@ -212,12 +212,12 @@ class Estimate:
         return {}
 
     def rows_seen(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
-        """Row errors [pixels] of the rig at θ = used, if the one at the posterior's mean is true, at points that stand
-        for what the images show, and the weights of these, which sum to 1."""
+        """Epipolar errors [pixels] of the rig at θ = used, if the one at the posterior's mean is true, at points that
+        stand for what the images show, and the weights of these, which sum to 1."""
         return self._errors.readings.of(used)[0], self._errors.seen
 
     def judged_by(self, matters: Matters) -> "Estimate":
-        """The same, where another row error and another error of depth are noticed."""
+        """The same, where another epipolar error and another error of depth are noticed."""
         return self if self.matters == matters else replace(self, matters=matters, slopes=None)
 
     @one_blas_thread()
@@ -299,8 +299,8 @@ class Estimate:
 
     @one_blas_thread()
     def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
-        """The row error of the rig at θ = used, root mean square over the view, of points at distances in baselines:
-        median, and 95 % interval; pixels of the images."""
+        """The epipolar error of the rig at θ = used, root mean square over the view, of points at distances in
+        baselines: median, and 95 % interval; pixels of the images."""
         readings, found = self._readings(DISTANCES), {}
         near = readings.near
         for distance, rows, slopes in zip(DISTANCES, near.of_sets(readings.of(used)[0]), near.rows, strict=True):

@@ -1,4 +1,4 @@
-"""Row errors of groups, linear near a rig; what else is measured there; and the structured misfit of rows.
+"""Epipolar errors of groups, linear near a rig; what else is measured there; and the structured misfit of rows.
 
 Misfit is what stays together in a region and is in no parameter of the rig. A moved thing, a shutter, a lens that the
 model lacks: a field over the places of each frame, and one that all frames have in common. The evidence finds their

@@ -1,5 +1,5 @@
-"""What a rig's errors cost: |row error| over what a matcher notices and |error of depth| over a point, point by point;
-and the rigs of least loss, which may be written.
+"""What a rig's errors cost: |epipolar error| over what a matcher notices and |error of depth| over a point, point by
+point; and the rigs of least loss, which may be written.
 
 Candidates are chosen by this loss, and judged by it. Errors are counted where images show something, and over the whole
 view at some distances: rows that only corners would show, which nobody looks at, must not decide, and must not be lost.
@@ -41,7 +41,7 @@ class Matters:
     """What counts as an error.
 
     Attributes:
-        rows_px: of row error, that a matcher notices, pixels.
+        rows_px: of the epipolar error, as a matcher notices it, pixels.
         depth_points: of the error of depth, percentage points.
         distances: at which both count over the view, baselines.
     """
@@ -56,7 +56,7 @@ USUAL = Matters()
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """Row errors and errors of depth of a rig at p points, in units of what matters: q = 2p errors.
+    """Epipolar errors and errors of depth of a rig at p points, in units of what matters: q = 2p errors.
 
     Attributes:
         readings: of the points even over the view at each of the distances that matter, and, if images show something,
@@ -136,8 +136,8 @@ class Losses:
     """What a rig loses if each of s rigs drawn from the posterior is the true one.
 
     Attributes:
-        seen: mean |row error| where images show something, pixels.
-        even: mean |row error| over the whole view at all distances, pixels.
+        seen: mean |epipolar error| where images show something, pixels.
+        even: mean |epipolar error| over the whole view at all distances, pixels.
         farthest: mean |error of depth| ahead, in the middle half of the view each way, at the farthest distance,
             percent.
         total: the loss.

@@ -30,7 +30,7 @@ from stereorecal.scoring import image_quality, is_coarse, pyramid
 from stereorecal.scoring.host import with_measured_range
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried; after twice as many again
-_BLIND = 1.5  # pixels of row error: beyond, windows show other things
+_BLIND = 1.5  # pixels of epipolar error: beyond, windows show other things
 _LEARN = 100  # looks: those that tell of lenses
 
 

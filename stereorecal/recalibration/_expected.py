@@ -1,4 +1,4 @@
-"""What those who use a calibration have to expect of it: the row error over the view, and errors of depth."""
+"""What those who use a calibration have to expect of it: the epipolar error over the view, and errors of depth."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -43,7 +43,7 @@ class Expected:
 
     Attributes:
         estimated, used, view: the true rig is where the estimate says, and `used` is read in the view.
-        rows_px: |row error| where the images show something, as the decision has it; pixels.
+        rows_px: |epipolar error| where the images show something, as the decision has it; pixels.
     """
 
     estimated: Estimate

@@ -62,9 +62,9 @@ def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
 
 
 def way_of(found: Correspondences, path: Sequence[Waypoint]) -> Climb:
-    """The median row error of the last matches, in pixels, along the search of the extrinsics."""
+    """The median epipolar error of the last matches, in pixels, along the search of the extrinsics."""
     errors = [median_row_error(found, with_unit_baseline(point.extrinsics)) for point in path]
-    return Climb("median row error [px]", np.array([point.cost for point in path]), np.array(errors))
+    return Climb("median epipolar error [px]", np.array([point.cost for point in path]), np.array(errors))
 
 
 def _differences(found: Correspondences, rig: StereoRig) -> Float[np.ndarray, "k m"]:
@@ -197,8 +197,9 @@ def _sight(solution: AbstractResult, rig: StereoRig, pair: Pair) -> Sight:
 def _facts(solution: AbstractResult, *, telling: bool) -> dict[str, tuple[str, str]]:
     before, after = solution.score_before, solution.score_after
     facts = {f"matched, of {count(before.pixels)} pixels": (percent(before.fraction), percent(after.fraction))}
-    if solution.row_errors is not None and telling:
-        facts["row error"] = (f"{solution.row_errors.before:.2f} px", f"{solution.row_errors.after:.2f} px")
+    errors = solution.row_errors
+    if errors is not None and telling:
+        facts["epipolar error of the matches"] = (f"{errors.before:.2f} px", f"{errors.after:.2f} px")
     if solution.misfit is not None and telling:
         facts["misfit of regions"] = (f"{solution.misfit.rms_before:.2f} px", f"{solution.misfit.rms:.2f} px")
     return facts

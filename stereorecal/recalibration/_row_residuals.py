@@ -58,7 +58,7 @@ class RowResiduals:
 
     @property
     def errors(self) -> RowErrors:
-        """The row errors of what each tile shows, before and after."""
+        """The epipolar errors of what each tile shows, before and after."""
         return RowErrors(*(float(tile_medians(of, self.tile).mean()) for of in (self.start_residual, self.residual)))
 
 

@@ -125,7 +125,7 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
 
 
 def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
-    """Curves of the scores and of the row error over cost, those that have more than one point."""
+    """Curves of the scores and of the epipolar error over cost, those that have more than one point."""
     found = []
     for curve in [*climbs, way]:
         if curve is None or len(curve.cost) < 2:  # one point is no curve

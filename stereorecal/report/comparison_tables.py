@@ -142,8 +142,8 @@ def _truth_legend(data: Mapping[str, Any]) -> str:
         return ""
     limits = data["settings"]["thresholds"]
     return (
-        "px: row error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
-        f"harmful: trials after which the row error is larger by more than {limits['harmful_rows_px']} px, or the "
+        "px: epipolar error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
+        f"harmful: trials after which the epipolar error is larger by more than {limits['harmful_rows_px']} px, or the "
         f"depth error at 30 baselines by more than {limits['harmful_depth_percent']:g} % of the distance.\n"
     )
 

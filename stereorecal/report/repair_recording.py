@@ -25,7 +25,7 @@ _STATES = ("before", "after")
 
 def log_repair(stream: rr.RecordingStream, report: RepairReport) -> None:
     """Log the report: under `before` and `after` the rectified pair with its epipolar lines, the disparity, where it
-    matched, and the row error over the view; under `verdict` the text. Nothing depends on time."""
+    matched, and the epipolar error over the view; under `verdict` the text. Nothing depends on time."""
     sights = (report.before, report.after)
     least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights])
     for state, sight in zip(_STATES, sights, strict=True):
@@ -43,8 +43,8 @@ def log_repair(stream: rr.RecordingStream, report: RepairReport) -> None:
 
 
 def repair_layout(report: RepairReport) -> rrb.Blueprint:
-    """What the viewer shows at first: before | after, the pair above its disparity above its row error, and the verdict
-    beside them."""
+    """What the viewer shows at first: before | after, the pair above its disparity above its epipolar error, and the
+    verdict beside them."""
     names = report.names
     columns = []
     for state, name, sight in zip(_STATES, names, (report.before, report.after), strict=True):
@@ -54,15 +54,15 @@ def repair_layout(report: RepairReport) -> rrb.Blueprint:
             rrb.Spatial2DView(origin=f"/{state}/disparity", name=shown),
         ]
         if report.rows is not None:
-            views.append(rrb.Spatial2DView(origin=f"/{state}/row_error", name=f"{name}: row error over the view"))
+            views.append(rrb.Spatial2DView(origin=f"/{state}/row_error", name=f"{name}: epipolar error over the view"))
         columns.append(rrb.Vertical(*views))
     verdict = rrb.TextDocumentView(origin="/verdict", name="verdict")
     return rrb.Blueprint(rrb.Horizontal(*columns, verdict, column_shares=[3, 3, 2]), collapse_panels=True)
 
 
 def row_pictures(report: RepairReport) -> list[UInt8[np.ndarray, "h w 3"]]:
-    """The row error over the view in the colours of the page, over the left image, before and after; no colour where
-    nothing matched. Empty if none was measured."""
+    """The epipolar error over the view in the colours of the page, over the left image, before and after; no colour
+    where nothing matched. Empty if none was measured."""
     if report.rows is None:
         return []
     norm, image = row_scale(report.rows), report.after.left
@@ -85,7 +85,7 @@ def verdict_text(report: RepairReport) -> str:
     )
     if report.rows is not None:
         parts.append(
-            f"**Row error**: white is aligned, full colour {largest_row(report.rows):.2g} px, on a scale that is "
+            f"**Epipolar error**: white is aligned, full colour {largest_row(report.rows):.2g} px, on a scale that is "
             "logarithmic beyond 0.2 px; no colour: too few matches there."
         )
     return "\n\n".join(parts)

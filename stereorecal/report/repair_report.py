@@ -122,13 +122,13 @@ class RepairReport:
         before, after: that pair, under the initial calibration and under the candidate.
         rows: None if none were measured.
         misfit: None or the plain data of a misfit; its regions are numbered by rows of 8 by 6.
-        expected: (h, w) half width of the 95 % interval around zero of the row errors of the calibration to use, over
-            the view; NaN where not both cameras see the point.
+        expected: (h, w) half width of the 95 % interval around zero of the epipolar errors of the calibration to use,
+            over the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
         axes, intrinsics, depths: tables, intrinsics with their camera; empty where the candidate means nothing, or
             nothing was refined. No depths where the candidate was found to be wrong.
         climbs: of the stages that maximise a count.
-        way: median row error after so many units, along the whole repair; None if it is not known.
+        way: median epipolar error after so many units, along the whole repair; None if it is not known.
         frames: each pair's name, whether it was used, and why not.
         remarks: sentences, such as which directions are unobservable.
         command: as it can be pasted into a shell; None if the repair was no command.

@@ -26,8 +26,8 @@ Row = Mapping[str, Any]
 
 
 def repairs_table(repairs: Sequence[Row], width: int) -> Group:
-    """One row for each recording: verdict, matched pixels and row error before and after, changes with intervals; in
-    two tables where `width` columns hold no more, with words folded until they fit."""
+    """One row for each recording: verdict, matched pixels and epipolar error before and after, changes with intervals;
+    in two tables where `width` columns hold no more, with words folded until they fit."""
     tables, _ = fitted([_repair(row) for row in repairs], width, _WORDS, parts=(_VERDICT, _AXES))
     return Group(*tables, Text(_LEGEND))
 

@@ -39,7 +39,7 @@ REAL = {
 RECTIFIED = [name for name in REAL if name.startswith(("kitti", "middlebury"))]
 AXES = ("pitch", "yaw", "roll", "y", "z")
 DEGREES, FRACTION = 2.5, 0.0225  # of the largest drift
-WORTH = 0.15  # pixels of row error: a start that lies so far above its candidate is worth repairing
+WORTH = 0.15  # pixels of epipolar error: a start that lies so far above its candidate is worth repairing
 
 
 @dataclass(frozen=True)

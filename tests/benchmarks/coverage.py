@@ -4,9 +4,9 @@
 
 The rigs are those of `simulated_rigs.py` (even seeds unless --first is odd): calibrated with OpenCV on simulated
 corners, drifted, seen through simulated correspondences. Of the rig at the posterior's mean: how often the 95 %
-intervals of its depth and of the extrinsics hold the truth, the median row error over the view and the median depth
-error, and the mean interval score (Gneiting & Raftery 2007) of depth at 30 baselines beside that of the best interval
-of constant width, which knows all truths.
+intervals of its depth and of the extrinsics hold the truth, the median epipolar error over the view and the median
+depth error, and the mean interval score (Gneiting & Raftery 2007) of depth at 30 baselines beside that of the best
+interval of constant width, which knows all truths.
 """
 
 import numpy as np

@@ -7,10 +7,10 @@ Rendered and real scenes are spoiled in many ways, half of which the model expla
 on, glints, rain, fixed dirt, vignetting) and half of which it does not, and repaired from the true rig, from 0.3° and
 from 2.5° away. Judges: rows by correspondences that were found on the CLEAN images under the true rig and over the view
 at 5, 10 and 30 baselines, depth at 30 by the true rig (not of real scenes: what stands there for the true rig is the
-consensus of repairs of the clean images). Harmful: accepted, and a row error grown by more than 0.05 px (in brackets:
-0.02), or the median |error of depth| by more than a percentage point. Missed: in need, rows worse than 0.2 px, and not
-accepted. Kinds that parameters of the model explain, so that no image can tell them from a rig, are printed by
-themselves and not counted; so are late images, which show the rig from another pose.
+consensus of repairs of the clean images). Harmful: accepted, and an epipolar error grown by more than 0.05 px (in
+brackets: 0.02), or the median |error of depth| by more than a percentage point. Missed: in need, rows worse than 0.2
+px, and not accepted. Kinds that parameters of the model explain, so that no image can tell them from a rig, are printed
+by themselves and not counted; so are late images, which show the rig from another pose.
 
 With --turning: what no single frame can tell, a late right image on a rig that only turns, which is another pose of the
 right camera, exactly.

@@ -28,7 +28,7 @@ class Errors:
     """The errors of a rig, by truth.
 
     Attributes:
-        rows: row errors, each by another judge, pixels.
+        rows: epipolar errors, each by another judge, pixels.
         depth: |error| at 30 baselines, percent; NaN: nobody knows.
     """
 

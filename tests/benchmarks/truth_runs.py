@@ -67,7 +67,7 @@ class Judge:
         measured: of a rig.
         cells: of the table, of what was measured of the start and of a rig.
         worse: whether a rig is, than the start.
-        need: row error of the start, pixels.
+        need: epipolar error of the start, pixels.
         stored: what was measured of the stored rig, if "below stored" is said.
     """
 

@@ -13,7 +13,7 @@ AMOUNT = st.floats(0.0, 50.0)
 
 
 def errors(rows=(1.0, 1.0), depth=(5.0, 5.0)):
-    """Row errors at the start and the end, and depth errors at 30 baselines."""
+    """Epipolar errors at the start and the end, and depth errors at 30 baselines."""
     at = {when: {"10": one / 3.0, "30": one} for when, one in zip(("start", "final"), depth, strict=True)}
     return {"row_error_px": dict(zip(("start", "final"), rows, strict=True)), "depth_error_percent": at}
 

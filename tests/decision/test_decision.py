@@ -30,7 +30,7 @@ MOTION = Windows((Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2))),))
 
 
 def of_truth(used, true) -> tuple[float, float]:
-    """Mean |row error| [px] at the distances that are judged, and mean |error of depth| at 30 baselines [%]."""
+    """Mean |epipolar error| [px] at the distances that are judged, and mean |error of depth| at 30 baselines [%]."""
     read = [readings(used, true, points_of_view(true, distance)) for distance in AWAY]
     return float(np.mean([np.abs(rows).mean() for rows, _ in read])), 100.0 * float(np.abs(read[-1][1]).mean())
 

@@ -1,4 +1,4 @@
-"""The row errors of a candidate, and what parts of images say."""
+"""The epipolar errors of a candidate, and what parts of images say."""
 
 from dataclasses import replace
 

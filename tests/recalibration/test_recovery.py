@@ -62,7 +62,7 @@ def test_the_count_comes_back_by_the_count_alone(scene, seed, drift):
     assert solution.score_after.count >= 0.95 * reference.count
 
 
-BLINDS = 1.5  # pixels of row error, through which no matcher finds much
+BLINDS = 1.5  # pixels of epipolar error, through which no matcher finds much
 # Degrees of pitch, yaw, roll: some five times the median error of the benchmark (docs/accuracy.md), whose images are
 # twice as large.
 TOLERANCE = np.array([0.02, 0.1, 0.02])

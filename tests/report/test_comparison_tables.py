@@ -154,4 +154,4 @@ def test_what_the_true_rig_says_has_a_table_of_its_own(width):
     assert ("8.84      0.09     0.7" in row) == (width > 48)
     assert not any("…" in line for line in lines)
     assert all(len(line) <= width for line in lines if set(line.strip()) == {"─"})
-    assert "harmful: trials after which the row error is larger by more than 0.02 px" in " ".join(lines)
+    assert "harmful: trials after which the epipolar error is larger by more than 0.02 px" in " ".join(lines)

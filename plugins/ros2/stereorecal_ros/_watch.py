@@ -169,7 +169,7 @@ class Watch:
         found, waits = None, False
         if state is not None and applied is not None:
             waits = applied.waits(state)
-            if not np.array_equal(state.using, applied.offset):  # nor is the last row error of what is published
+            if not np.array_equal(state.using, applied.offset):  # nor is the last epipolar error of what is published
                 state = state.replace(using=applied.offset, row_error=float("nan"))
             found = reading(state) if state.seen else None
         counts = {

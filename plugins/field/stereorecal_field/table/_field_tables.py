@@ -24,7 +24,7 @@ def field_tables(data: Mapping[str, Any]) -> Group:
             box=box.SIMPLE_HEAD,
         )
         table.add_column("method", no_wrap=True)
-        for head in ("row error px", "10 B %", "30 B %", "covered", "harmful", "kept", "refused", "s", "MiB"):
+        for head in ("epipolar px", "10 B %", "30 B %", "covered", "harmful", "kept", "refused", "s", "MiB"):
             table.add_column(head, justify="right", no_wrap=True)
         for row in rows:
             table.add_row(row["method"], *cells(row))
