@@ -9,7 +9,7 @@ linear where they were solved last: a few rounds, and all agree.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from itertools import product
 from operator import add
 from typing import Any
@@ -128,11 +128,15 @@ class Fit:
     misfit: tuple[float, float]
 
     @cached_property
-    @one_blas_thread()
     def alone(self) -> Estimate:
         """The estimate under this misfit, without asking what else may be behind the rows: it says where to match, and
         which frames show another rig."""
-        return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)[0]
+        return self.unweighed()[0]
+
+    @one_blas_thread()
+    def unweighed(self) -> tuple[Estimate, Explanation]:
+        """`alone`, and the most probable one of its explanations."""
+        return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)
 
     @one_blas_thread()
     def weighed(self) -> tuple[Estimate, Explanation]:
@@ -257,32 +261,37 @@ def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> li
 
 
 def estimate_together(
-    recordings: Sequence[Recording], *, each: Each = lambda does, several: [*map(does, several)]
-) -> list[Estimate]:
-    """The estimate of each recording's rig, from what all of them show; `each` runs a task for each recording."""
-    estimates, messages = _round(recordings, each)
-    variances = [one.prior_variance for one in estimates]
-    for _ in range(_ROUNDS_TOGETHER - 1 if len(recordings) > 1 else 0):
-        known = (
-            after(recording.prior, reduce(add, messages[:index] + messages[index + 1 :]))
-            for index, recording in enumerate(recordings)
-        )
-        several = [
-            replace(recording, start=one.theta, prior=prior)
-            for recording, one, prior in zip(recordings, estimates, known, strict=True)
-        ]
-        estimates, messages = _round(several, each)
-    return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)]
+    recordings: Sequence[Recording],
+    earlier: tuple[list[Estimate], list[Normal]] | None = None,
+    *,
+    each: Each = lambda does, several: [*map(does, several)],
+    weighed: bool = True,
+) -> tuple[list[Estimate], list[Normal]]:
+    """The estimate of each recording's rig, from what all of them show; and what each shows of the calibration's error.
+
+    Args:
+        earlier: the answer where the same recordings were matched before.
+        each: runs a task for each recording.
+        weighed: whether what else may be behind the rows is asked; it is not needed to say where to match.
+    """
+    estimates, messages = earlier or ([], [])
+    variances, alone = [one.prior_variance for one in estimates], len(recordings) == 1
+    for number in range(1 if alone else _ROUNDS_TOGETHER - (earlier is not None)):
+        known = list(recordings)
+        if messages and not alone:
+            of_others = (reduce(add, messages[:index] + messages[index + 1 :]) for index in range(len(messages)))
+            known = [replace(one, prior=after(one.prior, told)) for one, told in zip(known, of_others, strict=True)]
+        if number:
+            known = [replace(one, start=found.theta) for one, found in zip(known, estimates, strict=True)]
+        done = each(partial(_estimate_and_message, weighed=weighed), known)
+        estimates, messages = [one for one, _ in done], [message for _, message in done]
+        variances = variances or [one.prior_variance for one in estimates]
+    return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)], messages
 
 
-def _round(recordings: Sequence[Recording], each: Each) -> tuple[list[Estimate], list[Normal]]:
-    """The estimate of each with what is known before it, and what it shows of the calibration's error."""
-    done = each(_estimate_and_message, recordings)
-    return [one for one, _ in done], [message for _, message in done]
-
-
-def _estimate_and_message(one: Recording) -> tuple[Estimate, Normal]:
-    estimated, best = fitted(one).weighed()
+def _estimate_and_message(one: Recording, *, weighed: bool) -> tuple[Estimate, Normal]:
+    fit = fitted(one)
+    estimated, best = fit.weighed() if weighed else fit.unweighed()
     return estimated, of_calibration(best)
 
 

@@ -163,8 +163,8 @@ class Member:
 
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
-    """The joint estimate of recordings: solved, matched again, solved again; and the decision on it; `each` runs a task
-    for each recording."""
+    """The joint estimate of recordings: fitted, matched again, weighed; and the decision on it; `each` runs a task for
+    each recording."""
     ranges = (NO_RANGES,) * len(recordings)
     if any(r.ranges for r in recordings):
         ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
@@ -173,7 +173,8 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
     ]
     tolerances = recordings[0].repair.settings.tolerances
-    estimates = [one.judged_by(tolerances.matters) for one in estimate_together(estimated_from, each=each)]
+    first = estimate_together(estimated_from, each=each, weighed=False)
+    estimates = [one.judged_by(tolerances.matters) for one in first[0]]
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
@@ -181,7 +182,8 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         enough = found.found >= ENOUGH.matches
         read = with_rays_of(r.repair.initial, found, matched_rig=rig) if enough else r.found
         estimated_from[index] = replace(estimated_from[index], found=read, start=r.theta_of(rig))
-    estimates = [one.judged_by(tolerances.matters) for one in estimate_together(estimated_from, each=each)]
+    estimates, _ = estimate_together(estimated_from, first, each=each)
+    estimates = [one.judged_by(tolerances.matters) for one in estimates]
     decisions = decide_together(estimates, free.names, tolerances)
     several = zip(recordings, estimated_from, estimates, decisions, strict=True)
     return [Member(r, data.found, estimated, decision) for r, data, estimated, decision in several]

@@ -10,6 +10,8 @@ import jax
 import pytest
 from parts_of_repairs import use_compile_cache
 
+from stereorecal.cli import executor
+
 WHERE = """
 import contextlib, io, jax
 from stereorecal.cli import main
@@ -106,3 +108,14 @@ def test_a_platform_that_is_not_there(tmp_path: Path, platform: str):
         pytest.skip(f"JAX computes on {platform} here")
     assert answer.returncode == 2
     assert f"stereorecal: JAX_PLATFORMS is '{platform}', which JAX cannot use here" in answer.stderr
+
+
+@pytest.mark.parametrize(("before", "then"), [(None, "false"), ("true", "true")])
+def test_worker_processes_share_a_gpu(monkeypatch, before: str | None, then: str):
+    """JAX would take most of its memory for the first of them."""
+    name = "XLA_PYTHON_CLIENT_PREALLOCATE"
+    monkeypatch.setenv(name, before or "")
+    if before is None:
+        monkeypatch.delenv(name)
+    with executor("processes:1"):
+        assert os.environ[name] == then

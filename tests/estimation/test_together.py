@@ -24,7 +24,7 @@ def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
 
 @pytest.fixture(scope="module")
 def together(recordings):
-    return estimate_together(recordings)
+    return estimate_together(recordings)[0]
 
 
 def sigmas(one) -> np.ndarray:
@@ -32,7 +32,7 @@ def sigmas(one) -> np.ndarray:
 
 
 def test_one_recording_is_as_alone(recordings, prior):
-    (one,), alone = estimate_together(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
+    ((one,), _), alone = estimate_together(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
     np.testing.assert_allclose(one.theta, alone.theta, atol=1e-12)
     np.testing.assert_allclose(one.intervals, alone.intervals, atol=1e-12)
 
@@ -46,6 +46,6 @@ def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, t
 
 
 def test_their_order_does_not_matter(recordings, together):
-    again = estimate_together(recordings[::-1])[::-1]
+    again = estimate_together(recordings[::-1])[0][::-1]
     for one, other in zip(together, again, strict=True):
         assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
