@@ -28,7 +28,7 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
-from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
+from stereorecal.estimation._groups import FEWEST_GROUPS, Groups, any_same, first_of_same, grouped
 from stereorecal.estimation._late_shutter import Delay, delay_of, hypothesis_with_delay
 from stereorecal.estimation._linear_groups import (
     COMMON,
@@ -134,6 +134,16 @@ class Fit:
         return self.unweighed()[0]
 
     @one_blas_thread()
+    def with_prior(self, prior: Mixture) -> "Fit":
+        """With another prior: a step on, for which outliers are what they are."""
+        recording = replace(self.recording, prior=prior)
+        if self.rows is None:
+            return Fit(recording, None, self.misfit)
+        rows = replace(self.rows, model=recording.model)
+        theta = best_of(_alone(rows, [self.misfit]).several).theta
+        return Fit(recording, _linear(recording.model, rows.groups, theta, self.misfit, rows.likelihoods), self.misfit)
+
+    @one_blas_thread()
     def unweighed(self) -> tuple[Estimate, Explanation]:
         """`alone`, and the most probable one of its explanations."""
         return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)
@@ -233,9 +243,20 @@ def _settled(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta, first)
-        rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
-        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
+        rows = _linear(model, groups, theta, misfit, None if number < _REGROUPED else rows.likelihoods)
     return rows, misfit
+
+
+def _linear(
+    model: Model,
+    groups: Groups,
+    theta: Float[np.ndarray, "n"],
+    misfit: tuple[float, float],
+    likelihoods: Sequence[tuple[float, Normal]] | None,
+) -> LinearGroups:
+    """The rows of groups, linear near θ; of those that err alone under a misfit, less."""
+    rows = model.linear(groups, theta, likelihoods)
+    return replace(rows, deviation=rows.robust(sum(misfit), theta))
 
 
 def _other_rigs(
@@ -275,22 +296,25 @@ def estimate_together(
         weighed: whether what else may be behind the rows is asked; it is not needed to say where to match.
     """
     estimates, messages = earlier or ([], [])
-    variances, alone = [one.prior_variance for one in estimates], len(recordings) == 1
-    for number in range(1 if alone else _ROUNDS_TOGETHER - (earlier is not None)):
-        known = list(recordings)
-        if messages and not alone:
-            of_others = (reduce(add, messages[:index] + messages[index + 1 :]) for index in range(len(messages)))
-            known = [replace(one, prior=after(one.prior, told)) for one, told in zip(known, of_others, strict=True)]
+    variances, known = [one.prior_variance for one in estimates], recordings
+
+    def priors() -> list[Mixture]:
+        of_others = (reduce(add, messages[:index] + messages[index + 1 :]) for index in range(len(messages)))
+        return [after(one.prior, told) for one, told in zip(recordings, of_others, strict=True)]
+
+    if messages:
+        known = [replace(one, prior=prior) for one, prior in zip(recordings, priors(), strict=True)]
+    fits = each(fitted, known)
+    for number in range(_ROUNDS_TOGETHER - (earlier is not None) if len(recordings) > 1 else 1):
         if number:
-            known = [replace(one, start=found.theta) for one, found in zip(known, estimates, strict=True)]
-        done = each(partial(_estimate_and_message, weighed=weighed), known)
+            fits = [fit.with_prior(prior) for fit, prior in zip(fits, priors(), strict=True)]
+        done = each(partial(_estimate_and_message, weighed=weighed), fits)
         estimates, messages = [one for one, _ in done], [message for _, message in done]
         variances = variances or [one.prior_variance for one in estimates]
     return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)], messages
 
 
-def _estimate_and_message(one: Recording, *, weighed: bool) -> tuple[Estimate, Normal]:
-    fit = fitted(one)
+def _estimate_and_message(fit: Fit, *, weighed: bool) -> tuple[Estimate, Normal]:
     estimated, best = fit.weighed() if weighed else fit.unweighed()
     return estimated, of_calibration(best)
 
