@@ -80,7 +80,7 @@ class _Parcel:
 
 
 def run_task(parcel: _Parcel) -> Any:
-    """In a worker: open the parcel and do what it says. Its name is what clusters call the task.
+    """Open the parcel, in a worker, and do what it says. Its name is what clusters call the task.
 
     Raises:
         ForkedError: if this process is a fork of one that had JAX: it would hang.

@@ -66,7 +66,7 @@ def _pool(pool: ThreadPoolExecutor | ProcessPoolExecutor) -> Iterator[Executor]:
 
 
 def _begin_work() -> None:
-    """In a worker process: what ends a run is left to the parent, without whom nobody works."""
+    """Begin a worker process: what ends a run is left to the parent, without whom nobody works."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if (parent := parent_process()) is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()

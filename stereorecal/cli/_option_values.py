@@ -19,7 +19,7 @@ _NAME = r"([^,]*[^,\s][^,]*)"
 
 
 def shortened(text: str) -> str:
-    """In quotes, for a message."""
+    """A value in quotes, for a message."""
     return repr(text if len(text) <= 40 else f"{text[:40]}…")
 
 

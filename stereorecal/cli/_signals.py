@@ -59,7 +59,7 @@ def interrupted() -> bool:
 
 
 def hold() -> None:
-    """From now on, until the end of `held`, a signal waits: all is finished, and about to be saved."""
+    """Let signals wait until the end of `held`: all is finished, and about to be saved."""
     _run.saving = True
 
 

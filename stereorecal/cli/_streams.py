@@ -32,7 +32,7 @@ class _Unfailing(io.FileIO):
 
 
 def secure() -> None:
-    """From now on nothing that is printed fails; what is closed becomes /dev/null, so that no file takes its number."""
+    """Let no print fail from now on; what is closed becomes /dev/null, so that no file takes its number."""
     while (spare := os.open(os.devnull, os.O_RDWR)) < 3:
         pass
     os.close(spare)

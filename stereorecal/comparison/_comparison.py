@@ -58,7 +58,7 @@ class Comparison:
         return summarise(self.trials, self.thresholds)
 
     def data_profile(self) -> tuple[Curve, ...]:
-        """For each scene, strategy and schedule, over units spent: the share of the trials that are solved (a data
+        """Curves of each scene, strategy and schedule, over units spent: the share of trials that are solved (a data
         profile, Moré & Wild 2009), and quartiles of the rotation error and of the best score."""
         return curves(self.trials, self.thresholds)
 

@@ -121,7 +121,7 @@ def _calibration_prior(key: _ChartKey) -> Mixture:
 
 
 def _with_pair(chart: RigChart, covariance: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """With a difference of the principal points in x, and all that follows it, so much worse."""
+    """The covariance with a difference of the principal points in x, and all that follows it, so much worse."""
     left, right = (chart.names.index(f"{side}.cx") for side in SIDES)
     follows = covariance[:, right] - covariance[:, left]
     return covariance + (_PAIR_WORSE**2 - 1.0) * np.outer(follows, follows) / (follows[right] - follows[left])

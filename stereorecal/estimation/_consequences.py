@@ -71,7 +71,7 @@ def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
 def _weights(
     rig: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None
 ) -> list[Float[np.ndarray, "2 _"]]:
-    """For each set of points their weights in a mean over the view, and over what lies ahead: the middle of the left
+    """The weights of each set of points in a mean over the view, and over what lies ahead: the middle of the left
     image; over the view again where nothing does. In views that are no pinhole, points count by the squares of their
     disparities."""
     points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
@@ -160,7 +160,7 @@ def _rows_and_nearness(
 
 
 def _stretch(used: StereoRig, points: Float[np.ndarray, "p 3"], view: View | None) -> Float[np.ndarray, "p"]:
-    """By how much the view stretches the rows of points, of which disparities tell less by as much."""
+    """How much the view stretches the rows of points; their disparities tell less by as much."""
     if view is None or view.projection == PINHOLE:
         return np.ones(len(points))
     x, y, z = (points @ rectifying_rotations(used.rotation, used.translation)[0].T).T
@@ -268,7 +268,7 @@ class Readings:
 
     @cached_property
     def slopes(self) -> Float[np.ndarray, "2 p n"]:
-        """By what the truth differs by, with the opposite sign."""
+        """The slopes by what the truth differs by, with the opposite sign."""
         return np.stack([np.concatenate(self.near.rows), np.concatenate(self.near.nearness)])
 
     @cached_property

@@ -270,7 +270,7 @@ class Estimate:
         return float(self._errors.weights @ np.abs(self._errors.slopes @ change))
 
     def _readings(self, distances: tuple[float, ...]) -> Readings:
-        """At distances, if the rig at the posterior's mean is true."""
+        """The readings at distances, if the rig at the posterior's mean is true."""
         if distances not in self._readings_at:
             near = consequences(self.chart, self.theta, distances, self.view)
             self._readings_at[distances] = Readings(self.chart, self.theta, self.view, near)

@@ -51,7 +51,7 @@ class Normal:
         return Normal(self.a, self.b - by_mean, self.c - float(mean @ (2.0 * self.b - by_mean)[: len(mean)]))
 
     def with_nuisance(self, number: int) -> "Normal":
-        """Beside so many nuisance parameters of which it says nothing."""
+        """The same beside so many nuisance parameters, of which it says nothing."""
         n = len(self.b)
         a, b = np.zeros((n + number, n + number)), np.zeros(n + number)
         a[:n, :n], b[:n] = self.a, self.b  # np.pad took a twentieth of a repair

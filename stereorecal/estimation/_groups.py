@@ -199,8 +199,8 @@ def any_same(first: Int[np.ndarray, "k"]) -> bool:
 
 
 def first_of_same(groups: Groups) -> Int[np.ndarray, "k"]:
-    """For each frame the first of those that show the same: between them, or others of the same, half of what both
-    show hardly changes its disparity."""
+    """The first of the frames that show the same as each frame: between them, or between others that do, half of what
+    both show hardly changes its disparity."""
     frames, first = np.unique(groups.frame), groups.first.copy()
     disparity = {frame: _disparities(groups.of(groups.frame == frame)) for frame in frames.tolist()}
     for index, frame in enumerate(frames):
@@ -211,7 +211,7 @@ def first_of_same(groups: Groups) -> Int[np.ndarray, "k"]:
 
 
 def _disparities(groups: Groups) -> Float[np.ndarray, "p"]:
-    """At each place of the view, on average; NaN where nothing is shown."""
+    """The mean disparity at each place of the view; NaN where nothing is shown."""
     size = int(np.prod(PLACES))
     number = np.bincount(groups.place, groups.count, size)
     total = np.bincount(groups.place, groups.count * groups.disparity, size)

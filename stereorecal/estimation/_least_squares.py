@@ -135,7 +135,7 @@ class Fit:
 
     @one_blas_thread()
     def with_prior(self, prior: Mixture) -> "Fit":
-        """With another prior: a step on, for which outliers are what they are."""
+        """The fit with another prior: a step on, for which outliers are what they are."""
         recording = replace(self.recording, prior=prior)
         if self.rows is None:
             return Fit(recording, None, self.misfit)

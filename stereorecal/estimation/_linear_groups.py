@@ -132,11 +132,11 @@ class LinearGroups:
         return replace(self, groups=self.groups.of(which), **some)
 
     def beside(self, nuisances: Nuisances, columns: Float[np.ndarray, "g q"]) -> "LinearGroups":
-        """With nuisance parameters after θ, which do this to rows."""
+        """The same with nuisance parameters after θ, which do this to rows."""
         return replace(self, jacobian=np.column_stack([self.jacobian, columns]), nuisances=nuisances)
 
     def residual(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
-        """At θ."""
+        """The rows at θ."""
         return self.at_zero + self.jacobian @ theta
 
     def normal(self, misfit: float) -> Normal:

@@ -55,7 +55,7 @@ class Mixture:
         return found
 
     def beside(self, other: Float[np.ndarray, "n n"]) -> "Mixture":
-        """With another error of this covariance, independent of it."""
+        """The mixture with another error of this covariance, independent of it."""
         return replace(self, covariances=self.covariances + other)
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
@@ -70,7 +70,7 @@ class Mixture:
         return found
 
     def as_data(self) -> list[dict[str, Any]]:
-        """For each explanation its weight, its mean, and the rows of its covariance up to the diagonal."""
+        """The weight of each explanation, its mean, and the rows of its covariance up to the diagonal."""
         return [
             {
                 "weight": float(weight),
@@ -150,7 +150,7 @@ def merged(posterior: Mixture, most: int) -> Mixture:
 
 
 def _correlations(covariance: Float[np.ndarray, "n n"]) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
-    """And standard deviations; 0 of what is exact."""
+    """Correlations and standard deviations; 0 of what is exact."""
     scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     safe = np.where(scale > 0.0, scale, 1.0)
     return covariance / safe[:, None] / safe, scale

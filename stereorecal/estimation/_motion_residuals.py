@@ -184,7 +184,7 @@ def by_extrinsics(
 def _turned(
     vectors: Float[np.ndarray, "*k m 3"], motion: Motion, share: Float[np.ndarray, "m"]
 ) -> Float[np.ndarray, "*k m 3"]:
-    """By a share of a motion's rotation (Rodrigues)."""
+    """Points turned by a share of a motion's rotation (Rodrigues)."""
     if not share.any():
         return vectors
     if (share == 1.0).all():

@@ -55,7 +55,7 @@ def turned_coefficients(
 
 
 def turns_of(rotation: Mat3, translation: Vec3) -> Turns:
-    """By how much the images of two cameras, one above the other or one upside down, are turned to be those of a left
+    """How far the images of two cameras, one above the other or one upside down, are turned to be those of a left
     and a right one; none where that makes no such rig."""
     R, (x, y, z) = np.asarray(rotation), np.asarray(translation)
     along, across = R[0, 0] + R[1, 1], R[1, 0] - R[0, 1]

@@ -201,7 +201,7 @@ class StereoRig:
 
     @property
     def turns_wanted(self) -> Turns:
-        """By how many quarters the images must be turned to be those of a left and a right camera."""
+        """The quarters by which the images must be turned to be those of a left and a right camera."""
         x, y, z = np.abs(self.extrinsics[3:])
         if self.extrinsics[3] < 0.0 and x > max(y, z) and abs(self.extrinsics[2]) < np.pi / 2.0:
             return UPRIGHT

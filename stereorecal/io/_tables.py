@@ -57,8 +57,8 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
 
 
 def load_odometer(path: str | Path) -> Odometer:
-    """From a CSV file whose header is `time_s,metres` (travelled by then), `time_s,speed_mps`, or `time_s,x,y,z`
-    (positions in metres, taken as known to 5 cm); times are seconds of the pairs' own clock.
+    """The odometer in a CSV file with the header `time_s,metres` (travelled by then), `time_s,speed_mps`, or
+    `time_s,x,y,z` (positions in metres, taken as known to 5 cm); times are seconds of the pairs' own clock.
 
     Raises:
         InputError: if the file cannot be read, or says what makes no sense.

@@ -163,7 +163,7 @@ class Parameters:
         return Parameters(tuple(name for name in self.names if "." not in name), self.priors)
 
     def also(self, *names: str) -> "Parameters":
-        """With these free as well."""
+        """The parameters with these free as well."""
         return replace(self, free=(*self.names, *names))
 
     def of_all(self, rig: StereoRig, *, intrinsics: bool = True) -> "Parameters":

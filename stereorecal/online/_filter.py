@@ -125,8 +125,8 @@ class FilterEstimate:
         return FilterEstimate(self.mean @ onwards.T, covariance * shrinkage[..., None] * shrinkage[..., None, :])
 
     def updated(self, measured: Measurement, together: float | Float[np.ndarray, "*k"] = 1.0) -> "FilterEstimate":
-        """With one more measurement, of which so many err together: none votes twice; by extrinsics alone, where it
-        says nothing new of lenses (Schmidt 1966)."""
+        """The estimate with one more measurement, of which so many err together: none votes twice; by extrinsics alone,
+        where it says nothing new of lenses (Schmidt 1966)."""
         design, share = measured.design, 1.0 / np.asarray(together)[..., None]
         information, told = self._undoubted(measured)
         information = design.T @ (share[..., None] * information) @ design
@@ -182,13 +182,13 @@ class FilterEstimate:
         return np.square(_TURN_ERROR * turn * self.mean[..., _LATE])[..., None, None]
 
     def late(self) -> "FilterEstimate":
-        """After a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
+        """The estimate after a shutter may have begun to be late, or ceased: the rig turns and travels while it is."""
         late = self.widened([0.0, 0.0, 0.0, _TRAVEL, _TRAVEL])
         late.covariance[_LATE, _LATE] += _DELAY**2
         return late
 
     def widened(self, by: Sequence[float] | Float[np.ndarray, "k"]) -> "FilterEstimate":
-        """By standard deviations of the first numbers."""
+        """The estimate with so large a further error of the first numbers, in standard deviations."""
         variances = np.zeros(self.mean.shape[-1])
         variances[: len(by)] = np.square(by)
         return replace(self, covariance=self.covariance + np.diag(variances))
@@ -196,7 +196,7 @@ class FilterEstimate:
     def moved(
         self, numbers: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"], first: int = 0
     ) -> "FilterEstimate":
-        """With k numbers from elsewhere, from the first of θ on; what is left depends on them no more."""
+        """The estimate with k numbers from elsewhere, from the first of θ on; what is left depends on them no more."""
         mean, known = self.mean.copy(), self.covariance.copy()
         some = slice(first, first + len(numbers))
         mean[some], known[some], known[:, some] = numbers, 0.0, 0.0
@@ -204,7 +204,7 @@ class FilterEstimate:
         return FilterEstimate(mean, known)
 
     def of_shutters(self, synchronous: bool) -> "FilterEstimate":
-        """With a delay of 0, if it is said that the shutters open at once; with any, if it is no more."""
+        """The estimate with a delay of 0, if it is said that the shutters open at once; with any, if it is no more."""
         variance = 0.0 if synchronous else _DELAY**2
         return self.moved(np.zeros(1), np.array([[variance]]), len(self.mean) + _LATE)
 

@@ -39,7 +39,7 @@ Small = UInt8[np.ndarray, "h w"]
 
 
 def anchored(state: State, pair: Pair, found: Correspondences) -> State:
-    """With the corners of a pair, where none are followed."""
+    """The state with the corners of a pair, where none are followed."""
     if not state.config.motion or state.corners is not None:
         return state
     seen = corners(pair, Matches.of(found, state.rig), match_radius(found, state.rig), _MOST)

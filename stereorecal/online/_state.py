@@ -104,7 +104,7 @@ class State:
     events: tuple[Event, ...] = ()
 
     def saying(self, kind: Kind, why: str = "", facts: Mapping[str, Any] | None = None) -> "State":
-        """With one more event."""
+        """The state with one more event."""
         return replace(self, events=(*self.events, Event(self.frame, kind, why, facts or {})))
 
     def told(self) -> tuple["State", tuple[Event, ...]]:
@@ -112,7 +112,7 @@ class State:
         return replace(self, events=()), self.events
 
     def alone(self) -> "State":
-        """Without what only a pair that comes at once could be compared with: the last image, the corners that are
+        """The state without what only a pair that comes at once is compared with: the last image, the corners that are
         followed and the image that shows them, what they told and another look should say again."""
         return self.replace(last=None, corners=None, corners_time=None, outlier_motion=None)
 
@@ -133,7 +133,7 @@ class State:
 
     @property
     def as_extrinsics(self) -> Float[np.ndarray, "5 n"]:
-        """From θ to the offset that does most like it to rows and depth."""
+        """The matrix from θ to the offset that does most like it to rows and depth."""
         return _as_extrinsics(self.initial, self.view)
 
     @property
@@ -174,20 +174,20 @@ class State:
         return replace(self, estimate=estimate, beside=self.beside.later(self.config, np.vstack([self.pace, PACES])))
 
     def measured(self, measurement: Measurement, together: float = 1.0) -> "State":
-        """With a measurement, of which so many err together."""
+        """The state with a measurement, of which so many err together."""
         fewer = np.r_[together, np.full(len(PACES), together**0.5)]
         logs = learnt_logs(self.logs, self.beside[1:], measurement.weighed(together**-0.5))
         estimate, beside = self.estimate.updated(measurement, together), self.beside.updated(measurement, fewer)
         return replace(self, estimate=estimate, beside=beside, logs=logs)
 
     def standing_at(self, estimate: FilterEstimate) -> "State":
-        """With another estimate."""
+        """The state with another estimate."""
         return replace(self, estimate=estimate, beside=filters_beside(estimate, estimate))
 
     def configured(self, config: Config) -> "State":
-        """With other settings. A repair under way ends where they say whether there are any, and what was known of a
-        delay where they say otherwise of the shutters; with another matcher the range is measured anew, with another
-        view or prior the estimate is as wide as at the start."""
+        """The state with other settings. A repair under way ends where they say whether there are any, and what was
+        known of a delay where they say otherwise of the shutters; with another matcher the range is measured anew, with
+        another view or prior the estimate is as wide as at the start."""
         before, state = self.config, replace(self, config=config)
         if config.repair != before.repair:
             state = replace(state, job=None)

@@ -21,8 +21,8 @@ _SOON = 0.5  # seconds, at most: farther apart, few corners can be followed
 
 
 def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair, ...]:
-    """At most so many of the pairs, in order: of equal stretches, which are moments apart, the ones with the most
-    texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
+    """The pairs to look at, at most so many, in order: of equal stretches, which are moments apart, the ones with the
+    most texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
     own motion tells depth."""
     windows = most > 1 and any(starmap(_is_consecutive, pairwise(times_of(pairs))))
     return select_frames(pairs, most, a_moment_after if windows else None)

@@ -39,7 +39,7 @@ _GRID = (32, 24)  # columns and rows: as many as show what a lens or a roll does
 
 
 def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
-    """By how many percent the depth is wrong that `used` reports, if `better` is right, at some distances.
+    """How many percent the depth is wrong that `used` reports, if `better` is right, at some distances.
 
     For a point straight ahead of the rig at 5, 10, 30 and 100 baselines: projected into both cameras through `better`,
     rectified by `used`, whose disparity gives the depth. Positive: reported too far. Infinite where that disparity is

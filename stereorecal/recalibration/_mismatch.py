@@ -65,7 +65,7 @@ class Mismatch:
 
     @property
     def verdict(self) -> str:
-        """In one short sentence."""
+        """The verdict, in one short sentence."""
         share = f"Wrong input: {100 * self.covered:.0f} % fit"
         if self.cause is not None:
             return f"{share}; {self.cause.without} {100 * self.covered_without:.0f} %."
@@ -94,8 +94,8 @@ class Mismatch:
 
 def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mismatch | None:
     """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
-    it is out of calibration. Where principal points lie as in images of another size, a candidate may match by lenses
-    that it should not have: whether more matches with that size is asked in any case.
+    it is out of calibration. Where principal points lie as in images of another size, that size is tried even if enough
+    matches: a candidate may match by lenses that it should not have.
 
     Args:
         matcher: its disparity range is measured anew for each mistake.
@@ -193,7 +193,7 @@ def _causes(rig: StereoRig, pairs: tuple[Pair, ...]) -> Iterator[tuple[Cause, St
 
 
 def ratios_of_sizes(rig: StereoRig) -> tuple[float, ...]:
-    """By which K may have to be scaled, going by where its principal points lie; none where that is the middle."""
+    """Ratios by which K may have to be scaled, by where its principal points lie; none where that is the middle."""
     half = 0.5 * np.array(rig.left.size)
     middle = np.mean([camera.matrix[:2, 2] for camera in (rig.left, rig.right)], axis=0) + 0.5
     nearest = dict.fromkeys(min(_RATIOS, key=lambda one: abs(np.log(one / each))) for each in half / middle)
@@ -215,8 +215,8 @@ def _scaled(camera: Camera, ratio: float) -> Camera:
 
 
 def doubts(rig: StereoRig) -> tuple[str, ...]:
-    """Sentences, each with what to check. Whether the rig is aligned is another question: rows know neither the length
-    of the baseline nor, both changed alike, focal lengths."""
+    """What is hardly ever true of a rig, each a sentence with what to check. Aligned rows do not show it: they depend
+    neither on the length of the baseline nor on both focal lengths together."""
     found = [sentence for side in ("left", "right") if (sentence := _of_field(side, getattr(rig, side))) is not None]
     baseline = float(rig.baseline)
     if not _BASELINE[0] <= baseline <= _BASELINE[1]:

@@ -123,7 +123,7 @@ class AbstractResult:
 
     @property
     def verdict(self) -> str:
-        """In one short sentence, of at most twelve words."""
+        """The verdict in one short sentence, of at most twelve words."""
         if self._doubtful:
             return "Cannot tell: the calibration has values that hardly any rig has."
         if not self.searched and self.mismatch is None and self.reason is Reason.NO_MATCHES:

@@ -121,7 +121,8 @@ def solution_of_assessment(
 
 
 def _covered_at(case: Case, rig: StereoRig) -> float:
-    """Under a rig, at half scale: at full scale, one that is degrees off covers as little as one with other cameras."""
+    """The share that matches under a rig, at half scale: at full scale, one that is degrees off covers as little as one
+    with other cameras."""
     data, chart = case.images.at(watching_scale(case.rig.left.size)), case.chart
     return matched(data, chart, chart.coordinates_of(rig), case.matcher).covered
 

@@ -126,7 +126,7 @@ class Settings:
 
     @property
     def options(self) -> dict[str, Any]:
-        """By name, as `recalibrate` takes them."""
+        """The options by name, as `recalibrate` takes them."""
         options = {field.name: getattr(self, field.name) for field in fields(self)}
         return {**options, "distances": distance_text(self.distances) or None}
 

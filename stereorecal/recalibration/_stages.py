@@ -198,7 +198,7 @@ def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
 
 
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
-    """Over the free extrinsics, or, where more is free, over all of that."""
+    """Run a stage on the count over the free extrinsics, or, where more is free, over all of that."""
     if case.free.shared:
         chart = reach_chart(case.rig, case.settings.reach, case.free)
         objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
@@ -265,7 +265,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
 def rows_moved(
     found: Correspondences, chart: RigChart, before: Float[np.ndarray, "n"], after: Float[np.ndarray, "n"]
 ) -> float:
-    """By how many pixels at full size the row differences of matches change between two points, on average: lenses may
+    """How many pixels at full size the row differences of matches change between two points, on average: lenses may
     move those of a part of the view alone."""
     change = differences_at(found, chart, after) - differences_at(found, chart, before)
     return float(np.abs(change[np.asarray(found.weight) > 0]).mean()) / float(found.scale)

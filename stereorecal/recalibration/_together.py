@@ -1,4 +1,4 @@
-"""What recordings of the same cameras share, intrinsics and the length of the baseline, solved for together.
+"""The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline.
 
 From repairs of the extrinsics to one estimate of all parameters: recordings are matched, ranged and counted in workers,
 each solved beside the others, matched again and solved again; then one decision is taken for all.
@@ -123,7 +123,7 @@ class RepairedRecording:
         return rig_parameters(self.repair.initial).coordinates_of(rig)
 
     def task(self, *rigs: StereoRig, ranges: bool = False) -> MatchTask:
-        """To look at the kept pairs through rigs, as the repair looked at them."""
+        """The task of looking at the kept pairs through rigs, as the repair looked at them."""
         repair, own = self.repair, self.ranges if ranges else ()
         return MatchTask(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)
 
@@ -223,7 +223,7 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
 
 
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
-    """With the shared parameters taken, or found and not taken."""
+    """The solutions with the shared parameters taken, or found and not taken."""
     counts = each(counted, [one.recording.task(one.recording.repair.initial, one.rig) for one in members])
     answers = []
     for member, tiles in zip(members, counts, strict=True):

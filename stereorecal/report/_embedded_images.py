@@ -50,7 +50,7 @@ def data_uri(picture: Picture) -> str:
 
 @dataclass(frozen=True)
 class ColourBar:
-    """From the colour of `least` on the left to that of `largest` on the right, in pixels of disparity."""
+    """A bar from the colour of `least` on the left to that of `largest` on the right, in pixels of disparity."""
 
     picture: str
     least: float
@@ -67,7 +67,7 @@ def colour_bar(least: float, largest: float) -> ColourBar:
 
 
 def _shrunk(image: np.ndarray, width: int) -> np.ndarray:
-    """At most `width` wide, and no larger in area than three quarters of its square."""
+    """The image at most `width` wide, and no larger in area than three quarters of its square."""
     tall, wide = image.shape[:2]
     scale = min(1.0, width / wide, (_OF_SQUARE * width**2 / (wide * tall)) ** 0.5)
     size = max(1, round(scale * wide)), max(1, round(scale * tall))

@@ -28,7 +28,7 @@ _NOT_MEASURED = (
 
 
 def significant_errors(misfit: Mapping[str, Any], when: str) -> dict[int, float]:
-    """By place, the epipolar error beyond two standard errors, in pixels, in the frame where it is largest, "before" or
+    """The epipolar error beyond two standard errors by place, in pixels, in the frame where it is largest, "before" or
     "after"."""
     found: dict[int, float] = {}
     for place, offset, error in zip(misfit["place"], misfit[when], misfit["error"], strict=True):

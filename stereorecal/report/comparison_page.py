@@ -136,7 +136,7 @@ def _troubles(data: Mapping[str, Any]) -> dict[tuple[str, str, str], int]:
 
 
 def _settings_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """By name, with the strategies of each entrant in full."""
+    """The settings by name, with the strategies of each entrant in full."""
     settings = dict(data["settings"])
     entrants = {
         f"schedule {one['schedule']}, {one['strategy']}": strategies_of(one) for one in settings.pop("entrants")

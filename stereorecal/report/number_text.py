@@ -43,7 +43,7 @@ def distance(metres: float) -> str:
 
 
 def offset(metres: float) -> str:
-    """By how much a depth is wrong: "38 mm too far", "14 cm too near"."""
+    """How much a depth is wrong: "38 mm too far", "14 cm too near"."""
     return between(metres, metres)
 
 

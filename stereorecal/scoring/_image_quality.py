@@ -178,8 +178,8 @@ def _resized(image: Float[np.ndarray, "h w"], width: int, height: int) -> Float[
 def select_frames(
     pairs: Sequence[Pair], most: int, follows: Callable[[Pair, Pair], bool] | None = None
 ) -> tuple[Pair, ...]:
-    """At most `most` of the pairs, in order: of as many equal stretches, the pair with the most texture of each, so
-    that they show different moments.
+    """The pairs, at most `most`, in order: of as many equal stretches, the pair with the most texture of each, so that
+    they show different moments.
 
     Args:
         follows: whether a pair follows another; each of half as many stretches then gives a pair and a neighbour: the

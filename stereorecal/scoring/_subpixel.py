@@ -36,7 +36,7 @@ _QUIETEST = 1e-5  # contrast squared: without it, a flat window that agrees exac
 
 
 class Offsets(NamedTuple):
-    """For each pixel of the left image.
+    """The match of each pixel of the left image.
 
     Attributes:
         disparity, row: position of the match: (x - disparity, y + row), pixels.

@@ -101,7 +101,7 @@ class Drive:
         return self.rig.with_extrinsics(self.extrinsics[frame])
 
     def place(self, frame: int) -> int:
-        """At which place a frame was taken; places are visited one after the other."""
+        """The place at which a frame was taken; places are visited one after the other."""
         return frame // _PLACE
 
     def frames_at(self, place: int) -> range:

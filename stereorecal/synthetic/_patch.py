@@ -207,7 +207,7 @@ def _touched(
     least: Shaped[np.ndarray, "2 rows columns"],
     largest: Shaped[np.ndarray, "2 rows columns"],
 ) -> Bool[np.ndarray, "n rows columns"]:
-    """For each patch, with corners as seen from where the rays start, the blocks with rays that may hit it."""
+    """The blocks with rays that may hit each patch, whose corners are as seen from where the rays start."""
     ahead = corners[..., 2:] >= _NEAR
     slopes = corners[..., :2] / np.where(ahead, corners[..., 2:], 1.0)
     whole = np.all(ahead, axis=1)  # what passes the near plane may be anywhere

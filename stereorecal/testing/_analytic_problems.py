@@ -68,7 +68,7 @@ class _Counted:
         return self.rule(self, z)
 
     def function(self, z: Any) -> Any:
-        """Without counting."""
+        """The value, without counting."""
         return jax.lax.switch(self.chosen, [lambda z, f=score: f(z).astype(z.dtype) for score in self.scores], z)
 
     def tick(self, z: Any, runs: int) -> None:

@@ -78,7 +78,7 @@ class LensModel(ABC):
         return FLAT_LIMIT if field >= np.arctan(FLAT_LIMIT) else float(np.tan(field))
 
     def magnification(self, coefficients: Coefficients) -> float:
-        """By how much an image point moves on the axis with an angle in radians; 1, but of spheres."""
+        """How far an image point moves on the axis with an angle in radians; 1, but of spheres."""
         return 1.0
 
 

@@ -79,7 +79,7 @@ class ExtendedUnified(LensModel):
             )
 
     def project(self, x: Any, y: Any, z: Any, coefficients: Any) -> tuple[Any, Any]:
-        """Over the mean, weighted by alpha, of the distance to the ellipsoid's centre and of z."""
+        """The image: x, y over the mean, weighted by alpha, of z and the distance to the ellipsoid's centre."""
         xp = namespace(x, y, z, coefficients)
         alpha, beta = coefficients
         below = alpha * xp.sqrt(beta * (x * x + y * y) + z * z) + (1.0 - alpha) * z

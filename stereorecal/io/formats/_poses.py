@@ -51,7 +51,7 @@ class Link:
 
     @property
     def ends(self) -> tuple[str, str]:
-        """From which frame to which one the motion leads."""
+        """The frames from which and to which the motion leads."""
         return (self.camera, self.frame) if self.inverted else (self.frame, self.camera)
 
 

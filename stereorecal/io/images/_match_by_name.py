@@ -107,8 +107,8 @@ def _most(partners: _Partners, left: Files, right: Files) -> bool:
 
 
 def _by_name(left: Files, right: Files) -> _Partners:
-    """By what a name has in common with its partner's: the first reading under which most have one, else the first
-    under which any has."""
+    """Pairs by what a name has in common with its partner's: the first reading under which most have one, else the
+    first under which any has."""
     by_chance: _Partners = {}
     for read in (_by_stem, _by_parts, _by_markers, _by_one_number):
         partners = read(left, right)
@@ -131,7 +131,7 @@ def _by_stem(left: Files, right: Files) -> _Partners:
 
 
 def _by_markers(left: Files, right: Files) -> _Partners:
-    """By the first markers without which any names correspond, where they stand first, or else last."""
+    """Pairs by the first markers without which any names correspond, where they stand first, or else last."""
     for cut, (one, other) in product((str.partition, str.rpartition), _MARKERS):
         lefts, rights = [cut(path.stem, one) for path in left], [cut(path.stem, other) for path in right]
         if all(given for _, given, _ in lefts + rights):
@@ -166,7 +166,7 @@ def _found(left: Files, right: Files) -> str:
 
 
 def _by_parts(left: Files, right: Files) -> _Partners:
-    """By the parts of names that vary from frame to frame; none if few correspond.
+    """Pairs by the parts of names that vary from frame to frame; none if few correspond.
 
     Where all names have as many parts, those that vary on either side are compared: a camera may have lost all frames
     but one. Else those that vary on their own side.
@@ -186,7 +186,7 @@ def _by_parts(left: Files, right: Files) -> _Partners:
 
 
 def _by_one_number(left: Files, right: Files) -> _Partners:
-    """By one number of the names, such as that of the frame before a time; none if few correspond."""
+    """Pairs by one number of the names, such as that of the frame before a time; none if few correspond."""
     rows = [[[part for part in row if not isinstance(part, str)] for row in _rows(side)] for side in (left, right)]
     columns = [
         [[row[at] for row in side] for least in [min(map(len, side))] for at in range(-least, least)] for side in rows
