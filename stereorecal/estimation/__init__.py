@@ -36,8 +36,8 @@ from stereorecal.estimation._least_squares import (
     Fit as Fit,
     Recording as Recording,
     estimate as estimate,
-    estimate_together as estimate_together,
     fitted as fitted,
+    fitted_together as fitted_together,
 )
 from stereorecal.estimation._linear_groups import normal_of_pair as normal_of_pair, rows_of_groups as rows_of_groups
 from stereorecal.estimation._losses import (

@@ -9,13 +9,13 @@ linear where they were solved last: a few rounds, and all agree.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial, reduce
+from functools import cached_property, reduce
 from itertools import product
 from operator import add
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
@@ -28,7 +28,7 @@ from stereorecal.estimation._explanations import (
     explanations,
     mixture,
 )
-from stereorecal.estimation._groups import FEWEST_GROUPS, Groups, any_same, first_of_same, grouped
+from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
 from stereorecal.estimation._late_shutter import Delay, delay_of, hypothesis_with_delay
 from stereorecal.estimation._linear_groups import (
     COMMON,
@@ -52,7 +52,7 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
-_ROUNDS_TOGETHER = 3  # the first knows nothing of the others
+_ROUNDS_TOGETHER = 20  # at most
 _LEAST_WEIGHT = 1e-6  # probability: priors below are left out
 
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
@@ -65,6 +65,7 @@ class Recording:
     Attributes:
         rig: those of several recordings have the same cameras.
         prior: those of several recordings tell of the same error, and none of the others' images.
+        others: what the images of other recordings tell of that error.
     """
 
     found: Correspondences
@@ -74,11 +75,22 @@ class Recording:
     ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
     view: View | None = None
+    others: Normal | None = None
+
+    @cached_property
+    def likely(self) -> tuple[Int[np.ndarray, "m"], Mixture]:
+        """The prior after what others tell: which of its parts are likely then, and those."""
+        if self.others is None:
+            return np.arange(len(self.prior.weights)), self.prior
+        every = updated(self.prior, self.others)
+        which = np.flatnonzero(every.weights > _LEAST_WEIGHT)
+        weights = every.weights[which] / every.weights[which].sum()
+        return which, Mixture(weights, every.means[which], every.covariances[which])
 
     @cached_property
     def model(self) -> Model:
         """What is known besides its rows."""
-        return Model(rig_parameters(self.rig), self.prior, self.ranges, self.windows)
+        return Model(rig_parameters(self.rig), self.likely[1], self.ranges, self.windows)
 
     @property
     def begun(self) -> Float[np.ndarray, "n"]:
@@ -110,7 +122,7 @@ def estimate(
         view: in which rows and depth are judged; default the rig's own.
     """
     known = as_prior(prior, rig_parameters(rig))
-    return fitted(Recording(found, rig, known, start, ranges, windows, view)).weighed()[0]
+    return fitted(Recording(found, rig, known, start, ranges, windows, view)).weighed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,29 +140,29 @@ class Fit:
     misfit: tuple[float, float]
 
     @cached_property
+    @one_blas_thread()
     def alone(self) -> Estimate:
         """The estimate under this misfit, without asking what else may be behind the rows: it says where to match, and
         which frames show another rig."""
-        return self.unweighed()[0]
-
-    @one_blas_thread()
-    def with_prior(self, prior: Mixture) -> "Fit":
-        """The fit with another prior: a step on, for which outliers are what they are."""
-        recording = replace(self.recording, prior=prior)
-        if self.rows is None:
-            return Fit(recording, None, self.misfit)
-        rows = replace(self.rows, model=recording.model)
-        theta = best_of(_alone(rows, [self.misfit]).several).theta
-        return Fit(recording, _linear(recording.model, rows.groups, theta, self.misfit, rows.likelihoods), self.misfit)
-
-    @one_blas_thread()
-    def unweighed(self) -> tuple[Estimate, Explanation]:
-        """`alone`, and the most probable one of its explanations."""
         return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)
 
+    @cached_property
+    def best(self) -> Explanation:
+        """The most probable explanation of `alone`."""
+        return best_of(self._without_rows if self.rows is None else _alone(self.rows, [self.misfit]).several)
+
     @one_blas_thread()
-    def weighed(self) -> tuple[Estimate, Explanation]:
-        """The estimate, mixed of all hypotheses, and the most probable one of its explanations."""
+    def beside(self, others: Normal) -> "Fit":
+        """The fit after what other recordings tell: a step on, for which outliers are what they are."""
+        recording = replace(self.recording, others=others)
+        if self.rows is None:
+            return Fit(recording, None, self.misfit)
+        theta = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best.theta
+        return replace(self, recording=recording, rows=_linear(recording.model, self.rows, theta, self.misfit))
+
+    @one_blas_thread()
+    def weighed(self) -> Estimate:
+        """The estimate, mixed of all hypotheses."""
         rows, delay = self.rows, None
         if rows is None:
             return self._mixed([], None)
@@ -167,13 +179,10 @@ class Fit:
 
     def _mixed(
         self, hypotheses: Sequence[Hypothesis], rows: LinearGroups | None, delay: Delay | None = None
-    ) -> tuple[Estimate, Explanation]:
+    ) -> Estimate:
         """The mixture of hypotheses; without rows, of what else was measured."""
         recording, model = self.recording, self.recording.model
-        several = [one for some in hypotheses for one in some.several]
-        if rows is None:
-            flat, likelihoods = Normal.flat(model.chart.dim), model.likelihoods(recording.begun)
-            several = explained_by(model, {(0.0, 0.0): flat}, likelihoods, range(len(model.prior.roots)))
+        several = [one for some in hypotheses for one in some.several] or self._without_rows
         best, posterior = best_of(several), mixture(several)
         estimated = Estimate(
             model.chart,
@@ -181,7 +190,7 @@ class Fit:
             best.misfit,
             0,
             float("nan"),
-            _prior_variance(several, model.prior),
+            _prior_variance(several, recording),
             matched_ranges=model.ranges,
             windows=model.windows,
             view=recording.view,
@@ -197,7 +206,13 @@ class Fit:
                 shown=rows.groups,
                 hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
             )
-        return estimated, best
+        return estimated
+
+    @property
+    def _without_rows(self) -> list[Explanation]:
+        """What the prior, ranges and windows alone tell of θ."""
+        model, flat = self.recording.model, {(0.0, 0.0): Normal.flat(self.recording.model.chart.dim)}
+        return explained_by(model, flat, model.likelihoods(self.recording.begun), range(len(model.prior.roots)))
 
 
 @one_blas_thread()
@@ -211,11 +226,11 @@ def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypoth
     return Hypothesis(rows, several, best_of(several).misfit)
 
 
-def _prior_variance(several: Sequence[Explanation], prior: Mixture) -> Float[np.ndarray, "n"]:
+def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Float[np.ndarray, "n"]:
     """The variance of the calibration's error before any image was seen, by its covariances' weights after it."""
-    evidence = np.array([evidence_of([one]) for one in several])
+    evidence, (which, _) = np.array([evidence_of([one]) for one in several]), recording.likely
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-    return weights @ np.stack([np.diag(prior.covariances[one.prior]) for one in several])
+    return weights @ np.stack([np.diag(recording.prior.covariances[which[one.prior]]) for one in several])
 
 
 def _settled(
@@ -243,19 +258,16 @@ def _settled(
         theta = theta + within_field(found, chart, theta, move)
         if number < _REGROUPED:
             groups = grouped(found, chart, theta, first)
-        rows = _linear(model, groups, theta, misfit, None if number < _REGROUPED else rows.likelihoods)
+        rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
+        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
     return rows, misfit
 
 
 def _linear(
-    model: Model,
-    groups: Groups,
-    theta: Float[np.ndarray, "n"],
-    misfit: tuple[float, float],
-    likelihoods: Sequence[tuple[float, Normal]] | None,
+    model: Model, rows: LinearGroups, theta: Float[np.ndarray, "n"], misfit: tuple[float, float]
 ) -> LinearGroups:
-    """The rows of groups, linear near θ; of those that err alone under a misfit, less."""
-    rows = model.linear(groups, theta, likelihoods)
+    """The same groups, linear near another θ."""
+    rows = model.linear(rows.groups, theta, rows.likelihoods)
     return replace(rows, deviation=rows.robust(sum(misfit), theta))
 
 
@@ -281,42 +293,42 @@ def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> li
     return found + explanations(rows, range(len(rows.model.prior.roots)), [best_of(found).misfit])
 
 
-def estimate_together(
+def fitted_together(
     recordings: Sequence[Recording],
-    earlier: tuple[list[Estimate], list[Normal]] | None = None,
+    messages: Sequence[Normal] = (),
     *,
     each: Each = lambda does, several: [*map(does, several)],
-    weighed: bool = True,
-) -> tuple[list[Estimate], list[Normal]]:
-    """The estimate of each recording's rig, from what all of them show; and what each shows of the calibration's error.
+) -> tuple[list[Fit], list[Normal]]:
+    """The fit of each recording's rig, from what all of them show; and what each shows of the calibration's error.
 
     Args:
-        earlier: the answer where the same recordings were matched before.
+        messages: what they showed where they were matched before.
         each: runs a task for each recording.
-        weighed: whether what else may be behind the rows is asked; it is not needed to say where to match.
     """
-    estimates, messages = earlier or ([], [])
-    variances, known = [one.prior_variance for one in estimates], recordings
-
-    def priors() -> list[Mixture]:
-        of_others = (reduce(add, messages[:index] + messages[index + 1 :]) for index in range(len(messages)))
-        return [after(one.prior, told) for one, told in zip(recordings, of_others, strict=True)]
-
-    if messages:
-        known = [replace(one, prior=prior) for one, prior in zip(recordings, priors(), strict=True)]
-    fits = each(fitted, known)
-    for number in range(_ROUNDS_TOGETHER - (earlier is not None) if len(recordings) > 1 else 1):
-        if number:
-            fits = [fit.with_prior(prior) for fit, prior in zip(fits, priors(), strict=True)]
-        done = each(partial(_estimate_and_message, weighed=weighed), fits)
-        estimates, messages = [one for one, _ in done], [message for _, message in done]
-        variances = variances or [one.prior_variance for one in estimates]
-    return [replace(one, prior_variance=before) for one, before in zip(estimates, variances, strict=True)], messages
+    known = zip(recordings, _of_others(messages), strict=True) if messages else ()
+    fits = each(fitted, [replace(one, others=others) for one, others in known] or recordings)
+    if len(fits) == 1:
+        return fits, []
+    for _ in range(_ROUNDS_TOGETHER):
+        messages = [of_calibration(fit.best) for fit in fits]
+        moved = each(_moved, list(zip(fits, _of_others(messages), strict=True)))
+        fits = [fit for fit, _ in moved]
+        if max(by for _, by in moved) < _SETTLED:
+            break
+    return fits, [*messages]
 
 
-def _estimate_and_message(fit: Fit, *, weighed: bool) -> tuple[Estimate, Normal]:
-    estimated, best = fit.weighed() if weighed else fit.unweighed()
-    return estimated, of_calibration(best)
+def _of_others(messages: Sequence[Normal]) -> list[Normal]:
+    """For each recording, what all others show."""
+    return [reduce(add, [*messages[:index], *messages[index + 1 :]]) for index in range(len(messages))]
+
+
+def _moved(one: tuple[Fit, Normal]) -> tuple[Fit, float]:
+    """A fit beside others, and by how many standard deviations it moved."""
+    fit, others = one
+    moved = fit.beside(others)
+    deviations = np.sqrt(np.maximum(np.diag(moved.best.covariances(np.array([moved.best.best]))[0]), 1e-30))
+    return moved, float((np.abs(moved.best.theta - fit.best.theta) / deviations).max())
 
 
 def of_calibration(best: Explanation) -> Normal:
@@ -327,11 +339,3 @@ def of_calibration(best: Explanation) -> Normal:
     axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ best.sizes**2)
     both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
     return marginal(both, np.diag(sizes))
-
-
-def after(prior: Mixture, known: Normal) -> Mixture:
-    """What is known of the calibration's error after something else has told of it."""
-    every = updated(prior, known)
-    likely = every.weights > _LEAST_WEIGHT
-    weights = every.weights[likely] / every.weights[likely].sum()
-    return Mixture(weights, every.means[likely], every.covariances[likely])

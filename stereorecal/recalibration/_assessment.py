@@ -119,7 +119,7 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
     excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
     while True:
         last = disagree or again == _MATCHED_AGAIN  # no candidate is asked where it would be matched anew
-        estimated = (fit.weighed()[0] if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
+        estimated = (fit.weighed() if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
         likely = at if last else estimated.with_free(case.free.names)
         anew = None
         if not last and rows_moved(found, chart, at, likely) >= SETTLED:

@@ -18,13 +18,14 @@ from stereorecal.estimation import (
     Each,
     Earlier,
     Estimate,
+    Fit,
     MatchedRanges,
     Mixture,
     Recording,
     SavedPrior,
     Windows,
     as_prior,
-    estimate_together,
+    fitted_together,
     rig_parameters,
     with_free_together,
 )
@@ -173,8 +174,8 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
     ]
     tolerances = recordings[0].repair.settings.tolerances
-    first = estimate_together(estimated_from, each=each, weighed=False)
-    estimates = [one.judged_by(tolerances.matters) for one in first[0]]
+    fits, messages = fitted_together(estimated_from, each=each)
+    estimates = [fit.alone.judged_by(tolerances.matters) for fit in fits]
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
     again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
@@ -182,8 +183,8 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         enough = found.found >= ENOUGH.matches
         read = with_rays_of(r.repair.initial, found, matched_rig=rig) if enough else r.found
         estimated_from[index] = replace(estimated_from[index], found=read, start=r.theta_of(rig))
-    estimates, _ = estimate_together(estimated_from, first, each=each)
-    estimates = [one.judged_by(tolerances.matters) for one in estimates]
+    fits, _ = fitted_together(estimated_from, messages, each=each)
+    estimates = [one.judged_by(tolerances.matters) for one in each(Fit.weighed, fits)]
     decisions = decide_together(estimates, free.names, tolerances)
     several = zip(recordings, estimated_from, estimates, decisions, strict=True)
     return [Member(r, data.found, estimated, decision) for r, data, estimated, decision in several]

@@ -1,9 +1,12 @@
 """Several recordings of the same cameras: they agree about intrinsics, and each keeps a drift of its own."""
 
+from functools import reduce
+from operator import add
+
 import numpy as np
 import pytest
 
-from stereorecal.estimation import Recording, estimate, estimate_together
+from stereorecal.estimation import Estimate, Recording, estimate, fitted, fitted_together
 
 DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])
 
@@ -22,9 +25,13 @@ def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
     ]
 
 
+def estimates(recordings: list[Recording]) -> list[Estimate]:
+    return [fit.weighed() for fit in fitted_together(recordings)[0]]
+
+
 @pytest.fixture(scope="module")
 def together(recordings):
-    return estimate_together(recordings)[0]
+    return estimates(recordings)
 
 
 def sigmas(one) -> np.ndarray:
@@ -32,7 +39,7 @@ def sigmas(one) -> np.ndarray:
 
 
 def test_one_recording_is_as_alone(recordings, prior):
-    ((one,), _), alone = estimate_together(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
+    (one,), alone = estimates(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
     np.testing.assert_allclose(one.theta, alone.theta, atol=1e-12)
     np.testing.assert_allclose(one.intervals, alone.intervals, atol=1e-12)
 
@@ -46,6 +53,19 @@ def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, t
 
 
 def test_their_order_does_not_matter(recordings, together):
-    again = estimate_together(recordings[::-1])[0][::-1]
+    again = estimates(recordings[::-1])[::-1]
     for one, other in zip(together, again, strict=True):
         assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
+
+
+def test_they_have_settled(recordings, together):
+    """What the others show moves none of them any more: a step to another θ changes what each shows."""
+    fits, messages = fitted_together(recordings)
+    for index, (fit, one) in enumerate(zip(fits, together, strict=True)):
+        others = reduce(add, messages[:index] + messages[index + 1 :])
+        assert (np.abs(fit.beside(others).best.theta - fit.best.theta) < 0.1 * sigmas(one)).all()
+    alone = [fitted(one) for one in recordings]
+    assert any(
+        (np.abs(fit.best.theta - one.best.theta) > sigmas(two)).any()
+        for fit, one, two in zip(fits, alone, together, strict=True)
+    )
