@@ -73,10 +73,11 @@ def repaired(given: Sequence[sr.Scene], seed: int, rig: sr.StereoRig, part: str)
     ranges = some_ranges(KINDS[0], 10, given[0].pairs[0], 10, seed) if part == "ranges" else []
     if part == "each":
         some = [replace(s, rig=rig) for s in given]
-        held, found = ([r.solution for r in sr.recalibrate_many(some, **more)] for more in ({}, {"free": BOTH}))
+        held, found = ([r.solution for r in sr.recalibrate_many(some, free=free)] for free in ("extrinsics", BOTH))
     else:
         pairs = [s.pairs[0] for s in given]
-        held, found = [sr.recalibrate(rig, pairs)], [sr.recalibrate(rig, pairs, free=BOTH, ranges=ranges)]
+        held = [sr.recalibrate(rig, pairs, free="extrinsics")]
+        found = [sr.recalibrate(rig, pairs, free=BOTH, ranges=ranges)]
     for fixed, solution in zip(held, found, strict=True):
         assert fixed is not None
         assert solution is not None
