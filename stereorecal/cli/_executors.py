@@ -33,8 +33,6 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
         return _pool(ThreadPoolExecutor(workers))
     # Who is interrupted leaves semaphores to Python's tracker of such things, which removes them and need not complain.
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker:UserWarning")
-    # Each would take most of a GPU's memory for itself.
-    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
     # Forking after JAX has started threads is unsafe.
     return _pool(_Processes(workers, mp_context=get_context("spawn"), initializer=_begin_work))
 

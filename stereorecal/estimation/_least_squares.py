@@ -4,13 +4,13 @@ the estimate that it comes to, mixed of all hypotheses.
 Recordings of the same cameras are solved together: what the calibration left is common to them, and each has drifted by
 itself. From what a recording shows of θ follows what it shows of the calibration's error, its drift integrated; what
 all others show of that is the prior with which a recording is solved. Their drifts are normal meanwhile, and their rows
-linear where they were solved last: a few rounds, and all agree.
+linear where they were solved last. One after the other takes a step, until all agree.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from itertools import product
+from itertools import product, repeat
 from operator import add
 from typing import Any
 
@@ -19,7 +19,7 @@ from jaxtyping import Float, Int
 
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
-from stereorecal.estimation._evidence import Explanation, Normal, marginal
+from stereorecal.estimation._evidence import ALONE, Explanation, Normal, marginal
 from stereorecal.estimation._explanations import (
     Hypothesis,
     best_of,
@@ -52,7 +52,7 @@ _ROUNDS = 8
 _REGROUPED = 3  # times; then outliers are what they are
 _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
-_ROUNDS_TOGETHER = 20  # at most
+_ROUNDS_TOGETHER, _AGREED = 20, 0.02  # at most; standard deviations of θ, where no recording moves any more
 _LEAST_WEIGHT = 1e-6  # probability: priors below are left out
 
 Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
@@ -146,26 +146,15 @@ class Fit:
         which frames show another rig."""
         return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)
 
-    @cached_property
-    def best(self) -> Explanation:
-        """The most probable explanation of `alone`."""
-        return best_of(self._without_rows if self.rows is None else _alone(self.rows, [self.misfit]).several)
-
-    @one_blas_thread()
-    def beside(self, others: Normal) -> "Fit":
-        """The fit after what other recordings tell: a step on, for which outliers are what they are."""
-        recording = replace(self.recording, others=others)
-        if self.rows is None:
-            return Fit(recording, None, self.misfit)
-        theta = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best.theta
-        return replace(self, recording=recording, rows=_linear(recording.model, self.rows, theta, self.misfit))
-
     @one_blas_thread()
     def weighed(self) -> Estimate:
         """The estimate, mixed of all hypotheses."""
+        return self._mixed([], None) if self.rows is None else self._mixed(*self.hypotheses())
+
+    def hypotheses(self) -> tuple[list[Hypothesis], LinearGroups, Delay | None]:
+        """What may be behind the rows; the rows, without a delay that is likely; and what is known of that."""
+        assert self.rows is not None
         rows, delay = self.rows, None
-        if rows is None:
-            return self._mixed([], None)
         # The misfits whose fits are mixed: the best one and its neighbours.
         common = neighbours(self.misfit[1], COMMON) if len(rows.frames) > 1 else (0.0,)
         hypotheses = [_alone(rows, list(product(neighbours(self.misfit[0], DEVIATIONS), common)))]
@@ -175,7 +164,31 @@ class Fit:
             delay = delay_of(late[0], [one for some in hypotheses for one in some.several])
             hypotheses.append(late[0])
             rows = late[1] if delay.likely else rows
-        return self._mixed(hypotheses, rows, delay)
+        return hypotheses, rows, delay
+
+    @cached_property
+    def best(self) -> Explanation:
+        """The most probable explanation of the rows, with the nuisance parameters that they have."""
+        return best_of(self._without_rows if self.rows is None else _alone(self.rows, [self.misfit]).several)
+
+    def beside(self, others: Normal) -> "Fit":
+        """The fit after what other recordings tell: a step on, for which outliers are what they are."""
+        recording, before = replace(self.recording, others=others, start=self.best.theta), self.best.theta
+        if self.rows is None:
+            return Fit(recording, None, self.misfit)
+        found = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best
+        move = within_field(recording.found, recording.model.chart, before, found.theta - before)
+        nuisances = found.nuisance_means[found.best]
+        return Fit(recording, _linear(self.rows, recording.model, before + move, nuisances, self.misfit), self.misfit)
+
+    @property
+    def without_nuisances(self) -> "Fit":
+        """The fit of θ alone, with what else is measured near it."""
+        if self.rows is None:
+            return self
+        model, theta = self.recording.model, self.best.theta
+        rows = replace(self.rows, likelihoods=model.likelihoods(theta), jacobian=self.rows.jacobian[:, : len(theta)])
+        return replace(self, rows=_linear(replace(rows, nuisances=ALONE), model, theta, np.zeros(0), self.misfit))
 
     def _mixed(
         self, hypotheses: Sequence[Hypothesis], rows: LinearGroups | None, delay: Delay | None = None
@@ -249,7 +262,7 @@ def _settled(
     for number in range(_ROUNDS):
         best = best_of(_searched(rows, misfit, which))
         misfit, which = best.misfit, best.prior
-        deviations = np.sqrt(np.maximum(np.diag(best.covariances(np.array([best.best]))[0]), 1e-30))
+        deviations = _deviations(best)
         last, step = step, (best.theta - theta) / deviations
         if number and np.abs(step).max() < _SETTLED:  # from the second round on, groups that err alone have less say
             break
@@ -264,11 +277,16 @@ def _settled(
 
 
 def _linear(
-    model: Model, rows: LinearGroups, theta: Float[np.ndarray, "n"], misfit: tuple[float, float]
+    rows: LinearGroups,
+    model: Model,
+    theta: Float[np.ndarray, "n"],
+    nuisances: Float[np.ndarray, "q"],
+    misfit: tuple[float, float],
 ) -> LinearGroups:
-    """The same groups, linear near another θ."""
-    rows = model.linear(rows.groups, theta, rows.likelihoods)
-    return replace(rows, deviation=rows.robust(sum(misfit), theta))
+    """The rows of the same groups, linear near another θ; nuisance parameters do to them what they did."""
+    near = model.linear(rows.groups, theta, rows.likelihoods)
+    near = near.beside(rows.nuisances, rows.jacobian[:, len(theta) :])
+    return replace(near, deviation=near.robust(sum(misfit), np.concatenate([theta, nuisances])))
 
 
 def _other_rigs(
@@ -293,6 +311,7 @@ def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> li
     return found + explanations(rows, range(len(rows.model.prior.roots)), [best_of(found).misfit])
 
 
+@one_blas_thread()
 def fitted_together(
     recordings: Sequence[Recording],
     messages: Sequence[Normal] = (),
@@ -305,30 +324,39 @@ def fitted_together(
         messages: what they showed where they were matched before.
         each: runs a task for each recording.
     """
-    known = zip(recordings, _of_others(messages), strict=True) if messages else ()
-    fits = each(fitted, [replace(one, others=others) for one, others in known] or recordings)
-    if len(fits) == 1:
-        return fits, []
+    if len(recordings) == 1:
+        return each(fitted, recordings), []
+    told = zip(recordings, map(_of_others, repeat(messages), range(len(messages))), strict=True) if messages else ()
+    fits = each(_most_probable, [replace(one, others=others) for one, others in told] or recordings)
+    messages = [of_calibration(fit.best) for fit in fits]
     for _ in range(_ROUNDS_TOGETHER):
-        messages = [of_calibration(fit.best) for fit in fits]
-        moved = each(_moved, list(zip(fits, _of_others(messages), strict=True)))
-        fits = [fit for fit, _ in moved]
-        if max(by for _, by in moved) < _SETTLED:
+        moved = []
+        for index, fit in enumerate(fits):
+            fits[index] = fit.beside(_of_others(messages, index))
+            messages[index] = of_calibration(fits[index].best)
+            moved.append((fits[index].best.theta - fit.best.theta) / _deviations(fit.best))
+        if np.abs(moved).max() < _AGREED:
             break
-    return fits, [*messages]
+    return [fit.without_nuisances for fit in fits], messages
 
 
-def _of_others(messages: Sequence[Normal]) -> list[Normal]:
-    """For each recording, what all others show."""
-    return [reduce(add, [*messages[:index], *messages[index + 1 :]]) for index in range(len(messages))]
+@one_blas_thread()
+def _most_probable(recording: Recording) -> Fit:
+    """The fit by the rows of the most probable hypothesis, of which nuisance parameters may be a part."""
+    fit = fitted(recording)
+    if fit.rows is None:
+        return fit
+    likely = max(fit.hypotheses()[0], key=lambda one: best_of(one.several).most)
+    return Fit(recording, likely.rows, likely.misfit)
 
 
-def _moved(one: tuple[Fit, Normal]) -> tuple[Fit, float]:
-    """A fit beside others, and by how many standard deviations it moved."""
-    fit, others = one
-    moved = fit.beside(others)
-    deviations = np.sqrt(np.maximum(np.diag(moved.best.covariances(np.array([moved.best.best]))[0]), 1e-30))
-    return moved, float((np.abs(moved.best.theta - fit.best.theta) / deviations).max())
+def _of_others(messages: Sequence[Normal], index: int) -> Normal:
+    """What all others show."""
+    return reduce(add, [*messages[:index], *messages[index + 1 :]])
+
+
+def _deviations(one: Explanation) -> Float[np.ndarray, "n"]:
+    return np.sqrt(np.maximum(np.diag(one.covariances(np.array([one.best]))[0]), 1e-30))
 
 
 def of_calibration(best: Explanation) -> Normal:

@@ -23,7 +23,7 @@ _NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 
 @lru_cache(maxsize=4)  # a step asks several times
 def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Mixture:
-    """The posterior of θ, from one normal distribution: the mixture of all kinds, by their evidence."""
+    """The posterior of θ, one normal distribution: that of the mixture of all kinds, by their evidence."""
     mean, covariance = filtered.theta, filtered.of_theta
     if not is_exact(prior):
         weights, informations, log_volumes = _kinds(initial, prior)
@@ -49,7 +49,7 @@ def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False
 
 
 def squared_error(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> float:
-    """The squared error of the lenses, in standard deviations that calibrations leave."""
+    """How far the lenses are off, in squared standard deviations that calibrations leave."""
     root = _calibration_root(initial, prior)[SIZE:]
     return float(np.sum((np.linalg.pinv(root) @ filtered.theta[SIZE:]) ** 2))
 

@@ -157,7 +157,8 @@ class FilterEstimate:
         return float(chdtrc(number, squared_distance)) if number else 1.0
 
     def log_likelihood(self, measured: Measurement, most: float = np.inf) -> OfEach:
-        """The logarithm of the likelihood of a measurement, at most so many squared standard deviations away."""
+        """The logarithm of the likelihood; farther away than `most`, in squared standard deviations, a measurement
+        counts as being that far."""
         _, squared_distance, log_volume = self._innovation(measured)
         return -0.5 * (np.minimum(squared_distance, most) + log_volume)
 

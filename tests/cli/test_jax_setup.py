@@ -10,8 +10,6 @@ import jax
 import pytest
 from parts_of_repairs import use_compile_cache
 
-from stereorecal.cli import executor
-
 WHERE = """
 import contextlib, io, jax
 from stereorecal.cli import main
@@ -110,12 +108,16 @@ def test_a_platform_that_is_not_there(tmp_path: Path, platform: str):
     assert f"stereorecal: JAX_PLATFORMS is '{platform}', which JAX cannot use here" in answer.stderr
 
 
-@pytest.mark.parametrize(("before", "then"), [(None, "false"), ("true", "true")])
-def test_worker_processes_share_a_gpu(monkeypatch, before: str | None, then: str):
-    """JAX would take most of its memory for the first of them."""
-    name = "XLA_PYTHON_CLIENT_PREALLOCATE"
-    monkeypatch.setenv(name, before or "")
-    if before is None:
-        monkeypatch.delenv(name)
-    with executor("processes:1"):
-        assert os.environ[name] == then
+SHARES = """
+import os, jax
+from stereorecal.cli import _jax_setup
+jax.devices = lambda: print(os.environ["XLA_PYTHON_CLIENT_PREALLOCATE"])  # the memory is taken then
+_jax_setup.check_platform()
+"""
+
+
+@pytest.mark.parametrize(("own", "then"), [({}, "false"), ({"XLA_PYTHON_CLIENT_PREALLOCATE": "true"}, "true")])
+def test_a_gpu_is_shared(own: dict[str, str], then: str):
+    """JAX would take most of its memory for the first process of several."""
+    answer = run("-c", SHARES, without=("JAX_", "XLA_"), JAX_PLATFORMS="cpu", **own)
+    assert answer.stdout == f"{then}\n"

@@ -1,5 +1,6 @@
 """Several recordings of the same cameras: they agree about intrinsics, and each keeps a drift of its own."""
 
+from dataclasses import replace
 from functools import reduce
 from operator import add
 
@@ -55,7 +56,7 @@ def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, t
 def test_their_order_does_not_matter(recordings, together):
     again = estimates(recordings[::-1])[::-1]
     for one, other in zip(together, again, strict=True):
-        assert (np.abs(one.theta - other.theta) < 1e-3 * sigmas(one)).all()
+        assert (np.abs(one.theta - other.theta) < 0.02 * sigmas(one)).all()  # where all agree
 
 
 def test_they_have_settled(recordings, together):
@@ -63,9 +64,20 @@ def test_they_have_settled(recordings, together):
     fits, messages = fitted_together(recordings)
     for index, (fit, one) in enumerate(zip(fits, together, strict=True)):
         others = reduce(add, messages[:index] + messages[index + 1 :])
-        assert (np.abs(fit.beside(others).best.theta - fit.best.theta) < 0.1 * sigmas(one)).all()
+        assert (np.abs(fit.beside(others).best.theta - fit.best.theta) < 0.05 * sigmas(one)).all()
     alone = [fitted(one) for one in recordings]
     assert any(
         (np.abs(fit.best.theta - one.best.theta) > sigmas(two)).any()
         for fit, one, two in zip(fits, alone, together, strict=True)
     )
+
+
+def test_what_moved_in_one_recording_tells_others_nothing(recordings):
+    """A third of its view, by a pixel: it knows that, and says as much of the calibration as if nothing had moved."""
+    found = recordings[0].found
+    moved = np.array(found.right)
+    moved[..., 1] += np.where(np.asarray(found.left)[..., 0] < -0.25, 1.0 / 500.0, 0.0)
+    with_region = replace(recordings[0], found=replace(found, right=moved))
+    before, after = (estimates([first, *recordings[1:]])[1] for first in (recordings[0], with_region))
+    assert (np.abs(after.theta - before.theta) < 0.7 * sigmas(before)).all()
+    assert np.median(sigmas(after)[6:] / sigmas(before)[6:]) < 1.15
