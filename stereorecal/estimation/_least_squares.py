@@ -317,17 +317,20 @@ def fitted_together(
     messages: Sequence[Normal] = (),
     *,
     each: Each = lambda does, several: [*map(does, several)],
+    nuisances: bool = True,
 ) -> tuple[list[Fit], list[Normal]]:
     """The fit of each recording's rig, from what all of them show; and what each shows of the calibration's error.
 
     Args:
         messages: what they showed where they were matched before.
         each: runs a task for each recording.
+        nuisances: whether what else may be behind their rows is asked; it is not needed to say where to match.
     """
     if len(recordings) == 1:
         return each(fitted, recordings), []
     told = zip(recordings, map(_of_others, repeat(messages), range(len(messages))), strict=True) if messages else ()
-    fits = each(_most_probable, [replace(one, others=others) for one, others in told] or recordings)
+    first = _most_probable if nuisances else fitted
+    fits = each(first, [replace(one, others=others) for one, others in told] or recordings)
     messages = [of_calibration(fit.best) for fit in fits]
     for _ in range(_ROUNDS_TOGETHER):
         moved = []

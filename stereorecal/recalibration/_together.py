@@ -174,7 +174,7 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
     ]
     tolerances = recordings[0].repair.settings.tolerances
-    fits, messages = fitted_together(estimated_from, each=each)
+    fits, messages = fitted_together(estimated_from, each=each, nuisances=False)
     estimates = [fit.alone.judged_by(tolerances.matters) for fit in fits]
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
