@@ -45,7 +45,7 @@ def parser(words: Sequence[str] = ()) -> Parser:
     made = Parser(
         prog="stereorecal",
         usage="%(prog)s COMMAND [options]",
-        description="Repair the extrinsic calibration of a stereo rig from ordinary images.",
+        description="Repair the calibration of a stereo rig from ordinary images.",
         epilog="COMMAND --help lists the options of a command.",
     )
     made.add_argument("--version", action="version", version=f"stereorecal {__version__}")

@@ -38,6 +38,7 @@ from stereorecal.recordings import Scene
 from stereorecal.report.repair_tables import repairs_table
 
 SCHEMA = "stereorecal.solution/3"
+_TOGETHER = "; use all new values of a recording together"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
 
@@ -182,7 +183,7 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
     console = table_console()
     console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
     shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
-    for line in dict.fromkeys(map(str, shared)):  # each once
+    for line in dict.fromkeys(f"{one}{_TOGETHER * one.changed}" for one in shared):  # each once
         print_lines(line)
 
 

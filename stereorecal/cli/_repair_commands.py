@@ -24,13 +24,14 @@ RRD = "a recording with pictures, for Rerun's viewer (rerun FILE)"
 
 @option_group
 class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
-    """Repair the calibration of each recording's rig from its images. A candidate is accepted only if it gains, if it
-    makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
+    """Repair the calibration of each recording's rig from its images. Recordings with the same intrinsics are of one
+    rig: each gets its own extrinsics, and all share what is found of the intrinsics. A candidate is accepted only if it
+    gains, if it makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
 
-    Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input; 3 internal failure; 4
-    cannot tell (too dark, too little texture, or the images do not determine what is better); 5 wrong input (these
-    cannot be images of this rig: exchanged, of two moments, another size); 130 interrupted. Of
-    several recordings, the worst one decides."""
+    Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input, also images that are
+    certainly exchanged, upside down or of different scenes; 3 internal failure; 4 cannot tell (too dark, too little
+    texture, or the images do not determine what is better); 5 wrong input (these cannot be images of this rig:
+    exchanged, of two moments, another size); 130 interrupted. Of several recordings, the worst one decides."""
 
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
@@ -38,7 +39,7 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
     output: str | None = option(
         WRITES,
         "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
-        "each camera has a file); if it is that file, --force is needed, and the old one is kept as NAME.bak",
+        "each camera has a file); to overwrite the file that was read, add --force: it is kept as NAME.bak",
         metavar="FILE",
         reads=calibration_path,
         writes=True,
@@ -95,7 +96,10 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
         named = [f"--{name}" for name in ("output", "maps", "html", "rrd") if getattr(self, name) is not None]
         if named and len(self.scenes) > 1:
             hint = f" ({TWO_FILES})" if self.output is not None else ""
-            raise InputError(f"{named[0]} is of one recording; give one, or leave {named[0]} out{hint}.")
+            raise InputError(
+                f"{named[0]} takes one recording; run the command once for each, or join folders of a rig that stayed "
+                f"as it was: A+B{hint}."
+            )
         if self.maps is not None and Path(self.maps).suffix.lower() not in ("", ".npz"):
             raise InputError(f"--maps {self.maps}: maps are written as .npz; give a name ending in it.")
 

@@ -95,7 +95,7 @@ def facts_of(solution: AbstractResult) -> Iterator[Fact]:
     if solution.intrinsics is not None:
         text = str(solution.intrinsics)
         if solution.intrinsics.changed and solution.searched:  # a look has neither the option nor new values to use
-            text = f"{text}; use all new values together, or keep the intrinsics with --free extrinsics"
+            text = f"{text}; use all new values together (--free extrinsics keeps the intrinsics, and may find less)"
         yield Fact("", text, remark=True)
     if solution.ranges is not None:
         yield Fact("ranges", str(solution.ranges), remark=True)

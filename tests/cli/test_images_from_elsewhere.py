@@ -89,7 +89,7 @@ def test_frames_that_a_camera_lost_are_told(command, seen, calibration, tmp_path
 
 def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):
     answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
-    answer.refuses("--html is of one recording")
+    answer.refuses("--html takes one recording")
 
 
 @pytest.mark.slow

@@ -132,7 +132,7 @@ def test_ranges_of_other_pairs(command, drifted_scene: Path, tmp_path: Path):
 
 def test_the_calibration_of_one_recording_is_written(command, drifted_scene: Path, tmp_path: Path):
     answer = command("recalibrate", drifted_scene, drifted_scene, "--output", tmp_path / "a.json", *COUNT)
-    answer.refuses("--output is of one recording")
+    answer.refuses("--output takes one recording")
     assert list(tmp_path.iterdir()) == []
 
 

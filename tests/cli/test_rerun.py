@@ -56,7 +56,7 @@ def test_what_is_refused(command, clean_scene: Path, monkeypatch, verb: str, wor
 @pytest.mark.usefixtures("rerun")
 def test_a_recording_shows_one_repair(command, clean_scene: Path, unworked, tmp_path: Path):
     words = (clean_scene, clean_scene, *unworked, "--rrd", tmp_path / "out.rrd")
-    command("recalibrate", *words).refuses("--rrd is of one recording")
+    command("recalibrate", *words).refuses("--rrd takes one recording")
 
 
 @pytest.mark.usefixtures("rerun")

@@ -148,7 +148,7 @@ def test_what_is_refused_stays_bit_for_bit(repaired, reason):
 
 def test_what_changes_of_intrinsics_is_said_and_how_to_keep_them(repaired):
     assert "the intrinsics were refined" in str(repaired)
-    assert "keep the intrinsics with --free extrinsics" in str(repaired)
+    assert "use all new values together" in str(repaired)
     assert "--free" not in str(without(repaired, "intrinsics"))
 
 
