@@ -81,3 +81,15 @@ def test_what_moved_in_one_recording_tells_others_nothing(recordings):
     before, after = (estimates([first, *recordings[1:]])[1] for first in (recordings[0], with_region))
     assert (np.abs(after.theta - before.theta) < 0.7 * sigmas(before)).all()
     assert np.median(sigmas(after)[6:] / sigmas(before)[6:]) < 1.15
+
+
+def test_one_in_which_nothing_matches_says_nothing(recordings):
+    """It knows what the others tell of the calibration, and they know no more by it."""
+    empty = replace(recordings[0], found=replace(recordings[0].found, weight=np.zeros_like(recordings[0].found.weight)))
+    others, (*same, blind) = estimates(recordings[1:]), estimates([*recordings[1:], empty])
+    for one, other in zip(others, same, strict=True):
+        assert (np.abs(one.theta - other.theta) < 0.05 * sigmas(one)).all()
+        np.testing.assert_allclose(sigmas(one), sigmas(other), rtol=0.02)
+    alone = fitted(empty).weighed()
+    assert np.median(sigmas(blind)[6:] / sigmas(alone)[6:]) < 0.9
+    assert (sigmas(blind)[6:] ** 2 < 1.01 * blind.prior_variance[6:]).all()
