@@ -197,8 +197,8 @@ class Estimate:
 
     @cached_property
     def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
-        """Errors of a rig without any, if each of these is the true one."""
-        return (self._samples - self.theta) @ self._errors.slopes.T
+        """Errors of a rig without any, if each of these is the true one; float32, for they are a million."""
+        return ((self._samples - self.theta) @ self._errors.slopes.T).astype(np.float32)
 
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> Losses:

@@ -124,9 +124,9 @@ class Errors:
 
     def losses(self, found: Float[np.ndarray, "q"], samples: Float[np.ndarray, "s q"]) -> "Losses":
         """What a rig loses that has these errors, for errors of a rig without any under each sample."""
-        away = found - samples
+        away = found.astype(np.float32) - samples
         np.abs(away, out=away)  # in place: fresh pages for a few megabytes take longer than the sums
-        lost = away @ self._of_losses
+        lost = (away @ self._of_losses.astype(np.float32)).astype(float)
         lost.flags.writeable = False  # kept, and given to whoever asks again
         return Losses(*lost.T)
 
