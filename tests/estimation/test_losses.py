@@ -82,13 +82,14 @@ def test_losses_are_those_of_points_of_the_view(rig, chart, found):
     assert abs(ahead - depth[-1]) > 0.1, "else the test cannot tell them apart"
     points, weights = points_shown(found.shown, found.chart, found.theta)
     seen = weights @ np.abs(readings(rig, true, points)[0])
-    np.testing.assert_allclose([losses.even[0], losses.farthest[0], losses.seen[0]], [rows, ahead, seen])
+    each = [losses.even[0], losses.farthest[0], losses.seen[0]]
+    np.testing.assert_allclose(each, [rows, ahead, seen], rtol=1e-6)  # errors of samples are float32
     total = (seen / 1.5 + rows / 3.0) / alone.matters.rows_px + np.mean(depth) / alone.matters.depth_points
-    np.testing.assert_allclose(losses.total, total)
+    np.testing.assert_allclose(losses.total, total, rtol=1e-6)
     small = 1e-3 * np.eye(chart.dim)[chart.names.index("yaw")]
     assert alone.effect(small) == pytest.approx(alone.expected_loss(alone.theta + small), rel=0.01)
     twice = Matters(2.0 * alone.matters.rows_px, 2.0 * alone.matters.depth_points)
-    np.testing.assert_allclose(alone.judged_by(twice).losses(np.zeros(chart.dim)).total, 0.5 * total)
+    np.testing.assert_allclose(alone.judged_by(twice).losses(np.zeros(chart.dim)).total, 0.5 * total, rtol=1e-6)
 
 
 @settings(max_examples=20)
