@@ -19,7 +19,7 @@ from jaxtyping import Float, Int
 
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
-from stereorecal.estimation._evidence import ALONE, Explanation, Normal, marginal
+from stereorecal.estimation._evidence import Explanation, Normal, marginal
 from stereorecal.estimation._explanations import (
     Hypothesis,
     best_of,
@@ -127,11 +127,11 @@ def estimate(
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The rig alone, for a prior and a misfit that are the evidence's best.
+    """Rows near the most probable θ, for a prior and a misfit that are the evidence's best.
 
     Attributes:
-        recording: that it is of.
-        rows: linear near the most probable θ; None, where there are too few.
+        recording: that it is of; it begins where the rows are linear.
+        rows: linear near the most probable θ; None, where there are too few. Nuisance parameters may follow θ.
         misfit: the most probable one.
     """
 
@@ -173,22 +173,33 @@ class Fit:
 
     def beside(self, others: Normal) -> "Fit":
         """The fit after what other recordings tell: a step on, for which outliers are what they are."""
-        recording, before = replace(self.recording, others=others, start=self.best.theta), self.best.theta
+        recording = replace(self.recording, others=others)
         if self.rows is None:
             return Fit(recording, None, self.misfit)
         found = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best
-        move = within_field(recording.found, recording.model.chart, before, found.theta - before)
+        recording = replace(recording, start=self._within_field(found.theta))
         nuisances = found.nuisance_means[found.best]
-        return Fit(recording, _linear(self.rows, recording.model, before + move, nuisances, self.misfit), self.misfit)
+        return Fit(recording, _linear(self.rows, recording.model, recording.begun, nuisances, self.misfit), self.misfit)
 
-    @property
     def without_nuisances(self) -> "Fit":
-        """The fit of θ alone, with what else is measured near it."""
+        """The fit of θ alone near the same rig, with a misfit of its own, and with what else is measured there."""
         if self.rows is None:
             return self
-        model, theta = self.recording.model, self.best.theta
-        rows = replace(self.rows, likelihoods=model.likelihoods(theta), jacobian=self.rows.jacobian[:, : len(theta)])
-        return replace(self, rows=_linear(replace(rows, nuisances=ALONE), model, theta, np.zeros(0), self.misfit))
+        recording = replace(self.recording, start=self._within_field(self.best.theta))
+        misfit, which = self.misfit, self.best.prior
+        rows = recording.model.linear(self.rows.groups, recording.begun)
+        for _ in range(2):  # those that err alone have less say the second time
+            best = best_of(_searched(rows, misfit, which))
+            misfit, which = best.misfit, best.prior
+            rows = replace(rows, deviation=rows.robust(sum(misfit), recording.begun))
+        return Fit(recording, rows, misfit)
+
+    def _within_field(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+        """θ, or as far towards it from where the rows are linear as the lenses have rays."""
+        recording = self.recording
+        return recording.begun + within_field(
+            recording.found, recording.model.chart, recording.begun, theta - recording.begun
+        )
 
     def _mixed(
         self, hypotheses: Sequence[Hypothesis], rows: LinearGroups | None, delay: Delay | None = None
@@ -231,7 +242,8 @@ class Fit:
 @one_blas_thread()
 def fitted(recording: Recording) -> Fit:
     """The fit of a recording: a prior and a misfit for a round are the evidence's best."""
-    return Fit(recording, *_settled(recording.found, recording.model, recording.begun))
+    rows, misfit, theta = _settled(recording.found, recording.model, recording.begun)
+    return Fit(replace(recording, start=theta), rows, misfit)
 
 
 def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypothesis:
@@ -248,13 +260,13 @@ def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Flo
 
 def _settled(
     found: Correspondences, model: Model, theta: Float[np.ndarray, "n"]
-) -> tuple[LinearGroups | None, tuple[float, float]]:
-    """Rows, linear near the most probable θ, and the most probable misfit; no rows, where there are too few. It begins
-    at `theta`."""
+) -> tuple[LinearGroups | None, tuple[float, float], Float[np.ndarray, "n"]]:
+    """Rows, linear near the most probable θ, the most probable misfit, and where the rows are linear; no rows, where
+    there are too few. It begins at `theta`."""
     chart, misfit, which = model.chart, (DEVIATIONS[2], 0.0), len(model.prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
-        return None, misfit
+        return None, misfit, theta
     first = first_of_same(groups)
     if any_same(first):
         groups = grouped(found, chart, theta, first)
@@ -273,7 +285,7 @@ def _settled(
             groups = grouped(found, chart, theta, first)
         rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
         rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
-    return rows, misfit
+    return rows, misfit, theta
 
 
 def _linear(
@@ -283,7 +295,7 @@ def _linear(
     nuisances: Float[np.ndarray, "q"],
     misfit: tuple[float, float],
 ) -> LinearGroups:
-    """The rows of the same groups, linear near another θ; nuisance parameters do to them what they did."""
+    """The rows of the same groups, linear near another θ; to first order, nuisance parameters do what they did."""
     near = model.linear(rows.groups, theta, rows.likelihoods)
     near = near.beside(rows.nuisances, rows.jacobian[:, len(theta) :])
     return replace(near, deviation=near.robust(sum(misfit), np.concatenate([theta, nuisances])))
@@ -330,7 +342,7 @@ def fitted_together(
         return each(fitted, recordings), []
     told = zip(recordings, map(_of_others, repeat(messages), range(len(messages))), strict=True) if messages else ()
     first = _most_probable if nuisances else fitted
-    fits = each(first, [replace(one, others=others) for one, others in told] or recordings)
+    fits = list(each(first, [replace(one, others=others) for one, others in told] or recordings))
     messages = [of_calibration(fit.best) for fit in fits]
     for _ in range(_ROUNDS_TOGETHER):
         moved = []
@@ -340,7 +352,7 @@ def fitted_together(
             moved.append((fits[index].best.theta - fit.best.theta) / _deviations(fit.best))
         if np.abs(moved).max() < _AGREED:
             break
-    return [fit.without_nuisances for fit in fits], messages
+    return [fit.without_nuisances() for fit in fits], messages
 
 
 @one_blas_thread()
@@ -349,8 +361,8 @@ def _most_probable(recording: Recording) -> Fit:
     fit = fitted(recording)
     if fit.rows is None:
         return fit
-    likely = max(fit.hypotheses()[0], key=lambda one: best_of(one.several).most)
-    return Fit(recording, likely.rows, likely.misfit)
+    likely = max(fit.hypotheses()[0], key=lambda one: evidence_of(one.several))
+    return replace(fit, rows=likely.rows, misfit=likely.misfit)
 
 
 def _of_others(messages: Sequence[Normal], index: int) -> Normal:

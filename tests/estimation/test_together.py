@@ -27,7 +27,9 @@ def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
 
 
 def estimates(recordings: list[Recording]) -> list[Estimate]:
-    return [fit.weighed() for fit in fitted_together(recordings)[0]]
+    """As repairs have them: fitted to say where to match, and, matched again, weighed."""
+    _, messages = fitted_together(recordings, nuisances=False)
+    return [fit.weighed() for fit in fitted_together(recordings, messages)[0]]
 
 
 @pytest.fixture(scope="module")
