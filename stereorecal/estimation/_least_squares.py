@@ -339,7 +339,7 @@ def fitted_together(
         nuisances: whether what else may be behind their rows is asked; it is not needed to say where to match.
     """
     if len(recordings) == 1:
-        return each(fitted, recordings), []
+        return list(each(fitted, recordings)), []
     told = zip(recordings, map(_of_others, repeat(messages), range(len(messages))), strict=True) if messages else ()
     first = _most_probable if nuisances else fitted
     fits = list(each(first, [replace(one, others=others) for one, others in told] or recordings))
