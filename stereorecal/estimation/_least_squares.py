@@ -10,7 +10,7 @@ linear where they were solved last. One after the other takes a step, until all 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from itertools import product, repeat
+from itertools import product
 from operator import add
 from typing import Any
 
@@ -340,9 +340,9 @@ def fitted_together(
     """
     if len(recordings) == 1:
         return list(each(fitted, recordings)), []
-    told = zip(recordings, map(_of_others, repeat(messages), range(len(messages))), strict=True) if messages else ()
-    first = _most_probable if nuisances else fitted
-    fits = list(each(first, [replace(one, others=others) for one, others in told] or recordings))
+    others = [_of_others(messages, index) for index in range(len(messages))] or [None] * len(recordings)
+    known = [replace(one, others=told) for one, told in zip(recordings, others, strict=True)]
+    fits = list(each(_most_probable if nuisances else fitted, known))
     messages = [of_calibration(fit.best) for fit in fits]
     for _ in range(_ROUNDS_TOGETHER):
         moved = []
