@@ -195,16 +195,13 @@ class Estimate:
         """θ of rigs that are drawn from the posterior; always the same ones."""
         return self.posterior.samples(self.samples)
 
-    @cached_property
-    def _errors_of_samples(self) -> Float[np.ndarray, "s q"]:
-        """Errors of a rig without any, if each of these is the true one; float32, for they are a million."""
-        return ((self._samples - self.theta) @ self._errors.slopes.T).astype(np.float32)
-
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> Losses:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
         if (key := used.tobytes()) not in self._losses_of:
-            self._losses_of[key] = self._errors.losses(self._errors.of(used), self._errors_of_samples)
+            # Of a rig without errors, if each sample is the true one. A million: not kept, for results are.
+            of_samples = ((self._samples - self.theta) @ self._errors.slopes.T).astype(np.float32)
+            self._losses_of[key] = self._errors.losses(self._errors.of(used), of_samples)
         return self._losses_of[key]
 
     @cached_property

@@ -3,7 +3,6 @@
 import enum
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import partial
 from traceback import format_exception
@@ -102,9 +101,6 @@ def recalibrate_many(
     done: dict[int, Repair] = {}
     for index, found in run_all(partial(_repaired_or_fault, options=alone.options), scenes, executor):
         done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
-        if len(scenes) > 1 and (solution := done[index].solution) is not None:
-            # As it comes from a worker: what is derived of an estimate, when it is asked, takes ten times its size.
-            done[index] = replace(done[index], solution=replace(solution, estimate=copy(solution.estimate)))
         if finished is not None:
             finished(index, done[index])
         if progress is not None:

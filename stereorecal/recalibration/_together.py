@@ -5,7 +5,6 @@ each solved beside the others, matched again and solved again; then one decision
 """
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -243,7 +242,7 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
             row_errors=rows.errors,
             misfit=misfit(rows, late=estimated.is_late),
             uncertainty=uncertainty_of(estimated, rig, member.chart(free)),
-            estimate=copy(estimated),  # without what is derived of it, which takes ten times its size
+            estimate=estimated,
             decision=member.decision,
             ranges=member.ranges(rig, reason),
             disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
