@@ -83,7 +83,8 @@ def _hypothesis_with(rows: LinearGroups, confounder: Confounder, likely: Explana
     rows = rows.model.linear(rows.groups, likely.theta)
     columns, (deviation, common) = confounder.columns(rows), likely.misfit
     moved = replace(rows, at_zero=rows.at_zero + columns @ likely.nuisance_means[likely.best])
-    rows = replace(rows, deviation=moved.robust(deviation + common, likely.theta)).beside(confounder.nuisances, columns)
+    robust = moved.robust(deviation + common, likely.theta).deviation
+    rows = replace(rows, deviation=robust).beside(confounder.nuisances, columns)
     found = explanations(rows, range(len(rows.model.prior.roots)), [likely.misfit])
     least = best_of(found).most - NEGLIGIBLE
     some = [one.prior for one in found if one.most > least]

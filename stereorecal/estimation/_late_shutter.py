@@ -81,7 +81,7 @@ def hypothesis_with_delay(rows: LinearGroups, alone: Sequence[Explanation]) -> t
         late = _beside_delay(rows, theta, delay, _of_frames(windows, told, ways, rows.groups), nuisances)
         late = replace(late, likelihoods=_likelihoods(rows, theta, told, ways, size))
         if round_:
-            late = replace(late, deviation=late.robust(sum(end.misfit), np.append(theta, delay)))
+            late = late.robust(sum(end.misfit), np.append(theta, delay))
         found = explanations(late, range(len(rows.model.prior.roots)), misfits)
         end = best_of(found)
         if end.most < least:

@@ -191,7 +191,7 @@ class Fit:
         for _ in range(2):  # those that err alone have less say the second time
             best = best_of(_searched(rows, misfit, which))
             misfit, which = best.misfit, best.prior
-            rows = replace(rows, deviation=rows.robust(sum(misfit), recording.begun))
+            rows = rows.robust(sum(misfit), recording.begun)
         return Fit(recording, rows, misfit)
 
     def _within_field(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
@@ -284,7 +284,7 @@ def _settled(
         if number < _REGROUPED:
             groups = grouped(found, chart, theta, first)
         rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
-        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
+        rows = rows.robust(sum(misfit), theta)
     return rows, misfit, theta
 
 
@@ -298,7 +298,7 @@ def _linear(
     """The rows of the same groups, linear near another θ; to first order, nuisance parameters do what they did."""
     near = model.linear(rows.groups, theta, rows.likelihoods)
     near = near.beside(rows.nuisances, rows.jacobian[:, len(theta) :])
-    return replace(near, deviation=near.robust(sum(misfit), np.concatenate([theta, nuisances])))
+    return near.robust(sum(misfit), np.concatenate([theta, nuisances]))
 
 
 def _other_rigs(
@@ -310,7 +310,7 @@ def _other_rigs(
     if any_same(rows.groups.first):
         rows = rows.model.linear(grouped(found, rows.model.chart, theta), theta, rows.likelihoods)
         misfit = best_of(_searched(rows, misfit, best.prior)).misfit
-        rows = replace(rows, deviation=rows.robust(sum(misfit), theta))
+        rows = rows.robust(sum(misfit), theta)
     return other_rigs(rows, sum(misfit), theta)
 
 

@@ -153,13 +153,14 @@ class LinearGroups:
     def _places(self) -> Float[np.ndarray, "g p"]:
         return np.eye(PLACES[0] * PLACES[1])[self.groups.place]
 
-    def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
-        """The deviations that groups should have, if those that err alone at θ have a bounded say."""
+    def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> "LinearGroups":
+        """The same with the deviations that groups should have, if those that err alone at θ have a bounded say."""
         unexpected_errors, residual = np.zeros(len(self.at_zero)), self.residual(theta)
         for f in self.frames:
             covariance = covariance_of_rows(self.groups.place[f], self.groups.deviation[f], misfit)
             unexpected_errors[f] = unexpected(covariance, residual[f])
-        return self.groups.deviation * np.sqrt(1.0 + (unexpected_errors / _BOUND) ** 2)
+        deviation = self.groups.deviation * np.sqrt(1.0 + (unexpected_errors / _BOUND) ** 2)
+        return replace(self, deviation=deviation)
 
 
 def rows_of_groups(
