@@ -176,7 +176,8 @@ def continued(state: State) -> State:
     assert job is not None
     assert matcher is not None
     try:
-        settings, images = as_settings({"matcher": matcher}), pyramid(state.rig, state.repair_pairs, state.config.view)
+        settings = as_settings({"matcher": matcher, "free": EXTRINSICS})
+        images = pyramid(state.rig, state.repair_pairs, state.config.view)
         ended = next_slice(Case(images, settings, matcher, Parameters(), prior_now(state)), job)
     except InputError as error:  # such as: images that are exchanged
         return state.replace(job=None).saying(Kind.REJECTED, str(error))

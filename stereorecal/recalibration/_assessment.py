@@ -1,13 +1,15 @@
 """The assessment of matches: estimate, match again under what loses least, until that moves no rows; then decide, and
 check. The same for one look at the images through a calibration, and for the end of a search."""
 
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide, is_sparse, reason_of
+from stereorecal.decision import ENOUGH, Reason, Seen, decide, is_sparse, reason_of
 from stereorecal.estimation import (
     NO_RANGES,
     Estimate,
@@ -21,13 +23,18 @@ from stereorecal.estimation import (
 from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
-from stereorecal.recalibration._match_ranges import match_ranges
+from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
+from stereorecal.recalibration._mismatch import mismatch_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
-from stereorecal.recalibration._stages import SETTLED, StageRun, matched, rows_moved
+from stereorecal.recalibration._schedule import watching_scale
+from stereorecal.recalibration._solution import Solution
+from stereorecal.recalibration._stages import SETTLED, Cost, StageRun, last_matched, matched, rows_moved, with_found
+from stereorecal.recalibration._uncertainty import IntrinsicsOutcome, intrinsics_of
 from stereorecal.recordings import Pair
 from stereorecal.scoring import Correspondences, host, image_quality
-from stereorecal.scoring.host import refuse_swapped_images
+from stereorecal.scoring.host import Score, refuse_swapped_images
+from stereorecal.strategies import Status
 
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
@@ -75,52 +82,93 @@ def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
     return tuple(i for i in fewer if quality[i].enough and is_sparse(covered[i], quality[i].texture))
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment:
-    """What the correspondences of all frames say together, and what follows.
+def assessed(
+    case: Case,
+    stages: tuple[StageRun, ...],
+    end_rig: StereoRig,
+    cost: Cost,
+    began: float,
+    *,
+    conclusive: bool = False,
+) -> Solution | None:
+    """The solution that the last matches of some stages come to; None if they are too few.
+
+    Args:
+        stages: that were run.
+        end_rig: where they ended; it has the cameras of the case's rig.
+        cost: of what came before the stages.
+        began: when the clock was started.
+        conclusive: None also where a search would see more: a rig that is far off matches little, and by chance.
+    """
+    run = last_matched(stages)
+    if run is None or run.found is None or (shown := _seen(case, run.found)).few:
+        return None
+    estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, end_rig)
+    free, reach = case.settings.free, case.settings.reach
+    decision = decide(estimated, free.names, case.settings.tolerances)
+    used = found if disagree else without_frames_of(found, excluded)
+    candidate = estimated.chart.rig_at(decision.theta)
+    tiles = counts(case, candidate)
+    used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
+    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
+    reason = reason_of(decision, seen)
+    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
+        refuse_swapped_images(case.images, excluded if disagree else None)
+    if conclusive and (disagree or seen.few or seen.sparse):
+        return None
+    covered = seen.covered
+    if not reason.healthy:  # a candidate that is refused may match by what it should not change
+        covered = min(covered, _covered_at(case, run.began))
+    if mismatch := mismatch_of(case.images, case.matcher, covered):
+        seen = replace(seen, wrong_input=True)
+        reason = reason_of(decision, seen)
+    shared = free.shared if reason.accepted else ()
+    return solution_of(
+        case,
+        with_found(stages, used),
+        candidate,
+        reason,
+        tiles,
+        replace(cost, judging=cost.judging + matching_cost),
+        began,
+        excluded=excluded,
+        intrinsics=intrinsics_of(estimated, decision.theta, shared, IntrinsicsOutcome.REFINED) if shared else None,
+        estimate=estimated,
+        decision=decision,
+        seen=seen,
+        mismatch=mismatch,
+    )
+
+
+class _Estimated(NamedTuple):
+    """What the matches of all frames say together.
 
     Attributes:
-        found: of the frames that are used, matched under a rig near the candidate.
         estimate: of the rig that they show.
-        decision: on the initial calibration.
-        seen: what they show besides.
-        reason: the verdict.
-        candidate: of the decision.
-        tiles: counts at full scale of all frames, under the initial calibration and the candidate.
+        found: of all frames, matched under a rig near that.
         excluded: numbers of the frames that show another rig than the others.
+        disagree: whether these are too many to say which are wrong; then the estimate rests on all.
         matching_cost: units that matching again took.
     """
 
-    found: Correspondences
     estimate: Estimate
-    decision: Decision
-    seen: Seen
-    reason: Reason
-    candidate: StereoRig
-    tiles: Int[np.ndarray, "2 k tiles"]
+    found: Correspondences
     excluded: tuple[int, ...]
+    disagree: bool
     matching_cost: float
 
-    @property
-    def conclusive(self) -> bool:
-        """Whether it sees what it would after a search: a rig that is far off matches little, and by chance."""
-        return not (self.seen.few or self.seen.sparse or self.seen.frames_disagree)
 
-
-def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None:
-    """What the matches of a stage say; None if they are too few. All that may change is free in the case; `end_rig`,
-    where the search ended, has the cameras of the case's rig."""
-    if run.found is None or (shown := _seen(case, run.found)).few:
-        return None
-    chart, fewer, again = rig_parameters(case.rig), len(run.found.weight) < len(case.images.pairs), 0
+def _estimated(case: Case, run: StageRun, found: Correspondences, end_rig: StereoRig) -> _Estimated:
+    """The estimate of the matches of a stage, made again under what loses least until that moves no rows."""
+    chart, fewer, again = rig_parameters(case.rig), len(found.weight) < len(case.images.pairs), 0
     at = chart.coordinates_of(end_rig)
-    found = _matched(case, run, chart, at) if fewer else run.found
+    found = _matched(case, run, chart, at) if fewer else found
     fit_of, weighed = _fitter(case, found, end_rig), False
     excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
     while True:
         last = disagree or again == _MATCHED_AGAIN  # no candidate is asked where it would be matched anew
         estimated = (fit.weighed() if weighed or last else fit.alone).judged_by(case.settings.tolerances.matters)
-        likely = at if last else estimated.with_free(case.free.names)
+        likely = at if last else estimated.with_free(case.settings.free.names)
         anew = None
         if not last and rows_moved(found, chart, at, likely) >= SETTLED:
             anew = _matched(case, run, chart, likely)
@@ -129,21 +177,77 @@ def assessed(case: Case, run: StageRun, end_rig: StereoRig) -> Assessment | None
             found, at, weighed = anew, likely, False
             excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
         elif weighed or last:
-            break
+            cost = (again + fewer) * case.images.at(run.scale).cost
+            return _Estimated(estimated, found, tuple(sorted(excluded)), disagree, cost)
         else:
             weighed = True
-    decision = decide(estimated, case.free.names, case.settings.tolerances)
-    used = found if disagree else without_frames_of(found, excluded)
-    candidate = chart.rig_at(decision.theta)
-    tiles = counts(case, candidate)
-    used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
-    reach = case.settings.reach
-    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
-    reason = reason_of(decision, seen)
-    if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
-        refuse_swapped_images(case.images, excluded if disagree else None)
-    cost = (again + fewer) * case.images.at(run.scale).cost
-    return Assessment(used, estimated, decision, seen, reason, candidate, tiles, tuple(sorted(excluded)), cost)
+
+
+def _covered_at(case: Case, rig: StereoRig) -> float:
+    """The share that matches under a rig, at half scale: at full scale, one that is degrees off covers as little as one
+    with other cameras."""
+    data, chart = case.images.at(watching_scale(case.rig.left.size)), case.chart
+    return matched(data, chart, chart.coordinates_of(rig), case.matcher).covered
+
+
+def solution_of(
+    case: Case,
+    stages: tuple[StageRun, ...],
+    candidate: StereoRig,
+    reason: Reason,
+    tiles: Int[np.ndarray, "2 k tiles"],
+    cost: Cost,
+    began: float,
+    *,
+    excluded: tuple[int, ...] = (),
+    estimate: Estimate | None = None,
+    **findings: Any,
+) -> Solution:
+    """The solution with a candidate, accepted or not.
+
+    Args:
+        tiles: counts at full scale of all frames, under the initial calibration and the candidate.
+        excluded: numbers of the frames that show another rig than the others; all of them count all the same where they
+            are too many to say which are wrong.
+        findings: what else is found, as `Solution` names it.
+    """
+    disagree = reason is Reason.FRAMES_DISAGREE
+    frames, whole = len(case.images.pairs), case.images.at(1.0)
+    used = np.isin(np.arange(frames), () if disagree else excluded, invert=True)
+    pixels = whole.pixels * int(used.sum()) // frames  # all of one size
+    before, after = (Score(int(found.sum()), pixels) for found in tiles[:, used])
+    names = tuple(case.images.pairs[frame].name for frame in excluded)
+    matched_ranges = NO_RANGES if estimate is None else estimate.matched_ranges
+    return Solution(
+        initial=case.rig,
+        candidate=candidate,
+        reason=reason,
+        score_before=before,
+        score_after=after,
+        used=tuple(np.flatnonzero(used).tolist()),
+        shown=case.images.best_quality,
+        view=case.images.view,
+        matcher=case.matcher,
+        stages=stages,
+        status=Status.CONVERGED,
+        message="one look at the images was enough",
+        cost=Cost(
+            survey=cost.survey + sum(stage.survey_cost for stage in stages),
+            starts=cost.starts,
+            search=sum(stage.search_cost for stage in stages),
+            correspondences=sum(stage.matching_cost for stage in stages),
+            judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
+        ),
+        seconds=time.perf_counter() - began,
+        settings=case.settings,
+        selected=case.selected,
+        left_out=() if disagree else names,
+        disagreeing=names if disagree else (),
+        ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),
+        estimate=estimate,
+        prior_use=case.prior_use,
+        **findings,
+    )
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:

@@ -58,8 +58,7 @@ class Case:
         images: taken by the rig whose extrinsics, the initial ones, are the centre of the search box and of the prior.
         settings: that were asked for; their `free` is what may change in the end.
         matcher: with its disparity range at full size; before a search it may lack that.
-        free: what the step at hand may change; the rest is held. In the search extrinsics, and for comparisons all else
-            that strategies may search; in the decision all that may change in the end (`with_free`).
+        free: what the search may change: extrinsics, and in comparisons all else that strategies search.
         prior: of what the initial calibration leaves; EXACT: its intrinsics are the truth.
         ranges: of what the images show.
         windows: numbers of pairs that follow each other.
@@ -90,11 +89,7 @@ class Case:
     @property
     def of_extrinsics(self) -> "Case":
         """The same case with nothing but the extrinsics free."""
-        return self.with_free(self.free.extrinsics)
-
-    def with_free(self, free: Parameters) -> "Case":
-        """The same case with other parameters free."""
-        return replace(self, free=free)
+        return replace(self, free=self.free.extrinsics)
 
     def scale_of(self, stage: Stage) -> float:
         """The image scale at which a stage works."""

@@ -16,7 +16,7 @@ from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
 from stereorecal.recalibration._schedule import check_schedule
-from stereorecal.recalibration._search import run_schedule, solution_of_assessment, solution_of_search
+from stereorecal.recalibration._search import run_schedule, solution_of_search
 from stereorecal.recalibration._settings import HealthOptions, RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import run_look, started
@@ -101,15 +101,14 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     """
     began = time.perf_counter() if began is None else began
     case, start, cost = started(case)
-    to_decide = case.with_free(case.settings.free)
     if on_rows := case.settings.schedule.on_rows:
-        run, cost = run_look(to_decide, on_rows, start, cost)
-        assessment = assessed(to_decide, run, run.ended) if run.settled else None
-        if assessment is not None and assessment.conclusive:
-            return solution_of_assessment(to_decide, (run,), assessment, cost, began)
+        run, cost = run_look(case, on_rows, start, cost)
+        found = assessed(case, (run,), run.ended, cost, began, conclusive=True) if run.settled else None
+        if found is not None:
+            return found
     case, stages = run_schedule(case, start, began)
     cut = len(stages) < len(case.settings.schedule.stages)
-    return solution_of_search(case.with_free(case.settings.free), stages, cost, began, cut=cut)
+    return solution_of_search(case, stages, cost, began, cut=cut)
 
 
 @one_blas_thread()
@@ -134,7 +133,6 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     look = replace(settings.schedule, stages=settings.schedule.on_rows)
     settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
     case, start, cost = started(prepared(rig, pairs, settings, learns=False))
-    case = case.with_free(settings.free)
     run, cost = run_look(case, look.stages, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -12,16 +12,23 @@ from stereorecal.decision import Criterion, Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import EXTRINSICS
+from stereorecal.objectives import EXTRINSICS, row_chart
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import DepthError, Expected, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, Misfit, RowErrors
+from stereorecal.recalibration._row_residuals import (
+    TILES_OF_A_FRAME,
+    Misfit,
+    RowErrors,
+    RowResiduals,
+    misfit,
+    row_residuals,
+)
 from stereorecal.recalibration._settings import Settings
-from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, path_of
-from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty
+from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, last_matched, path_of
+from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty, uncertainty_of
 from stereorecal.scoring import Correspondences, ImageQuality
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
@@ -75,9 +82,6 @@ class AbstractResult:
     selected: tuple[int, ...] | None = None
     left_out: tuple[str, ...] = ()
     disagreeing: tuple[str, ...] = ()
-    row_errors: RowErrors | None = None
-    uncertainty: Uncertainty | None = None
-    misfit: Misfit | None = None
     intrinsics: Intrinsics | None = None
     ranges: RangesSeen | None = None
     estimate: Estimate | None = None
@@ -257,11 +261,41 @@ class AbstractResult:
         rows_px = float(self.decision.rows_px[int(self.accepted), 0])
         return Expected(self.estimate, self.rig, self.view, rows_px)
 
+    @cached_property
+    def _residuals(self) -> RowResiduals | None:
+        """The row differences of the last correspondences, whichever frames are kept; None without an estimate."""
+        last = last_matched(self.stages)
+        if self.estimate is None or last is None or last.found is None:
+            return None
+        return row_residuals(self.estimate.chart, last.found, self.candidate)
+
+    @property
+    def row_errors(self) -> RowErrors | None:
+        """Epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing."""
+        return None if self._residuals is None else self._residuals.errors
+
+    @cached_property
+    def misfit(self) -> Misfit | None:
+        """What no rig explains of the row differences, by regions; None in the same cases."""
+        if self._residuals is None or self.estimate is None:
+            return None
+        return misfit(self._residuals, late=self.estimate.is_late)
+
+    @cached_property
+    def uncertainty(self) -> Uncertainty | None:
+        """The uncertainty of the extrinsics, and of the length of the baseline where it is free, marginal over all
+        others; None in the same cases."""
+        if self.estimate is None:
+            return None
+        free, reach = self.settings.free.without_intrinsics, self.settings.reach
+        return uncertainty_of(self.estimate, self.candidate, row_chart(self.initial, reach, free))
+
     @property
     def found(self) -> Correspondences | None:
         """The last correspondences, of the pairs that are kept; of fewer, if a budget ended in a stage that looks at
         fewer."""
-        found, used = next((s.found for s in reversed(self.stages) if s.found is not None), None), self.used
+        last, used = last_matched(self.stages), self.used
+        found = None if last is None else last.found
         if found is None or len(used) >= len(found.weight):
             return found
         parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}

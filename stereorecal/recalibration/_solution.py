@@ -42,8 +42,6 @@ class Solution(AbstractResult):
         selected: numbers of the pairs that were matched; None: all of them.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
-        row_errors: epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing.
-        uncertainty, misfit: of the candidate; None in the same cases.
         intrinsics: what became of intrinsics that could move; None if none could, or nothing was repaired.
         ranges: what became of ranges; None if there were none.
         estimate: of all parameters of the rig; None where too little was found, or the count is all there is.

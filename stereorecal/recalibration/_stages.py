@@ -276,6 +276,12 @@ def last_matched(stages: Sequence[StageRun]) -> StageRun | None:
     return next((stage for stage in reversed(stages) if stage.found is not None), None)
 
 
+def with_found(stages: Sequence[StageRun], found: Correspondences) -> tuple[StageRun, ...]:
+    """The stages with other correspondences in the last one that has some."""
+    last = last_matched(stages)
+    return tuple(replace(one, found=found) if one is last else one for one in stages)
+
+
 def matched(data: ScoringData, chart: RigChart, z: Float[np.ndarray, "n"], matcher: AbstractMatcher) -> Correspondences:
     """The correspondences under the rig at a point of the box, with the rays that the cameras of the chart's rig
     give."""

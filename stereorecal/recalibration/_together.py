@@ -31,13 +31,13 @@ from stereorecal.estimation import (
 )
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import BASELINE, Parameters, RigChart, row_chart
+from stereorecal.objectives import BASELINE, Parameters
 from stereorecal.recalibration._assessment import MOST_EXCLUDED, with_candidate
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._prior_use import prior_of
-from stereorecal.recalibration._row_residuals import RowResiduals, misfit, row_residuals
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of, uncertainty_of
+from stereorecal.recalibration._stages import with_found
+from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of
 from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, ScoringData, pyramid, with_rays_of
 from stereorecal.scoring.host import Score, correspondences, counts_by_tile
@@ -148,14 +148,6 @@ class Member:
         """The rig that the recording gets: the candidate."""
         return self.estimate.chart.rig_at(self.decision.theta)
 
-    def rows(self, free: Parameters, rig: StereoRig) -> RowResiduals:
-        """What a rig leaves, and the initial one."""
-        return row_residuals(self.chart(free), self.found, rig)
-
-    def chart(self, free: Parameters) -> RigChart:
-        """The box of own and shared parameters around the initial rig."""
-        return row_chart(self.recording.repair.initial, self.recording.repair.settings.reach, free)
-
     def ranges(self, used: StereoRig, reason: Reason) -> RangesSeen | None:
         """What became of its ranges, with the rig to use."""
         found = self.estimate.matched_ranges
@@ -232,16 +224,14 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
         disagree = len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight)
         shown, reach = repair.seen or Seen(), repair.settings.reach
         seen = with_candidate(shown, found, estimated, rig, tiles, reach, frames_disagree=disagree)
-        reason, rows = reason_of(member.decision, seen), member.rows(free, rig)
+        reason = reason_of(member.decision, seen)
         of_others = (one.recording.repair.used_images for one in members if one is not member)
         answer = replace(
             repair,
             candidate=rig,
             reason=reason,
             score_after=Score(int(tiles[1].sum()), repair.score_before.pixels),
-            row_errors=rows.errors,
-            misfit=misfit(rows, late=estimated.is_late),
-            uncertainty=uncertainty_of(estimated, rig, member.chart(free)),
+            stages=with_found(repair.stages, found),
             estimate=estimated,
             decision=member.decision,
             ranges=member.ranges(rig, reason),
@@ -291,7 +281,6 @@ def _scaled(solution: Solution, found: Solution) -> Solution:
     extrinsics[3:] *= after / before  # what only a change of the length moves
     return replace(
         solution,
-        uncertainty=found.uncertainty,
         estimate=found.estimate,
         candidate=solution.rig.with_extrinsics(extrinsics),
         reason=Reason.IMPROVED,
