@@ -182,27 +182,30 @@ class Explanation:
 
 
 def all_explained(
-    told: Sequence[tuple[tuple[float, float], int, float, Normal]],
+    told: Sequence[tuple[tuple[float, float], float, Normal]],
+    which: Sequence[int],
     prior: Mixture,
     nuisances: Nuisances,
     drifts: tuple[Float[np.ndarray, "k 5"], Float[np.ndarray, "k"]],
 ) -> list[Explanation]:
-    """Integrate each of several likelihoods under one of the calibration's covariances.
+    """Integrate each of several likelihoods under each of some of the calibration's covariances.
 
     Args:
-        told: of each the misfit, which covariance, the logarithm of its probability, and the likelihood of θ and ν.
+        told: of each the misfit, the logarithm of its probability, and the likelihood of θ and ν.
+        which: of the covariances.
         drifts: standard deviations of each kind of drift, and their probabilities.
     """
-    (sizes, weights), which = drifts, [index for _, index, _, _ in told]
+    sizes, weights = drifts
+    each, which = np.repeat(np.arange(len(told)), len(which)), np.tile(which, len(told))
     calibrations, prior_mean = prior.roots[which], prior.means[which]
-    log_weights = np.log(weights * prior.weights[which, None]) + np.array([log for _, _, log, _ in told])[:, None]
+    log_weights = np.log(weights * prior.weights[which, None]) + np.array([log for _, log, _ in told])[each, None]
     n, q = prior.means.shape[1], len(nuisances.sizes)
-    a, b, c = (np.stack([np.asarray(getattr(one, name)) for *_, one in told]) for name in "abc")
+    a, b, c = (np.stack([np.asarray(getattr(one, name)) for *_, one in told])[each] for name in "abc")
     by_mean = (a[:, :, :n] @ prior_mean[:, :, None])[:, :, 0]
     c = c - np.einsum("jn,jn->j", prior_mean, (2.0 * b - by_mean)[:, :n])
     b = b - by_mean
     # With θ and ν in units of their roots.
-    roots = np.zeros((len(told), n + q, n + q))
+    roots = np.zeros((len(which), n + q, n + q))
     roots[:, :n, :n], roots[:, n:, n:] = calibrations, np.diag(nuisances.sizes)
     turned, by_root = roots.swapaxes(1, 2), a @ roots
     pulled, inner = turned @ b[:, :, None], np.eye(n + q) + turned @ by_root
@@ -221,10 +224,12 @@ def all_explained(
     without_drift = without_drift[:, :, 0]
     without_drift[:, :n] += prior_mean
     by_drift = drift_response + np.eye(n + q, _DRIFTING)
-    each = zip(told, evidence, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
+    found = zip(evidence, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
     return [
         Explanation(misfit, index, normal, nuisances, e, w, by, d, p, sizes, root, half)
-        for (misfit, index, _, normal), e, w, by, d, p, root, half in each
+        for (misfit, _, normal), index, (e, w, by, d, p, root, half) in zip(
+            (told[number] for number in each), which.tolist(), found, strict=True
+        )
     ]
 
 

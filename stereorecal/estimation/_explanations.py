@@ -73,10 +73,10 @@ def explained_by(
         likelihoods: as `Model.likelihoods` has it; of nuisance parameters, too, or of θ alone.
     """
     told = [
-        (misfit, index, log + nuisances.log_prior, of_rows + others.with_nuisance(len(of_rows.b) - len(others.b)))
-        for (misfit, of_rows), (log, others), index in product(normals.items(), likelihoods, which)
+        (misfit, log + nuisances.log_prior, of_rows + others.with_nuisance(len(of_rows.b) - len(others.b)))
+        for (misfit, of_rows), (log, others) in product(normals.items(), likelihoods)
     ]
-    return all_explained(told, model.prior, nuisances, drift_sizes())
+    return all_explained(told, which, model.prior, nuisances, drift_sizes())
 
 
 def best_of(several: Sequence[Explanation]) -> Explanation:

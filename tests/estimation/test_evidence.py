@@ -14,14 +14,14 @@ def explained(problems: list["Problem"]) -> list[Explanation]:
     """θ of each problem, which have the same nuisance parameters and kinds of drift."""
     first, number = problems[0], len(problems)
     calibrations, given = np.stack([p.calibration for p in problems]), np.stack([p.given for p in problems])
-    told = [((0.0, 0.0), index, 0.0, problem.normal) for index, problem in enumerate(problems)]
-    drifts = first.sizes, np.exp(first.logs)
-    return all_explained(
-        told,
+    every = all_explained(
+        [((0.0, 0.0), 0.0, problem.normal) for problem in problems],
+        range(number),
         Mixture(np.ones(number), given, calibrations @ calibrations.swapaxes(1, 2)),
         Nuisances(first.nuisance, 0.0),
-        drifts,
+        (first.sizes, np.exp(first.logs)),
     )
+    return every[:: number + 1]  # of each its own calibration
 
 
 class Problem:
