@@ -72,10 +72,10 @@ class Groups:
         """Their mean row differences at θ and the derivatives there, in pixels of the images that the cameras at θ
         have. Noise is in those: longer focal lengths must not make it smaller, nor rows that are wider apart in the
         view make it larger."""
-        rows = linearised(self._as_correspondences(), chart, theta)
+        rows, slopes = linearised(self._as_correspondences(), chart, theta)
         zoom = self._zoom(chart, theta)
-        differences = zoom * (rows.differences[0] + self.offset)
-        jacobian = zoom[:, None] * rows.jacobian[:, 0].T
+        differences = zoom * (rows[0] + self.offset)
+        jacobian = zoom[:, None] * slopes[:, 0].T
         return differences, jacobian + np.outer(differences, _by_focal(chart))
 
     def differences(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:

@@ -20,7 +20,7 @@ from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
-from stereorecal.objectives import LinearRows, RigChart
+from stereorecal.objectives import RigChart
 from stereorecal.scoring import Correspondences
 
 DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the field of a frame
@@ -165,13 +165,14 @@ class LinearGroups:
 
 def rows_of_groups(
     groups: Groups, chart: RigChart, z: Float[np.ndarray, "n"]
-) -> tuple[LinearRows, Float[np.ndarray, "1 g"]]:
-    """The mean row differences of groups near a point of a chart, pixels of the images, and the weight of each one's
-    square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and nuisances."""
+) -> tuple[Float[np.ndarray, "g"], Float[np.ndarray, "g n"], Float[np.ndarray, "g"]]:
+    """The mean row differences of groups at a point of a chart, pixels of the images, their derivatives, and the weight
+    of each one's square, 1 / pixels²: what a search fits between matches, where nothing is asked of misfit and
+    nuisances."""
     (rows, jacobian), deviation = groups.rows(chart, z), np.hypot(groups.deviation, USUAL)
     deviation = deviation * _farther(groups, rows / deviation)  # larger while far off
     share = groups.count / groups.count.mean()
-    return LinearRows(z, rows[None], jacobian.T[:, None]), (share / (deviation**2 + (rows / _BOUND) ** 2))[None]
+    return rows, jacobian, share / (deviation**2 + (rows / _BOUND) ** 2)
 
 
 def _farther(groups: Groups, away: Float[np.ndarray, "g"]) -> float:

@@ -14,7 +14,6 @@ from stereorecal.objectives._count_objective import (
     rig_count_objective as rig_count_objective,
 )
 from stereorecal.objectives._linear_rows import (
-    LinearRows as LinearRows,
     differences_at as differences_at,
     epipolar_objective as epipolar_objective,
     linear_residuals as linear_residuals,

@@ -23,22 +23,6 @@ from stereorecal.strategies import Budget, Objective, Problem, Traced
 _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
 
 
-@dataclass(frozen=True, eq=False)
-class LinearRows:
-    """Row differences near a point of the unit box; float64: of correspondences, in pixels of their scale, or their
-    means in groups, in pixels of the images.
-
-    Attributes:
-        z: (n,) the point.
-        differences: (k, m) there.
-        jacobian: (n, k, m) their derivatives by each coordinate, there or near by.
-    """
-
-    z: Float[np.ndarray, "n"]
-    differences: Float[np.ndarray, "k m"]
-    jacobian: Float[np.ndarray, "n k m"]
-
-
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
     """The row differences at a point of the unit box, in pixels of the scale of `found`; those of `linearised`."""
     rig = chart.rig_at(z)
@@ -52,8 +36,10 @@ def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray,
     return float(found.focal) * (left - right)
 
 
-def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> LinearRows:
-    """The row differences and their derivatives at z.
+def linearised(
+    found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]
+) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "n k m"]]:
+    """The row differences at a point of the unit box, and their derivatives by each coordinate.
 
     Args:
         found: with the rays that the cameras of the chart's own rig give.
@@ -80,7 +66,7 @@ def linearised(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"
             moved = ray_slopes(camera, rays, [chart.names[index].split(".")[1] for index in own])
             jacobian[own] = sign * _by_rays(of_view, rays, rotations[side], moved) * chart.half_width[own, None, None]
     focal = float(found.focal)
-    return LinearRows(z, focal * rows, focal * jacobian)
+    return focal * rows, focal * jacobian
 
 
 def _rectified_rows(
@@ -133,19 +119,25 @@ class LinearResiduals:
         return np.clip(np.linalg.lstsq(self.jacobian, -np.asarray(self.at_centre), rcond=None)[0], -1.0, 1.0)
 
 
-def linear_residuals(rows: LinearRows, precision: Float[np.ndarray, "k m"], prior: float) -> LinearResiduals:
-    """2 n + 1 residuals with the same sum of squares as all weighted row differences and the prior.
+def linear_residuals(
+    z: Float[np.ndarray, "n"],
+    rows: Float[np.ndarray, "m"],
+    jacobian: Float[np.ndarray, "m n"],
+    precision: Float[np.ndarray, "m"],
+    prior: float,
+) -> LinearResiduals:
+    """2 n + 1 residuals with the same sum of squares as all weighted (mean) row differences and the prior.
 
     Args:
-        rows: the row differences, linear around the start of the run.
+        z: the point of the unit box at which rows are linear.
+        rows, jacobian: the row differences there [pixels], and their derivatives.
         precision: weight of each squared row difference, 1 / pixels².
         prior: standard deviation of each parameter around the centre of the box, the initial calibration, in half
             widths of the box.
     """
-    dim = rows.z.size
-    few = _reduced(np.vstack([rows.jacobian.reshape(dim, -1), rows.differences.reshape(-1)]), precision.reshape(-1))
-    jacobian = np.vstack([few[:, :-1], np.eye(dim) / prior])
-    return LinearResiduals(jacobian, np.concatenate([few[:, -1] - few[:, :-1] @ rows.z, np.zeros(dim)]))
+    few = _reduced(np.vstack([jacobian.T, rows]), precision)
+    jacobian = np.vstack([few[:, :-1], np.eye(z.size) / prior])
+    return LinearResiduals(jacobian, np.concatenate([few[:, -1] - few[:, :-1] @ z, np.zeros(z.size)]))
 
 
 def epipolar_objective(residuals: LinearResiduals, budget: Budget | None = None) -> Objective:

@@ -246,7 +246,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
             break
         before, groups = at, grouped(found, chart, at)
         for _ in range(_REWEIGHTED if len(groups) >= FEWEST_GROUPS else 0):
-            residuals = linear_residuals(*rows_of_groups(groups, chart, at), chart.prior)
+            residuals = linear_residuals(at, *rows_of_groups(groups, chart, at), chart.prior)
             if stage.strategy is None:  # costs nothing
                 at = residuals.least
                 continue

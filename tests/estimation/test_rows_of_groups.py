@@ -17,7 +17,7 @@ def box(rig):
 def solved(found, box, at, times=3):
     groups = grouped(found, box, at)
     for _ in range(times):
-        at = linear_residuals(*rows_of_groups(groups, box, at), 1e3).least
+        at = linear_residuals(at, *rows_of_groups(groups, box, at), 1e3).least
     return at
 
 

@@ -1,7 +1,5 @@
 """The objective on epipolar residuals: what it is worth, what it costs, and that its solutions are the truth."""
 
-from dataclasses import replace
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -37,18 +35,26 @@ def exact(z, seed=0, found=1.0) -> Correspondences:
 
 def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, budget=None, at=(0.0,) * 5):
     found = exact(z, seed)
-    weights = np.broadcast_to(precision, found.weight.shape)
-    return epipolar_objective(linear_residuals(linearised(found, CHART, np.asarray(at)), weights, prior), budget)
+    return epipolar_objective(
+    weights = np.full(found.weight.size, precision)
+    return epipolar_objective(linear_residuals(*flat(found, np.asarray(at)), weights, prior), budget)
+    )
+
+
+def flat(found, at, frames=FRAMES):
+    """The arguments of `linear_residuals`, by the rows of all frames, or of the first."""
+    rows, jacobian = linearised(found, CHART, at)
+    return at, rows[:frames].ravel(), jacobian[:, :frames].reshape(5, -1).T
 
 
 @given(at=in_box, z=in_box, seed=st.integers(0, 5))
 def test_the_value_is_that_of_all_weighted_rows_and_the_prior(at, z, seed):
     """A few rows stand for all: written out, in float64; and the traced residuals have the same norm."""
     found = exact([0.1, -0.2, 0.05, 0.3, -0.1], seed)
-    precision = np.random.default_rng(seed).uniform(0, 9, found.weight.shape)
-    rows = linearised(found, CHART, at)
-    problem = epipolar_objective(linear_residuals(rows, precision, PRIOR))
-    linear = rows.differences + np.tensordot(z - at, rows.jacobian, 1)
+    precision = np.random.default_rng(seed).uniform(0, 9, found.weight.size)
+    _, rows, jacobian = flat(found, at)
+    problem = epipolar_objective(linear_residuals(at, rows, jacobian, precision, PRIOR))
+    linear = rows + jacobian @ (z - at)
     expected = -0.5 * (np.sum(precision * linear**2) + np.sum((z / PRIOR) ** 2))
     assert problem.value(z) == pytest.approx(expected, rel=1e-9, abs=1e-6)
     assert -0.5 * np.sum(problem.traced.residuals(z) ** 2) == pytest.approx(expected, rel=1e-9, abs=1e-6)
@@ -63,9 +69,8 @@ def test_an_evaluation_costs_next_to_nothing():
     assert 0 < problem.cost < 1e-5
     problem.batch(np.zeros((7, 5)))
     assert problem.spent == pytest.approx(7 * problem.cost)
-    rows = linearised(exact([0.0] * 5), CHART, np.zeros(5))
-    half = replace(rows, differences=rows.differences[:1], jacobian=rows.jacobian[:, :1])
-    assert epipolar_objective(linear_residuals(half, np.ones((1, CELLS)), PRIOR)).cost == problem.cost
+    half = flat(exact([0.0] * 5), np.zeros(5), frames=1)
+    assert epipolar_objective(linear_residuals(*half, np.ones(CELLS), PRIOR)).cost == problem.cost
 
 
 def test_one_program_for_any_number_of_rows():
@@ -77,9 +82,11 @@ def test_one_program_for_any_number_of_rows():
         traces += 1
         return function(z)
 
-    rows = linearised(exact([0.1] * 5), CHART, np.zeros(5))
-    half = replace(rows, differences=rows.differences[:1], jacobian=rows.jacobian[:, :1])
-    asked = [epipolar_objective(linear_residuals(r, np.ones_like(r.differences), 0.2)) for r in (rows, half)]
+    found = exact([0.1] * 5)
+    asked = [
+        epipolar_objective(linear_residuals(*flat(found, np.zeros(5), frames), np.ones(frames * CELLS), 0.2))
+        for frames in (FRAMES, 1)
+    ]
     answers = [residuals(a.traced.residuals, jnp.zeros(5)) for a in asked]
     assert traces == 1
     assert not np.allclose(*answers)
