@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, json_data, refuse_tracers
 from stereorecal._errors import InputError
-from stereorecal.estimation import DISTANCES
+from stereorecal.estimation import DISTANCES, readings
 from stereorecal.geometry import (
     AXES,
     AnyView,
@@ -43,26 +43,17 @@ def depth_errors(used: StereoRig, better: StereoRig) -> Mapping[int, float]:
 
     For a point straight ahead of the rig at 5, 10, 30 and 100 baselines: projected into both cameras through `better`,
     rectified by `used`, whose disparity gives the depth. Positive: reported too far. Infinite where that disparity is
-    not positive; NaN where a lens model ends before the point.
+    not positive; NaN where the right camera does not see the point.
     """
-    return {away: depth_error(_nearness(used, better, away * float(better.baseline))) for away in DISTANCES}
+    away = np.outer(float(better.baseline) * np.array(DISTANCES), [0.0, 0.0, 1.0])
+    nearness = 1.0 + readings(used, better, away)[1]
+    nearness[away @ better.rotation[2] + better.translation[2] <= 0.0] = np.nan
+    return {distance: depth_error(one) for distance, one in zip(DISTANCES, nearness.tolist(), strict=True)}
 
 
 def depth_error(nearness: float) -> float:
     """The error of depth in percent, positive: too far; infinite where points seem to lie beyond infinity."""
     return float("inf") if nearness <= 0.0 else 100.0 * (1.0 / nearness - 1.0)
-
-
-def _nearness(used: StereoRig, better: StereoRig, depth: float) -> float:
-    """The true depth over the one that `used` reports: 1 where it is right, 0 and below where it reports infinity and
-    beyond."""
-    ahead = np.array([0.0, 0.0, 1.0])
-    to_left, to_right = rectifying_rotations(used.rotation, used.translation)
-    left = _at_depth_1(to_left @ _reread(ahead, better.left, used.left))
-    from_right = better.rotation @ (depth * ahead) + better.translation
-    right = _at_depth_1(to_right @ _reread(from_right, better.right, used.right))
-    point = to_left.T @ left * float(used.baseline)  # over the disparity
-    return float(depth * (left[0] - right[0]) / point[2])
 
 
 def row_errors_of(

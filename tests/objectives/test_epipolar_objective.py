@@ -35,10 +35,8 @@ def exact(z, seed=0, found=1.0) -> Correspondences:
 
 def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, budget=None, at=(0.0,) * 5):
     found = exact(z, seed)
-    return epipolar_objective(
     weights = np.full(found.weight.size, precision)
     return epipolar_objective(linear_residuals(*flat(found, np.asarray(at)), weights, prior), budget)
-    )
 
 
 def flat(found, at, frames=FRAMES):
