@@ -32,13 +32,14 @@ from stereorecal.estimation._losses import (
     points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture, median_and_interval
+from stereorecal.estimation._mixture import Mixture, median_and_interval, merged
 from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import View
 from stereorecal.objectives import RigChart
 
+_NORMALS = 8  # of a posterior: so many hold what its loss depends on
 _THIRDS = 3
 _DETERMINED = (".f", ".k1")  # by boards and by rows
 _PLACES = 4  # at most: so many times as many frames, and each of these is left out with the others of its fourth
@@ -180,7 +181,7 @@ class Estimate:
     @cached_property
     def loss(self) -> PointwiseLoss:
         """What candidates are chosen by: expected losses of rigs."""
-        return PointwiseLoss(self._errors, self.posterior)
+        return PointwiseLoss(self._errors, merged(self.posterior, _NORMALS))
 
     @cached_property
     def _errors(self) -> Errors:
@@ -237,7 +238,7 @@ class Estimate:
         (rows, slopes), before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
 
         def under(posterior: Mixture) -> Float[np.ndarray, "g"]:
-            known, shared = PointwiseLoss(self._errors, posterior), np.zeros_like(free)
+            known, shared = PointwiseLoss(self._errors, merged(posterior, 1)), np.zeros_like(free)
             (theta,) = least_loss([known], free, shared, linear=True)
             if share < 1.0:
                 (kept,) = least_loss([known], free, shared, keep_depth=keep_depth, linear=True)

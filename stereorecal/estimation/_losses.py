@@ -21,7 +21,7 @@ from stereorecal.estimation._consequences import (
     within_lens,
 )
 from stereorecal.estimation._groups import PLACES, Groups
-from stereorecal.estimation._mixture import Mixture, merged
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.geometry import View, reread
 from stereorecal.objectives import RigChart
@@ -32,7 +32,6 @@ _ROOT_2, _ROOT_2_PI = np.sqrt(2.0), np.sqrt(2.0 * np.pi)
 _ROUNDS, _SETTLED = 40, 0.02  # standard deviations of θ
 _HALVINGS, _ROUNDING = 10, 1e-9
 _FAR = 0.01  # of the loss, for a standard deviation from the posterior mean: what costs no loss stays likely
-_NORMALS = 8  # of a posterior: so many hold what its loss depends on
 _KEPT = 0.5  # of the loss, for a change of depth by what matters, all ahead; four times as much for twice that change
 
 
@@ -192,7 +191,8 @@ def points_shown(
 
 @dataclass(frozen=True, eq=False)
 class PointwiseLoss:
-    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of k normal ones.
+    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of k normal ones; and what a
+    search makes least.
 
     Attributes:
         errors: near the posterior's mean.
@@ -213,10 +213,45 @@ class PointwiseLoss:
         slopes = self.errors.slopes
         return np.sqrt(np.maximum(np.einsum("pi,kpi->kp", slopes, slopes @ self.posterior.covariances), 1e-18))
 
-    @property
+    @cached_property
     def spread(self) -> Float[np.ndarray, "n"]:
         """Standard deviations of θ."""
         return np.sqrt(np.maximum(np.diag(self.posterior.covariance), 1e-24))
+
+    @cached_property
+    def _far(self) -> Float[np.ndarray, "n n"]:
+        """What is lost by the square of a distance from the mean."""
+        scales = np.outer(self.spread, self.spread)
+        correlations = self.posterior.covariance / scales + _ROUNDING * np.eye(len(scales))
+        return _FAR * np.linalg.inv(correlations) / scales
+
+    @cached_property
+    def _initial(self) -> Float[np.ndarray, "q"]:
+        """Errors of the initial rig, if that at the mean is true."""
+        return self.errors.of(np.zeros_like(self.spread))
+
+    def errors_at(self, theta: Float[np.ndarray, "n"], *, linear: bool) -> Float[np.ndarray, "q"]:
+        """The errors of a rig, or, linear near the mean, of what need not be one."""
+        return self.errors.slopes @ (theta - self.errors.readings.at) if linear else self.errors.of(theta)
+
+    def searched(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"], keep_depth: float) -> float:
+        """What is least where a search ends, as `least_loss` has it; `found` are the errors there."""
+        away = theta - self.posterior.mean
+        lost = self.expected(found) + float(away @ self._far @ away)
+        if keep_depth:
+            lost += _KEPT * keep_depth * float(self.errors.depth_ahead @ (found - self._initial) ** 2)
+        return lost
+
+    def searched_near(
+        self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"], keep_depth: float
+    ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
+        """Curvature and slope of a quadratic bound of that, by θ."""
+        slopes, (curvature, slope) = self.errors.slopes, self.quadratic(found)
+        if keep_depth:
+            kept = 2.0 * _KEPT * keep_depth * self.errors.depth_ahead
+            curvature, slope = curvature + kept, slope + kept * (found - self._initial)
+        by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self._far
+        return by_theta, slopes.T @ slope + 2.0 * self._far @ (theta - self.posterior.mean)
 
     def expected(self, found: Float[np.ndarray, "q"]) -> float:
         """The mean of |error|, that of a folded normal distribution at each point, for `errors.of` a rig."""
@@ -262,9 +297,8 @@ def least_loss(
         shared: which are the same for all.
         keep_depth: times that a change of depth ahead, against the initial rig, costs its square: depth changes by
             little where rows need it, and by less where nothing does.
-        linear: take errors as linear near the mean, where a rig need not stand; this spares most of the time.
+        linear: take errors as linear near the mean, where a rig need not stand; this saves most of the time.
     """
-    searches = [_Search(one, keep_depth, linear) for one in several]
     own, common = np.flatnonzero(free & ~shared), np.flatnonzero(free & shared)
     # How parameters of each rig follow all unknowns, in standard deviations: its own, and last what is shared.
     follow = np.zeros((len(several), len(free), len(several) * len(own) + len(common)))
@@ -274,10 +308,11 @@ def least_loss(
 
     def at(thetas: Float[np.ndarray, "r n"]) -> tuple[float, list[Float[np.ndarray, "q"]]]:
         try:
-            found = [one.errors_at(theta) for one, theta in zip(searches, thetas, strict=True)]
+            found = [one.errors_at(theta, linear=linear) for one, theta in zip(several, thetas, strict=True)]
         except InputError:  # no rig stands there
             return np.inf, []
-        return sum(one.loss_at(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)), found
+        each = zip(several, thetas, found, strict=True)
+        return sum(one.searched(theta, errors, keep_depth) for one, theta, errors in each), found
 
     means = np.stack([one.posterior.mean for one in several])
     thetas = np.where(free, np.where(shared, means[0], means), 0.0)
@@ -286,7 +321,8 @@ def least_loss(
         thetas = np.zeros_like(thetas)
         loss, found = at(thetas)
     for _ in range(_ROUNDS):
-        bounds = [one.quadratic(theta, of) for one, theta, of in zip(searches, thetas, found, strict=True)]
+        each = zip(several, thetas, found, strict=True)
+        bounds = [one.searched_near(theta, errors, keep_depth) for one, theta, errors in each]
         curvature = np.sum([to.T @ a @ to for to, (a, _) in zip(follow, bounds, strict=True)], axis=0)
         slope = np.sum([to.T @ b for to, (_, b) in zip(follow, bounds, strict=True)], axis=0)
         step = -np.linalg.solve(curvature, slope)
@@ -302,43 +338,3 @@ def least_loss(
         if np.abs(step).max(initial=0.0) < _SETTLED:
             break
     return list(thetas)
-
-
-class _Search:
-    """One rig's part of the loss."""
-
-    def __init__(self, known: PointwiseLoss, keep_depth: float, linear: bool) -> None:
-        self.loss = PointwiseLoss(known.errors, merged(known.posterior, 1 if linear else _NORMALS))
-        self.kept, self.linear, scale = _KEPT * keep_depth, linear, known.spread
-        self.mean, covariance = known.posterior.mean, known.posterior.covariance
-        scales = np.outer(scale, scale)
-        self.far = _FAR * np.linalg.inv(covariance / scales + _ROUNDING * np.eye(len(scale))) / scales
-
-    @cached_property
-    def initial(self) -> Float[np.ndarray, "q"]:
-        """Errors of the initial rig, if that at the mean is true."""
-        return self.loss.errors.of(np.zeros_like(self.mean))
-
-    def errors_at(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "q"]:
-        errors = self.loss.errors
-        return errors.slopes @ (theta - errors.readings.at) if self.linear else errors.of(theta)
-
-    def loss_at(self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]) -> float:
-        """What is minimised."""
-        away = theta - self.mean
-        loss = self.loss.expected(found) + float(away @ self.far @ away)
-        if self.kept:
-            loss += self.kept * float(self.loss.errors.depth_ahead @ (found - self.initial) ** 2)
-        return loss
-
-    def quadratic(
-        self, theta: Float[np.ndarray, "n"], found: Float[np.ndarray, "q"]
-    ) -> tuple[Float[np.ndarray, "n n"], Float[np.ndarray, "n"]]:
-        """Curvature and slope of a bound, by θ."""
-        slopes = self.loss.errors.slopes
-        curvature, slope = self.loss.quadratic(found)
-        if self.kept:
-            kept = 2.0 * self.kept * self.loss.errors.depth_ahead
-            curvature, slope = curvature + kept, slope + kept * (found - self.initial)
-        by_theta = slopes.T @ (curvature[:, None] * slopes) + 2.0 * self.far
-        return by_theta, slopes.T @ slope + 2.0 * self.far @ (theta - self.mean)
