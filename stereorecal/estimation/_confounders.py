@@ -16,9 +16,16 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import Explanation, Normal, Nuisances, marginal
-from stereorecal.estimation._explanations import Hypothesis, best_of, explained_by, explanations, with_common_field
+from stereorecal.estimation._explanations import (
+    NEGLIGIBLE,
+    Hypothesis,
+    best_of,
+    explained_by,
+    hypothesis_near,
+    with_common_field,
+)
 from stereorecal.estimation._groups import PLACES
-from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups, neighbours
+from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
 from stereorecal.estimation._outlines import MOVED, outlines
 from stereorecal.estimation._rig_parameters import DRIFTING
 
@@ -30,7 +37,6 @@ _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their heig
 # Of the right camera between two exposures, percent of the baseline and degrees: as a vehicle moves in milliseconds,
 # unlike a drift, which turns rather than shifts.
 _LATE_SIZES = np.array([0.3, 0.3, 0.3, 20.0, 20.0])
-NEGLIGIBLE = 12.0  # nats below the best: what has no say
 _DRIFTING = len(DRIFTING)
 
 
@@ -85,12 +91,7 @@ def _hypothesis_with(rows: LinearGroups, confounder: Confounder, likely: Explana
     moved = replace(rows, at_zero=rows.at_zero + columns @ likely.nuisance_means[likely.best])
     robust = moved.robust(deviation + common, likely.theta).deviation
     rows = replace(rows, deviation=robust).beside(confounder.nuisances, columns)
-    found = explanations(rows, range(len(rows.model.prior.roots)), [likely.misfit])
-    least = best_of(found).most - NEGLIGIBLE
-    some = [one.prior for one in found if one.most > least]
-    beside = [(one, common) for one in neighbours(deviation, DEVIATIONS) if one != deviation]
-    found += explanations(rows, some, beside)
-    return Hypothesis(rows, found, best_of(found).misfit)
+    return hypothesis_near(rows, likely.misfit)
 
 
 def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: tuple[float, float]) -> list[Normal]:

@@ -115,6 +115,7 @@ class Explanation:
         of_rows: the likelihood of θ and ν that this rests on.
         nuisances: what ν is.
         log_evidence: (k,).
+        most: the largest of these.
         without_drift: (n + q,) the mean of θ and ν if there were no drift.
         by_drift: (n + q, 5) how they follow the drift.
         drifts: (k, 5) means of the drift.
@@ -129,6 +130,7 @@ class Explanation:
     of_rows: Normal
     nuisances: Nuisances
     log_evidence: Float[np.ndarray, "k"]
+    most: float
     without_drift: Float[np.ndarray, "m"]
     by_drift: Float[np.ndarray, "m 5"]
     drifts: Float[np.ndarray, "k 5"]
@@ -156,11 +158,6 @@ class Explanation:
     def theta(self) -> Float[np.ndarray, "n"]:
         """The mean of θ under that."""
         return self.means[self.best]
-
-    @property
-    def most(self) -> float:
-        """The logarithm of its evidence under that."""
-        return float(self.log_evidence.max())
 
     @cached_property
     def _all_means(self) -> Float[np.ndarray, "k m"]:
@@ -221,13 +218,13 @@ def all_explained(
     at_zero = c - (pulled * solved[:, :, :1]).sum(axis=(1, 2))
     at_zero += 2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1)
     evidence = log_weights - 0.5 * (at_zero[:, None] + information - (means @ pull[:, :, None])[:, :, 0])
-    without_drift = without_drift[:, :, 0]
+    most, without_drift = evidence.max(axis=1).tolist(), without_drift[:, :, 0]
     without_drift[:, :n] += prior_mean
     by_drift = drift_response + np.eye(n + q, _DRIFTING)
-    found = zip(evidence, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
+    found = zip(evidence, most, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
     return [
-        Explanation(misfit, index, normal, nuisances, e, w, by, d, p, sizes, root, half)
-        for (misfit, _, normal), index, (e, w, by, d, p, root, half) in zip(
+        Explanation(misfit, index, normal, nuisances, e, m, w, by, d, p, sizes, root, half)
+        for (misfit, _, normal), index, (e, m, w, by, d, p, root, half) in zip(
             (told[number] for number in each), which.tolist(), found, strict=True
         )
     ]

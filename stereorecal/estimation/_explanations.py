@@ -11,9 +11,10 @@ from jaxtyping import Float
 from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisances, all_explained, marginal
 from stereorecal.estimation._groups import PLACES
-from stereorecal.estimation._linear_groups import LinearGroups, Model, correlation
+from stereorecal.estimation._linear_groups import COMMON, DEVIATIONS, LinearGroups, Model, correlation, neighbours
 from stereorecal.estimation._mixture import Mixture, merged, root
 
+NEGLIGIBLE = 12.0  # nats below the best: what has no say
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
 _MOST = 32  # explanations: an estimate travels between processes
 
@@ -33,16 +34,38 @@ class Hypothesis:
         several: θ under each misfit and prior that was compared; its probability is a part of their evidence. Left out
             where the hypothesis is kept to be asked of other rows.
         misfit: the most probable one.
+        priors: which of the calibration's covariances have a say.
     """
 
     rows: LinearGroups
     several: Sequence[Explanation]
     misfit: tuple[float, float]
+    priors: Sequence[int]
+
+    @classmethod
+    def of(cls, rows: LinearGroups, several: Sequence[Explanation]) -> "Hypothesis":
+        """What was compared."""
+        return cls(rows, several, best_of(several).misfit, with_a_say(several))
 
     def explained(self, rows: LinearGroups) -> list[Explanation]:
-        """θ under what may be of the calibration's prior, by some of its rows."""
+        """θ by some of its rows."""
         misfit = self.misfit if len(rows.frames) > 1 else (float(np.hypot(*self.misfit)), 0.0)
-        return explanations(rows, np.flatnonzero(rows.model.prior.weights > 0.0).tolist(), [misfit])
+        return explanations(rows, self.priors, [misfit])
+
+
+def hypothesis_near(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothesis:
+    """θ under a misfit and all of the calibration's covariances, and under the misfits beside it where these have a
+    say."""
+    found = explanations(rows, range(len(rows.model.prior.roots)), [misfit])
+    common = neighbours(misfit[1], COMMON) if len(rows.frames) > 1 else (misfit[1],)
+    beside = [one for one in product(neighbours(misfit[0], DEVIATIONS), common) if one != misfit]
+    return Hypothesis.of(rows, found + explanations(rows, with_a_say(found), beside))
+
+
+def with_a_say(several: Sequence[Explanation]) -> list[int]:
+    """Which of the calibration's covariances are not negligible."""
+    least = best_of(several).most - NEGLIGIBLE
+    return sorted({one.prior for one in several if one.most > least})
 
 
 def explanations(rows: LinearGroups, which: Sequence[int], misfits: Sequence[tuple[float, float]]) -> list[Explanation]:

@@ -13,9 +13,8 @@ from operator import add
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.estimation._confounders import NEGLIGIBLE
 from stereorecal.estimation._evidence import Explanation, Normal, Nuisances
-from stereorecal.estimation._explanations import Hypothesis, best_of, evidence_of, explanations
+from stereorecal.estimation._explanations import NEGLIGIBLE, Hypothesis, best_of, evidence_of, explanations
 from stereorecal.estimation._groups import Groups
 from stereorecal.estimation._linear_groups import DEVIATIONS, LinearGroups
 from stereorecal.estimation._motion import Window, Windows, root_and_mean, together
@@ -94,7 +93,7 @@ def hypothesis_with_delay(rows: LinearGroups, alone: Sequence[Explanation]) -> t
             break
     moved = late.at_zero + delay * late.jacobian[:, -1]
     with_delay = replace(rows, jacobian=late.jacobian[:, :-1], at_zero=moved, deviation=late.deviation)
-    return Hypothesis(late, found, end.misfit), with_delay
+    return Hypothesis.of(late, found), with_delay
 
 
 def _beside_delay(

@@ -10,7 +10,6 @@ linear where they were solved last. One after the other takes a step, until all 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from itertools import product
 from operator import add
 from typing import Any
 
@@ -26,6 +25,7 @@ from stereorecal.estimation._explanations import (
     evidence_of,
     explained_by,
     explanations,
+    hypothesis_near,
     mixture,
 )
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
@@ -36,7 +36,6 @@ from stereorecal.estimation._linear_groups import (
     LinearGroups,
     Model,
     OtherRig,
-    neighbours,
     other_rigs,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
@@ -144,7 +143,7 @@ class Fit:
     def alone(self) -> Estimate:
         """The estimate under this misfit, without asking what else may be behind the rows: it says where to match, and
         which frames show another rig."""
-        return self._mixed([] if self.rows is None else [_alone(self.rows, [self.misfit])], self.rows)
+        return self._mixed([] if self.rows is None else [_alone(self.rows, self.misfit)], self.rows)
 
     @one_blas_thread()
     def weighed(self) -> Estimate:
@@ -155,9 +154,7 @@ class Fit:
         """What may be behind the rows; the rows, without a delay that is likely; and what is known of that."""
         assert self.rows is not None
         rows, delay = self.rows, None
-        # The misfits whose fits are mixed: the best one and its neighbours.
-        common = neighbours(self.misfit[1], COMMON) if len(rows.frames) > 1 else (0.0,)
-        hypotheses = [_alone(rows, list(product(neighbours(self.misfit[0], DEVIATIONS), common)))]
+        hypotheses = [hypothesis_near(rows, self.misfit)]
         alone = hypotheses[0].several
         hypotheses += hypotheses_with_confounders(rows, alone)
         if (late := hypothesis_with_delay(rows, alone)) is not None:
@@ -169,7 +166,7 @@ class Fit:
     @cached_property
     def best(self) -> Explanation:
         """The most probable explanation of the rows, with the nuisance parameters that they have."""
-        return best_of(self._without_rows if self.rows is None else _alone(self.rows, [self.misfit]).several)
+        return best_of(self._without_rows if self.rows is None else _alone(self.rows, self.misfit).several)
 
     def beside(self, others: Normal) -> "Fit":
         """The fit after what other recordings tell: a step on, for which outliers are what they are."""
@@ -246,9 +243,8 @@ def fitted(recording: Recording) -> Fit:
     return Fit(replace(recording, start=theta), rows, misfit)
 
 
-def _alone(rows: LinearGroups, misfits: Sequence[tuple[float, float]]) -> Hypothesis:
-    several = explanations(rows, range(len(rows.model.prior.roots)), misfits)
-    return Hypothesis(rows, several, best_of(several).misfit)
+def _alone(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothesis:
+    return Hypothesis.of(rows, explanations(rows, range(len(rows.model.prior.roots)), [misfit]))
 
 
 def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Float[np.ndarray, "n"]:

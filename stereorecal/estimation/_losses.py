@@ -191,7 +191,7 @@ def points_shown(
 
 @dataclass(frozen=True, eq=False)
 class PointwiseLoss:
-    """The expected loss of rigs, the true one drawn from a posterior: each error is a mixture of k normal ones; and what a
+    """The expected loss of rigs, the true one drawn from a posterior, each error a mixture of k normal ones; and what a
     search makes least.
 
     Attributes:
