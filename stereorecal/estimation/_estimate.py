@@ -201,7 +201,8 @@ class Estimate:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
         if (key := used.tobytes()) not in self._losses_of:
             # Of a rig without errors, if each sample is the true one. A million: not kept, for results are.
-            of_samples = ((self._samples - self.theta) @ self._errors.slopes.T).astype(np.float32)
+            away, slopes = (one.astype(np.float32) for one in (self._samples - self.theta, self._errors.slopes))
+            of_samples = away @ slopes.T
             self._losses_of[key] = self._errors.losses(self._errors.of(used), of_samples)
         return self._losses_of[key]
 
@@ -238,14 +239,14 @@ class Estimate:
         (rows, slopes), before = self.shown.rows(self.chart, at), self.shown.differences(self.chart, np.zeros(len(at)))
 
         def under(posterior: Mixture) -> Float[np.ndarray, "g"]:
-            known, shared = PointwiseLoss(self._errors, merged(posterior, 1)), np.zeros_like(free)
+            known, shared = PointwiseLoss(self._errors, posterior), np.zeros_like(free)
             (theta,) = least_loss([known], free, shared, linear=True)
             if share < 1.0:
                 (kept,) = least_loss([known], free, shared, keep_depth=keep_depth, linear=True)
                 theta = kept + share * (theta - kept)
             return rows + slopes @ (theta - at)
 
-        fitted, found = under(self.posterior), []
+        fitted, found = under(merged(self.posterior, 1)), []
         for name, inside, posterior in self._rests:
             count = self.shown.count[inside]
             of_part = (before, under(posterior), fitted)
@@ -255,12 +256,12 @@ class Estimate:
 
     @cached_property
     def _rests(self) -> list[tuple[str, Bool[np.ndarray, "g"], Mixture]]:
-        """Each part of the images that shows enough, and what the rest knows of θ."""
+        """Each part of the images that shows enough, and what the rest knows of θ, as one normal distribution."""
         found = []
         for name, inside in parts_of(self.shown) if self.shown is not None and self.hypotheses else ():
             if min(np.count_nonzero(inside), np.count_nonzero(~inside)) >= _FEWEST:
                 several = [e for one in self.hypotheses for e in one.explained(one.rows.of(~inside))]
-                found.append((name, inside, mixture(several)))
+                found.append((name, inside, mixture(several, most=1)))
         return found
 
     def effect(self, change: Float[np.ndarray, "n"]) -> float:

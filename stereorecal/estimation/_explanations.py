@@ -112,8 +112,9 @@ def evidence_of(several: Sequence[Explanation]) -> float:
     return float(np.logaddexp.reduce(np.concatenate([one.log_evidence for one in several])))
 
 
-def mixture(several: Sequence[Explanation]) -> Mixture:
-    """All explanations, each with its weight; what hardly weighs is left out, and what is alike is one."""
+def mixture(several: Sequence[Explanation], most: int = _MOST) -> Mixture:
+    """All explanations, each with its weight, so many at most; what hardly weighs is left out, and what is alike is
+    one."""
     evidence = np.stack([one.log_evidence for one in several])
     weights = np.exp(evidence - evidence.max())
     weights /= weights.sum()
@@ -122,4 +123,4 @@ def mixture(several: Sequence[Explanation]) -> Mixture:
     kinds = [(several[i], significant[significant[:, 0] == i, 1]) for i in np.unique(significant[:, 0])]
     means = np.concatenate([one.means[which] for one, which in kinds])
     covariances = np.concatenate([one.covariances(which) for one, which in kinds])
-    return merged(Mixture(some / some.sum(), means, covariances), _MOST)
+    return merged(Mixture(some / some.sum(), means, covariances), most)
