@@ -20,6 +20,7 @@ from stereorecal.estimation._groups import (
     grouped as grouped,
 )
 from stereorecal.estimation._linear_groups import (
+    Model as Model,
     correlation as correlation,
     covariance_of_rows as covariance_of_rows,
     unexpected as unexpected,

@@ -22,7 +22,6 @@ from stereorecal.estimation._explanations import (
     best_of,
     explained_by,
     hypothesis_near,
-    with_common_field,
 )
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
@@ -97,13 +96,9 @@ def _hypothesis_with(rows: LinearGroups, confounder: Confounder, likely: Explana
 def _likelihoods(rows: LinearGroups, confounders: Sequence[Confounder], misfit: tuple[float, float]) -> list[Normal]:
     """The likelihoods of θ and of the parameters of each confounder."""
     columns = [confounder.columns(rows) for confounder in confounders]
-    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, *columns])).normal(misfit[0])
-    n, found = rows.jacobian.shape[1], []
+    whole, n = replace(rows, jacobian=np.column_stack([rows.jacobian, *columns])).normal(misfit), rows.jacobian.shape[1]
     ends = n + np.cumsum([0, *(some.shape[1] for some in columns)])
-    for start, end in pairwise(ends):
-        where = np.r_[:n, start:end, ends[-1] : len(whole.b)]  # behind the confounders: the field of all frames
-        found.append(with_common_field(rows, whole.of(where), misfit[1]))
-    return found
+    return [whole.of(np.r_[:n, start:end]) for start, end in pairwise(ends)]
 
 
 def _rolling(rows: LinearGroups) -> Iterator[Confounder]:
@@ -133,8 +128,8 @@ def _regions(rows: LinearGroups, best: Explanation) -> Iterator[Confounder]:
     """Parts of the view that moved as a whole, in all frames by as much, searched under the drift that the rig alone
     has, and without any."""
     prior, n, places = rows.model.prior, rows.jacobian.shape[1], np.eye(PLACES[0] * PLACES[1])[rows.groups.place]
-    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(USUAL)
-    of_both = with_common_field(rows, whole, best.misfit[1]).around(prior.means[best.prior])
+    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal((USUAL, best.misfit[1]))
+    of_both = whole.around(prior.means[best.prior])
     of_places, sizes = of_both.of(np.r_[n : len(of_both.b), :n]), drift_sizes()[0]
     offsets = [
         marginal(of_places, np.column_stack([prior.roots[best.prior], np.eye(n, _DRIFTING) * drift]))

@@ -65,27 +65,38 @@ class Normal:
 
 
 def normal_of(
-    lower: Float[np.ndarray, "g g"], columns: Float[np.ndarray, "g n"], rows: Float[np.ndarray, "g"]
+    columns: Float[np.ndarray, "g n"], rows: Float[np.ndarray, "g"], deviation: Float[np.ndarray, "g"]
 ) -> Normal:
-    """The likelihood by rows whose covariance is lower lowerᵀ."""
-    from scipy.linalg import solve_triangular
-
-    white = solve_triangular(lower, np.column_stack([columns, rows]), lower=True, check_finite=False)
-    j, r = white[:, :-1], white[:, -1]
-    return Normal(j.T @ j, -j.T @ r, float(r @ r + 2.0 * np.log(np.diag(lower)).sum()))
+    """The likelihood by rows that err each by itself."""
+    j, r = columns / deviation[:, None], rows / deviation
+    return Normal(j.T @ j, -j.T @ r, float(r @ r + 2.0 * np.log(deviation).sum()))
 
 
 def marginal(normal: Normal, root: Float[np.ndarray, "q r"]) -> Normal:
     """The likelihood of the others, the last q parameters integrated, of whose covariance this is a root."""
-    n, own = len(normal.b) - len(root), root.shape[1]
+    n = len(normal.b) - len(root)
     cross = root.T @ np.column_stack([normal.a[n:, :n], normal.b[n:]])
-    lower = np.linalg.cholesky(np.eye(own) + root.T @ normal.a[n:, n:] @ root)
-    white = np.linalg.solve(lower, cross)
-    of_theta, of_pull = white[:, :n], white[:, n]
+    others = Normal(normal.a[:n, :n], normal.b[:n], normal.c)
+    return integrated(others, cross, root.T @ normal.a[n:, n:] @ root)
+
+
+def integrated(others: Normal, cross: Float[np.ndarray, "q m"], own: Float[np.ndarray, "q q"]) -> Normal:
+    """The likelihood of n parameters, q more integrated, which are independent and 1 large.
+
+    Args:
+        others: the likelihood if these were 0.
+        cross: (q, n + 1) the rows of `a` and of `b` that are theirs.
+        own: their part of `a`.
+    """
+    (q, m), whole = cross.shape, np.zeros((sum(cross.shape),) * 2)
+    whole[:q, :q], whole[q:, :q] = np.eye(q) + own, cross.T
+    whole[q:, q:] = (1.0 + float(np.vdot(cross, cross))) * np.eye(m)  # any that leaves it positive
+    lower = np.linalg.cholesky(whole)  # and solves for `cross`: NumPy has no triangular solve, and SciPy starts slowly
+    of_theta, of_pull = lower[q:-1, :q], lower[-1, :q]
     return Normal(
-        normal.a[:n, :n] - of_theta.T @ of_theta,
-        normal.b[:n] - of_theta.T @ of_pull,
-        normal.c - float(of_pull @ of_pull) + 2.0 * float(np.log(np.diag(lower)).sum()),
+        others.a - of_theta @ of_theta.T,
+        others.b - of_theta @ of_pull,
+        others.c - float(of_pull @ of_pull) + 2.0 * float(np.log(np.diag(lower)[:q]).sum()),
     )
 
 

@@ -1,28 +1,19 @@
 """θ under every prior and misfit that is compared."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import drift_sizes
-from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisances, all_explained, marginal
-from stereorecal.estimation._groups import PLACES
-from stereorecal.estimation._linear_groups import COMMON, DEVIATIONS, LinearGroups, Model, correlation, neighbours
-from stereorecal.estimation._mixture import Mixture, merged, root
+from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisances, all_explained
+from stereorecal.estimation._linear_groups import COMMON, DEVIATIONS, LinearGroups, Model, neighbours
+from stereorecal.estimation._mixture import Mixture, merged
 
 NEGLIGIBLE = 12.0  # nats below the best: what has no say
 _LEAST = 1e-4  # of the weight of all explanations: below, one is dropped
 _MOST = 32  # explanations: an estimate travels between processes
-
-
-@cache
-def _root_of_field() -> Float[np.ndarray, "p p"]:
-    """A root of the field's correlation over all places."""
-    return root(correlation(np.arange(PLACES[0] * PLACES[1])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +22,8 @@ class Hypothesis:
 
     Attributes:
         rows: near its most probable θ; columns of nuisance parameters follow those of θ.
-        several: θ under each misfit and prior that was compared; its probability is a part of their evidence. Left out
-            where the hypothesis is kept to be asked of other rows.
+        several: θ under each misfit and prior that was compared; its probability is a part of their evidence. Left
+            out of what is `kept`.
         misfit: the most probable one.
         priors: which of the calibration's covariances have a say.
     """
@@ -46,6 +37,11 @@ class Hypothesis:
     def of(cls, rows: LinearGroups, several: Sequence[Explanation]) -> "Hypothesis":
         """What was compared."""
         return cls(rows, several, best_of(several).misfit, with_a_say(several))
+
+    @property
+    def kept(self) -> "Hypothesis":
+        """The same, to be asked of other rows; what is derived stays behind."""
+        return replace(self, rows=replace(self.rows), several=())
 
     def explained(self, rows: LinearGroups) -> list[Explanation]:
         """θ by some of its rows."""
@@ -70,15 +66,8 @@ def with_a_say(several: Sequence[Explanation]) -> list[int]:
 
 def explanations(rows: LinearGroups, which: Sequence[int], misfits: Sequence[tuple[float, float]]) -> list[Explanation]:
     """θ and the nuisance parameters of rows for each misfit and some of the covariances of the calibration's prior."""
-    whole = {misfit: rows.normal(misfit) for misfit in {of_a_frame for of_a_frame, _ in misfits}}
-    normals = {(own, common): with_common_field(rows, whole[own], common) for own, common in misfits}
+    normals = {misfit: rows.normal(misfit) for misfit in misfits}
     return explained_by(rows.model, normals, rows.likelihoods, which, rows.nuisances)
-
-
-def with_common_field(rows: LinearGroups, whole: Normal, common: float) -> Normal:
-    """A likelihood of `rows.normal` with the field integrated that all frames have in common, where there are several;
-    `common` is the deviation of that field, pixels."""
-    return marginal(whole, common * _root_of_field()) if len(rows.frames) > 1 else whole
 
 
 def explained_by(

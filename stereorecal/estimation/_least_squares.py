@@ -225,7 +225,7 @@ class Fit:
                 residual_px=float(np.sqrt(np.mean(residual**2))),
                 other_rigs=_other_rigs(recording.found, rows, best, posterior.mean),
                 shown=rows.groups,
-                hypotheses=tuple(replace(one, several=()) for one in hypotheses if evidence_of(one.several) > least),
+                hypotheses=tuple(one.kept for one in hypotheses if evidence_of(one.several) > least),
             )
         return estimated
 

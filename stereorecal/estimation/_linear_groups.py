@@ -7,17 +7,18 @@ deviations; their length is short, since a smooth field would be the keystone of
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
 from itertools import product
+from operator import add
 from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, normal_of
+from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, integrated, marginal, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture
+from stereorecal.estimation._mixture import Mixture, root
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -27,6 +28,7 @@ DEVIATIONS = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2, 0.4, 0.8)  # pixels, of the fiel
 COMMON = (0.0, 0.02, 0.04, 0.07, 0.12, 0.2)  # pixels, of the field that all frames have in common
 USUAL = 0.07  # pixels, of the field of a frame: that of most good pairs, or more
 _LENGTH = 1.5  # places
+_ROUNDING = 1e-10  # of the field's variance
 _ROUNDS, _REDESCENDS = 5, 1.5  # of the fit of one pair; robust deviations
 _BOUND = 3.0  # standard deviations: beyond, a group that errs alone counts for less (Cauchy)
 _CHANCE = 1e-3  # that a frame of the same rig is taken for one of another
@@ -51,6 +53,12 @@ def _correlation_of_places() -> Float[np.ndarray, "p p"]:
     row, column = np.divmod(np.arange(PLACES[0] * PLACES[1]), PLACES[0])
     apart2 = (row[:, None] - row) ** 2 + (column[:, None] - column) ** 2
     return np.exp(-0.5 * apart2 / _LENGTH**2)
+
+
+@cache
+def _root_of_field() -> Float[np.ndarray, "p p"]:
+    """A root of the field's correlation over all places."""
+    return root(_correlation_of_places())
 
 
 def covariance_of_rows(
@@ -139,19 +147,42 @@ class LinearGroups:
         """The rows at θ."""
         return self.at_zero + self.jacobian @ theta
 
-    def normal(self, misfit: float) -> Normal:
-        """The likelihood of θ and, where there are several frames, of a field over the places that they have in common,
-        under a misfit of this deviation in each frame."""
-        columns = self.jacobian if len(self.frames) == 1 else np.column_stack([self.jacobian, self._places])
-        total = Normal.flat(columns.shape[1])
-        for f in self.frames:
-            covariance = covariance_of_rows(self.groups.place[f], self.deviation[f], misfit)
-            total = total + normal_of(np.linalg.cholesky(covariance), columns[f], self.at_zero[f])
-        return total
+    def normal(self, misfit: tuple[float, float]) -> Normal:
+        """The likelihood of θ under a misfit: deviations of the field of each frame, and of the one that all have in
+        common."""
+        if misfit not in self._normals:
+            own, common = misfit
+            if common:
+                beside_field = self._beside_common_field.normal((own, 0.0))
+                self._normals[misfit] = marginal(beside_field, common * _root_of_field())
+            else:
+                each = (integrated(alone, own * cross, own**2 * field) for alone, cross, field in self._of_frames)
+                self._normals[misfit] = reduce(add, each)
+        return self._normals[misfit]
 
-    @property
-    def _places(self) -> Float[np.ndarray, "g p"]:
-        return np.eye(PLACES[0] * PLACES[1])[self.groups.place]
+    @cached_property
+    def _normals(self) -> dict[tuple[float, float], Normal]:
+        return {}
+
+    @cached_property
+    def _beside_common_field(self) -> "LinearGroups":
+        places = np.eye(PLACES[0] * PLACES[1])[self.groups.place]
+        return replace(self, jacobian=np.column_stack([self.jacobian, places]))
+
+    @cached_property
+    def _of_frames(self) -> list[tuple[Normal, Float[np.ndarray, "_ m"], Float[np.ndarray, "_ _"]]]:
+        """What `integrated` takes for each frame: its own field, were that 1 large, over the places at which it shows
+        something."""
+        found = []
+        for f in self.frames:
+            places, place = np.unique(self.groups.place[f], return_inverse=True)
+            weights = np.zeros((len(places), len(f)))
+            weights[place, np.arange(len(f))] = self.deviation[f] ** -2.0
+            field = np.linalg.cholesky(correlation(places) + _ROUNDING * np.eye(len(places)))
+            alone = normal_of(self.jacobian[f], self.at_zero[f], self.deviation[f])
+            cross = field.T @ (weights @ np.column_stack([self.jacobian[f], -self.at_zero[f]]))
+            found.append((alone, cross, (field.T * weights.sum(axis=1)) @ field))
+        return found
 
     def robust(self, misfit: float, theta: Float[np.ndarray, "n"]) -> "LinearGroups":
         """The same with the deviations that groups should have, if those that err alone at θ have a bounded say."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from parts_of_estimates import correlation, covariance_of_rows, unexpected
+from parts_of_estimates import Model, correlation, covariance_of_rows, grouped, unexpected
 
 from stereorecal.estimation import PLACES
 
@@ -44,3 +44,22 @@ def test_a_region_that_moved_as_a_whole_is_expected_and_a_group_alone_is_not(siz
     alone = np.abs(unexpected(covariance, size * (EVERY == 60)))
     assert alone[60] > 3.0
     assert alone.argmax() == 60
+
+
+@pytest.mark.parametrize("misfit", [(0.0, 0.0), (0.07, 0.0), (0.4, 0.0), (0.07, 0.12), (0.0, 0.2)])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_rows_under_a_misfit_are_those_of_their_whole_covariance(rig, chart, prior, seen, frames, misfit):
+    """A field of each frame, and one that all have in common, written out group by group."""
+    found = seen(rig, chart.rig_at(np.r_[0.1, 0.05, -0.1, 0.1, -0.2, np.zeros(chart.dim - 5)]), frames=frames)
+    rows = Model(chart, prior).linear(grouped(found, chart, np.zeros(chart.dim)), np.zeros(chart.dim))
+    place, frame, (own, common) = rows.groups.place, rows.groups.frame, misfit
+    together = own**2 * (frame[:, None] == frame) + common**2 * (frames > 1)
+    covariance = together * correlation(place) + np.diag(rows.deviation**2)
+    precision = np.linalg.inv(covariance)
+    told, jacobian = rows.normal(misfit if frames > 1 else (own, 0.0)), rows.jacobian
+    sizes = np.sqrt(np.diag(prior.covariance))
+    expected = sizes[:, None] * (jacobian.T @ precision @ jacobian) * sizes
+    np.testing.assert_allclose(sizes[:, None] * told.a * sizes, expected, rtol=1e-6, atol=1e-9 * expected.max())
+    np.testing.assert_allclose(told.b, -jacobian.T @ precision @ rows.at_zero, rtol=1e-6)
+    c = rows.at_zero @ precision @ rows.at_zero + np.linalg.slogdet(covariance)[1]
+    assert told.c == pytest.approx(c, rel=1e-8)
