@@ -27,6 +27,7 @@ from stereorecal.estimation._linear_groups import (
 )
 from stereorecal.estimation._losses import (
     PointwiseLoss as PointwiseLoss,
+    _normal as _normal,
     errors_near as errors_near,
     points_shown as points_shown,
 )

@@ -17,8 +17,6 @@ _holds = threading.Lock()
 @cache
 def _controller() -> ThreadpoolController:
     """The controller of the libraries that are loaded: searching for them takes milliseconds."""
-    import scipy.linalg  # noqa: F401  # has a BLAS of its own
-
     return ThreadpoolController()
 
 

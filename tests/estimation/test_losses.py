@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
-from parts_of_estimates import PointwiseLoss, errors_near, points_shown
+from parts_of_estimates import PointwiseLoss, _normal, errors_near, points_shown
+from scipy.special import erf
+from scipy.stats import norm
 
 from stereorecal.estimation import Estimate, Matters, Mixture, estimate, points_of_view, readings
 
@@ -17,6 +19,13 @@ def posterior_of(chart, seed: int, number: int = 3, spread: float = 1.0) -> Mixt
     roots = rng.normal(0, 0.3, (number, chart.dim, chart.dim)) * sizes[:, None]
     means = spread * rng.normal(0, 1, (number, chart.dim)) * sizes
     return Mixture(rng.dirichlet(np.ones(number)), means, roots @ np.swapaxes(roots, 1, 2))
+
+
+@given(z=st.floats(-12, 12))
+def test_the_normal_integral_is_that_of_libraries(z):
+    density, twice = _normal(np.array([z, -z, 0.0]))
+    np.testing.assert_allclose(density, norm.pdf([z, -z, 0.0]), rtol=1e-12)
+    np.testing.assert_allclose(twice, [erf(z / 2**0.5), -erf(z / 2**0.5), 0.0], rtol=1e-9, atol=1e-11)
 
 
 @settings(max_examples=10)
