@@ -1,33 +1,37 @@
-"""The cache of traced programs: what JAX would trace for a second in each process is read from a file instead.
+"""The cache of compiled programs: what takes seconds to trace and to compile is read from a file in each other process.
 
-JAX's own compilation cache holds what XLA compiled, but needs the traced program to find it. This cache is a folder
-inside JAX's and is used where JAX's is switched on. The key of a program is everything that it was traced from: the
-files of this package, versions, platform, structure, shapes and static arguments. In doubt a program is traced anew.
-A program that is needed soon can be compiled in the background.
+JAX's own compilation cache holds what XLA compiled, but needs the traced program to find it, which takes a second. This
+cache is a folder inside JAX's and is used where JAX's is switched on. The key of a program is everything that it was
+made from: the files of this package, versions, the processor, structure, shapes and static arguments. In doubt a
+program is made anew. A program that is needed soon can be made in the background.
 """
 
 import hashlib
 import logging
 import os
+import pickle
+import platform
 import threading
 import uuid
+import zlib
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, update_wrapper
 from importlib.metadata import version
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import jax
-import jax.export
 import numpy as np
+from jax.experimental import serialize_executable
 
 from stereorecal._arrays import AnyArray
 from stereorecal._version import __version__
 
 LOG = logging.getLogger("stereorecal")
-_FOLDER = "stereorecal-traced"
+_FOLDER = "stereorecal"
 _SETTINGS = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision")
 Leaves = tuple[AnyArray, ...]
 
@@ -103,10 +107,10 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
     texts = [(n, f"{v.__module__}.{v.__qualname__}" if callable(v) else repr(v)) for n, v in statics.items()]
     known = [function.__module__, function.__qualname__, str(structure), str(shapes), texts]
     calls = tuple(name for value in statics.values() for name in getattr(value, "custom_calls", ()))
-    known += [_jax_settings(), _traced_by(), calls]
+    known += [_jax_settings(), _made_by(), calls]
     path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
-    with suppress(Exception):  # missing, truncated, of another format: traced anew
-        return jax.jit(jax.export.deserialize(bytearray(path.read_bytes())).call)
+    with suppress(Exception):  # missing, truncated, of another format: made anew
+        return _loaded(zlib.decompress(path.read_bytes()))
 
     LOG.info("compiling %s into the cache %s", function.__name__.strip("_"), folder)
 
@@ -114,19 +118,24 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
         return function(*jax.tree.unflatten(structure, leaves), **statics)
 
     flat.__name__ = function.__name__
-    unchecked = [jax.export.DisabledSafetyCheck.custom_call(name) for name in calls]  # as the key has them
-    exported = jax.export.export(jax.jit(flat), disabled_checks=unchecked)(*shapes)
-    with suppress(OSError):  # a full disk, a folder that has gone: not cached
-        _write(path, bytes(exported.serialize()))
-    return jax.jit(exported.call)
+    program = jax.jit(flat).lower(*shapes).compile()
+    with suppress(Exception):  # a full disk, a folder that has gone, a platform that cannot: not cached
+        _write(path, zlib.compress(pickle.dumps(serialize_executable.serialize(program)), 1))
+    return program
+
+
+def _loaded(content: bytes) -> Callable:
+    """The program that was written, for the first device. It may run any code, as what JAX keeps beside it may."""
+    return serialize_executable.deserialize_and_load(*pickle.loads(content), execution_devices=jax.local_devices()[:1])
 
 
 def _folder_of(statics: dict[str, Any]) -> Path | None:
-    """The cache folder, where there is one and the static arguments are of built-in types or of this package."""
+    """The cache folder, where there is one, programs run on the first device, and the static arguments are of built-in
+    types or of this package."""
     modules = (value.__module__ if callable(value) else type(value).__module__ for value in statics.values())
     settings = jax.config.values
     folder = settings["jax_compilation_cache_dir"]
-    if not (folder and settings["jax_enable_compilation_cache"]):
+    if not (folder and settings["jax_enable_compilation_cache"]) or settings["jax_default_device"] is not None:
         return None
     return Path(folder) / _FOLDER if {m.partition(".")[0] for m in modules} <= {"builtins", "stereorecal"} else None
 
@@ -137,12 +146,21 @@ def _jax_settings() -> tuple[Any, ...]:
 
 
 @cache
-def _traced_by() -> tuple[Any, ...]:
-    """What programs are traced by: versions, the platform, and the files of this package."""
+def _made_by() -> tuple[Any, ...]:
+    """What programs are made by and for: versions, flags, the device, and the files of this package."""
     root = Path(__file__).parent
     files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
-    names = ("jax", "jaxlib", "numpy")
-    return (__version__, *(version(name) for name in names), jax.default_backend(), files)
+    versions = [version(name) for name in ("jax", "jaxlib", "numpy")]
+    device = jax.local_devices()[0]
+    flags = os.environ.get("XLA_FLAGS", "")
+    return (__version__, *versions, flags, device.platform, device.device_kind, _processor(), files)
+
+
+def _processor() -> str:
+    """What this processor can do: folders may be shared by several machines."""
+    with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+        return "".join(line for line in islice(file, 40) if line.startswith(("model name", "flags", "Features")))
+    return f"{platform.machine()} {platform.processor()}"
 
 
 def _write(path: Path, content: bytes) -> None:

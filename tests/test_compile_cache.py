@@ -1,4 +1,4 @@
-"""The cache of programs: read in the next process, traced anew in doubt, and never a reason to fail."""
+"""The cache of programs: read in the next process, made anew in doubt, and never a reason to fail."""
 
 import subprocess
 import sys
@@ -32,7 +32,7 @@ def folder(tmp_path, settings_of_jax):
     jax.jit(lambda x: x + 1.0)(1.0)  # its cache is opened once
     TRACES.clear()
     settings_of_jax(jax_compilation_cache_dir=str(tmp_path / "cache"))
-    return tmp_path / "cache" / "stereorecal-traced"
+    return tmp_path / "cache" / "stereorecal"
 
 
 def result(fresh=None, value: float = 1.0, **static):
@@ -84,7 +84,7 @@ def test_what_cannot_be_read_is_made_anew(folder, change):
 
 def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
     result()
-    monkeypatch.setattr(_compile_cache, "_traced_by", lambda: ("another",))
+    monkeypatch.setattr(_compile_cache, "_made_by", lambda: ("another",))
     result()
     assert len(TRACES) == len(list(folder.iterdir())) == 2
 
