@@ -82,7 +82,7 @@ def searches(draw) -> tuple[SAD, tuple[int, int]]:
     )
 
 
-@settings(max_examples=3 * settings.default.max_examples)
+@settings(deadline=None, max_examples=3 * settings.default.max_examples)
 @given(searches(), st.integers(0, 10**6), st.sampled_from(["plain", "noisy", "flat", "as different as can be"]))
 def test_every_integer_is_that_of_the_definition(search, seed, kind):
     options, size = search
@@ -189,7 +189,7 @@ def test_a_process_without_it_runs_nothing_that_one_with_it_has_cached(tmp_path)
     assert expected == [*plain, CALL]
     assert "is not used" in warned
     assert "is not used" not in quiet
-    traced = set((tmp_path / "stereorecal-traced").iterdir())
+    traced = set((tmp_path / "stereorecal").iterdir())
     assert len(traced) == 2
     assert [told(how)[0] for how in ("with", "without", "with")] == [expected, plain, expected]
-    assert set((tmp_path / "stereorecal-traced").iterdir()) == traced
+    assert set((tmp_path / "stereorecal").iterdir()) == traced
