@@ -224,9 +224,10 @@ class Parser(argparse.ArgumentParser):
             return f" ({TWO_FILES})" if "--unit" in known else ""
         if flag in _ELSEWHERE:
             return f" ({flag} belongs to {_ELSEWHERE[flag][0]}, and comes with: {_install_line(flag)})"
-        names = {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
-        close = get_close_matches(flag.lstrip("-"), names, 1)
-        return f" (did you mean {names[close[0]]}?)" if close else ""
+        word, names = flag.lstrip("-"), {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
+        takers = [one.option_strings[0] for one in self._actions if one.metavar == word.upper() and one.option_strings]
+        close = takers or [names[one] for one in get_close_matches(word, names, 1)]
+        return f" (did you mean {' or '.join(close)}?)" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
