@@ -116,7 +116,7 @@ def report_of(
     Args:
         pairs: those that were given, in their order.
         command: that repeats it, if it was one.
-        settings: what else is needed to run it again.
+        settings: what else is needed to run it again; the advice names its `output`, if it has one.
         absent: frames that did not come to the repair, and why.
 
     Raises:
@@ -143,7 +143,7 @@ def report_of(
         name=name,
         conclusion=conclusion,
         verdict=solution.verdict,
-        advice=solution.advice,
+        advice=solution.advice.replace("FILE", settings.get("output", "FILE")),
         text=str(solution),
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),
