@@ -95,17 +95,12 @@ def eight_bit(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:
     return np.clip(np.rint(np.asarray(image)), 0, 255).astype(np.uint8)
 
 
-def central_difference(function: Callable[[float], Float[np.ndarray, "*s"]], step: float) -> Float[np.ndarray, "*s"]:
-    """The derivative of a function of one number at 0, to second order in the step."""
-    return (function(step) - function(-step)) / (2.0 * step)
-
-
 def central_differences(
     function: Callable[[Float[np.ndarray, "n"]], Float[np.ndarray, "*s"]], at: Float[np.ndarray, "n"], step: float
 ) -> Float[np.ndarray, "*s n"]:
-    """The derivatives of a function of n numbers."""
-    axes = np.eye(len(at))
-    return np.stack([central_difference(lambda h, axis=axis: function(at + h * axis), step) for axis in axes], axis=-1)
+    """The derivatives of a function of n numbers, to second order in the step."""
+    steps = step * np.eye(len(at))
+    return np.stack([(function(at + one) - function(at - one)) / (2.0 * step) for one in steps], axis=-1)
 
 
 def json_data(value: Any) -> Any:
