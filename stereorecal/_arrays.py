@@ -25,14 +25,13 @@ def namespace(*arrays: Any) -> ModuleType:
 
     One formula then serves both faces: float64 on the host for calibrations, float32 under a trace.
     """
-    return jnp if any(isinstance(a, jax.Array) for a in arrays) else np
+    return np if is_host(*arrays) else jnp
 
 
 def product(a: AnyArray, b: AnyArray) -> Any:
     """The matrix product `a @ b`, to float32's precision on every device: left to itself, a GPU may round the factors
     to 10 bits (TF32), which turns the product of two rotations of 20 degrees by up to 0.015 degrees."""
-    xp = namespace(a, b)
-    return a @ b if xp is np else jnp.matmul(a, b, precision=jax.lax.Precision.HIGHEST)
+    return a @ b if is_host(a, b) else jnp.matmul(a, b, precision=jax.lax.Precision.HIGHEST)
 
 
 def is_host(*arrays: Any) -> bool:
@@ -71,12 +70,12 @@ def register_pytree(cls: type[T]) -> type[T]:
     statics = tuple(f.name for f in found if f.metadata.get("static"))
     leaves = tuple(f.name for f in found if f.name not in (*statics, *aside))
 
-    def flatten_with_keys(value: Any):
-        children = [(jax.tree_util.GetAttrKey(name), getattr(value, name)) for name in leaves]
-        return children, tuple(getattr(value, name) for name in statics)
-
     def flatten(value: Any):
         return [getattr(value, name) for name in leaves], tuple(getattr(value, name) for name in statics)
+
+    def flatten_with_keys(value: Any):
+        children, aux = flatten(value)
+        return list(zip(map(jax.tree_util.GetAttrKey, leaves), children, strict=True)), aux
 
     def unflatten(aux: tuple, children: Any) -> T:
         value = object.__new__(cls)
