@@ -13,6 +13,7 @@ import reprlib
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, packages_distributions, version
@@ -158,10 +159,8 @@ class Registry(Generic[T]):
             if owner != _UNKNOWN_OWNER and _place(point)[0].partition(".")[0] == package:
                 return " ".join(owner)
         for distribution in packages_distributions().get(package, []):
-            try:
+            with suppress(PackageNotFoundError):
                 return f"{distribution} {version(distribution)}"
-            except PackageNotFoundError:
-                continue
         return type(instance).__module__
 
     def _point(self, name: str) -> _EntryPoint:

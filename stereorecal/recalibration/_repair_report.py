@@ -13,13 +13,7 @@ from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig, View, rectifying_rotations, with_unit_baseline
-from stereorecal.recalibration._facts import (
-    NOTHING_SEEN,
-    SAYS_NOTHING,
-    changed_axes,
-    changed_intrinsics,
-    facts_of,
-)
+from stereorecal.recalibration._facts import NOTHING_SEEN, SAYS_NOTHING, changed_axes, changed_intrinsics, facts_of
 from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._settings import settings_as_data
