@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 
 from stereorecal.report.svg import COLOURS, INK, MARKERS, style, svg
 
-# Okabe and Ito; lines differ in their dashes too.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_COLOURS = (*COLOURS, "#cc79a7", "#e69f00", "#56b4e9")  # of the same palette; lines differ in their dashes too
 _DASHES = ((), (6, 3), (7, 2, 1.5, 2), (1.5, 2))  # lengths of strokes and gaps, in widths of the line
 
 Row = Mapping[str, Any]
