@@ -25,14 +25,13 @@ def namespace(*arrays: Any) -> ModuleType:
 
     One formula then serves both faces: float64 on the host for calibrations, float32 under a trace.
     """
-    return jnp if any(isinstance(a, jax.Array) for a in arrays) else np
+    return np if is_host(*arrays) else jnp
 
 
 def product(a: AnyArray, b: AnyArray) -> Any:
     """The matrix product `a @ b`, to float32's precision on every device: left to itself, a GPU may round the factors
     to 10 bits (TF32), which turns the product of two rotations of 20 degrees by up to 0.015 degrees."""
-    xp = namespace(a, b)
-    return a @ b if xp is np else jnp.matmul(a, b, precision=jax.lax.Precision.HIGHEST)
+    return a @ b if is_host(a, b) else jnp.matmul(a, b, precision=jax.lax.Precision.HIGHEST)
 
 
 def is_host(*arrays: Any) -> bool:
@@ -71,12 +70,12 @@ def register_pytree(cls: type[T]) -> type[T]:
     statics = tuple(f.name for f in found if f.metadata.get("static"))
     leaves = tuple(f.name for f in found if f.name not in (*statics, *aside))
 
-    def flatten_with_keys(value: Any):
-        children = [(jax.tree_util.GetAttrKey(name), getattr(value, name)) for name in leaves]
-        return children, tuple(getattr(value, name) for name in statics)
-
     def flatten(value: Any):
         return [getattr(value, name) for name in leaves], tuple(getattr(value, name) for name in statics)
+
+    def flatten_with_keys(value: Any):
+        children, aux = flatten(value)
+        return list(zip(map(jax.tree_util.GetAttrKey, leaves), children, strict=True)), aux
 
     def unflatten(aux: tuple, children: Any) -> T:
         value = object.__new__(cls)
@@ -95,17 +94,12 @@ def eight_bit(image: Float[AnyArray, "h w"]) -> UInt8[np.ndarray, "h w"]:
     return np.clip(np.rint(np.asarray(image)), 0, 255).astype(np.uint8)
 
 
-def central_difference(function: Callable[[float], Float[np.ndarray, "*s"]], step: float) -> Float[np.ndarray, "*s"]:
-    """The derivative of a function of one number at 0, to second order in the step."""
-    return (function(step) - function(-step)) / (2.0 * step)
-
-
 def central_differences(
     function: Callable[[Float[np.ndarray, "n"]], Float[np.ndarray, "*s"]], at: Float[np.ndarray, "n"], step: float
 ) -> Float[np.ndarray, "*s n"]:
-    """The derivatives of a function of n numbers."""
-    axes = np.eye(len(at))
-    return np.stack([central_difference(lambda h, axis=axis: function(at + h * axis), step) for axis in axes], axis=-1)
+    """The derivatives of a function of n numbers, to second order in the step."""
+    steps = step * np.eye(len(at))
+    return np.stack([(function(at + one) - function(at - one)) / (2.0 * step) for one in steps], axis=-1)
 
 
 def json_data(value: Any) -> Any:

@@ -41,9 +41,17 @@ threading._register_atexit(_BACKGROUND.shutdown, wait=False, cancel_futures=True
 
 
 class CachedProgram:
-    """A compiled function, cached across processes where JAX's compilation cache is switched on."""
+    """A compiled function, cached across processes where JAX's compilation cache is switched on.
 
-    def __init__(self, function: Callable[..., Leaves], static: tuple[str, ...]):
+    Args:
+        function: pure; pytrees in, a tuple of arrays out.
+        static: names of its keyword arguments that are part of the program: hashable, with a complete `repr`. A
+            program with one from another package is not cached, since that code may change. Where a program holds
+            custom calls of XLA, which only a process that has them registered can run, one of them has their names as
+            `custom_calls`.
+    """
+
+    def __init__(self, function: Callable[..., Leaves], *, static: tuple[str, ...] = ()):
         update_wrapper(self, function)
         self._function = function
         self.compiled = jax.jit(function, static_argnames=static)  # where nothing is cached
@@ -80,19 +88,6 @@ class CachedProgram:
                 program = self._programs.get(key) or _program(self._function, arguments, statics, folder)
                 self._programs[key] = program
         return tuple(program(*jax.tree.leaves(arguments)))
-
-
-def cached_program(function: Callable[..., Leaves], *, static: tuple[str, ...] = ()) -> CachedProgram:
-    """`function`, compiled and cached.
-
-    Args:
-        function: pure; pytrees in, a tuple of arrays out.
-        static: names of its keyword arguments that are part of the program: hashable, with a complete `repr`. A
-            program with one from another package is not cached, since that code may change. Where a program holds
-            custom calls of XLA, which only a process that has them registered can run, one of them has their names as
-            `custom_calls`.
-    """
-    return CachedProgram(function, static)
 
 
 def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:

@@ -13,6 +13,7 @@ import reprlib
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, packages_distributions, version
@@ -25,6 +26,12 @@ T = TypeVar("T")
 # importlib.metadata's; on Python 3.11 its backport's, once anything (Dask does) has imported that.
 _EntryPoint = Any
 _UNKNOWN_OWNER = ("unknown distribution", "")
+
+
+def install_line(folder: str) -> str:
+    """What installs a distribution of this project, named by its folder in a clone."""
+    what = "'stereorecal[default]'" if folder == "compass" else f"stereorecal-{folder}"
+    return f"pip install {what} (in a clone: pip install -e plugins/{folder})"
 
 
 _AT_REST = 2e9  # nanoseconds without a change, after which an installation has ended
@@ -76,7 +83,7 @@ class Registry(Generic[T]):
         error: raised, with a sentence, where an installed plug-in cannot be loaded or made.
         example: of a name, for a message.
         elsewhere: names, and beginnings of names that end in "-", of plug-ins of this project that are distributions of
-            their own: what to install where one is missing, and its folder in a clone.
+            their own, with their folders in a clone.
         own: entry points of this very distribution, name to "module:Class". They are there as well where the installed
             metadata is older than the code (a clone that was updated but not reinstalled), or was not packed along.
     """
@@ -86,7 +93,7 @@ class Registry(Generic[T]):
     base: type[T]
     error: type[PluginError]
     example: str
-    elsewhere: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    elsewhere: Mapping[str, str] = field(default_factory=dict)
     own: Mapping[str, str] = field(default_factory=dict)
 
     def names(self) -> tuple[str, ...]:
@@ -152,10 +159,8 @@ class Registry(Generic[T]):
             if owner != _UNKNOWN_OWNER and _place(point)[0].partition(".")[0] == package:
                 return " ".join(owner)
         for distribution in packages_distributions().get(package, []):
-            try:
+            with suppress(PackageNotFoundError):
                 return f"{distribution} {version(distribution)}"
-            except PackageNotFoundError:
-                continue
         return type(instance).__module__
 
     def _point(self, name: str) -> _EntryPoint:
@@ -212,11 +217,10 @@ class Registry(Generic[T]):
 
     def _missing(self, name: str) -> str:
         installed = self.names()
-        for known, (what, folder) in self.elsewhere.items():
+        for known, folder in self.elsewhere.items():
             family = known.endswith("-") and name.startswith(known)
             if name == known or (family and not any(other.startswith(known) for other in installed)):
-                line = f"pip install {what} (in a clone: pip install -e plugins/{folder})"
-                return f"{self.kind} {name} is not installed; run: {line}"
+                return f"{self.kind} {name} is not installed; run: {install_line(folder)}"
         close = difflib.get_close_matches(name, installed, 1)
         hint = f"did you mean {close[0]}?" if close else f"installed: {', '.join(installed) or 'none'}."
         return f"unknown {self.kind} {name!r}; {hint}"

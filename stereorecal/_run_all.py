@@ -58,10 +58,6 @@ class ForkedError(InputError):
 
 
 _PROCESS = os.getpid()  # that imported this module; a worker that was spawned imports it itself
-_FORKED = (
-    "the executor forks its workers, in which JAX hangs; give "
-    'ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")).'
-)
 
 
 @dataclass(frozen=True)
@@ -86,7 +82,10 @@ def run_task(parcel: _Parcel) -> Any:
         ForkedError: if this process is a fork of one that had JAX: it would hang.
     """
     if os.getpid() != _PROCESS:
-        raise ForkedError(_FORKED)
+        raise ForkedError(
+            "the executor forks its workers, in which JAX hangs; give "
+            'ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")).'
+        )
     if parcel.function is None:
         function, task = pickle.loads(parcel.task)
         return function(task)

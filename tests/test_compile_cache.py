@@ -36,7 +36,7 @@ def folder(tmp_path, settings_of_jax):
 
 
 def result(fresh=None, value: float = 1.0, **static):
-    call = fresh or _compile_cache.cached_program(program, static=("matcher", "times"))
+    call = fresh or _compile_cache.CachedProgram(program, static=("matcher", "times"))
     return [np.asarray(leaf) for leaf in call({"x": jnp.full(3, value)}, np.float32(2.0), **static)]
 
 
@@ -51,7 +51,7 @@ def test_traced_once_for_all_processes(folder):
 
 
 def test_everything_that_makes_another_program_does(folder):
-    call = _compile_cache.cached_program(program, static=("matcher", "times"))
+    call = _compile_cache.CachedProgram(program, static=("matcher", "times"))
     for static in ({}, {"times": 2}, {"matcher": SAD(num_disparities=16)}, {"matcher": SAD(num_disparities=32)}):
         result(call, **static)
         result(call, **static)
@@ -114,13 +114,13 @@ def test_off_where_jax_keeps_nothing(folder, settings_of_jax, off):
 
 
 def test_compiled_in_the_background_is_compiled_once(folder):
-    call = _compile_cache.cached_program(program, static=("matcher", "times"))
+    call = _compile_cache.CachedProgram(program, static=("matcher", "times"))
     arguments = ({"x": jnp.full(3, 1.0)}, np.float32(2.0))
     for _ in range(3):
         call.compile_in_background(*arguments, times=3)
     np.testing.assert_array_equal(call(*arguments, times=3)[0], [9, 9, 9])
     call.compile_in_background(*arguments, times=3)
-    called = _compile_cache.cached_program(program, static=("matcher", "times"))
+    called = _compile_cache.CachedProgram(program, static=("matcher", "times"))
     called(*arguments, times=2)
     called.compile_in_background(*arguments, times=2)  # which it is already
     assert len(TRACES) == 2
@@ -137,7 +137,7 @@ def test_a_call_waits_for_what_is_begun(folder):
             assert go_on.wait(30)
         return (2 * x,)
 
-    call = _compile_cache.cached_program(slow)
+    call = _compile_cache.CachedProgram(slow)
     call.compile_in_background(np.ones(2))
     assert begun.wait(30)
     with ThreadPoolExecutor(1) as other:
@@ -153,7 +153,7 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
     def broken(x):
         raise ValueError("no such program")
 
-    call, after = _compile_cache.cached_program(broken), _compile_cache.cached_program(program, static=("times",))
+    call, after = _compile_cache.CachedProgram(broken), _compile_cache.CachedProgram(program, static=("times",))
     call.compile_in_background(np.ones(3))
     after.compile_in_background({"x": jnp.zeros(3)}, np.float32(0))
     with pytest.raises(ValueError, match="no such program"):
@@ -164,7 +164,7 @@ def test_what_fails_in_the_background_fails_when_it_is_called(folder):
 
 def test_compiled_in_the_background_without_a_cache(folder, settings_of_jax):
     settings_of_jax(jax_enable_compilation_cache=False)
-    call = _compile_cache.cached_program(program, static=("times",))
+    call = _compile_cache.CachedProgram(program, static=("times",))
     call.compile_in_background({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)
     np.testing.assert_array_equal(call({"x": jnp.full(3, 1.0)}, np.float32(2.0), times=3)[0], [9, 9, 9])
     assert len(TRACES) == 1
@@ -172,7 +172,7 @@ def test_compiled_in_the_background_without_a_cache(folder, settings_of_jax):
 
 def test_settings_of_one_thread_make_another_program(folder):
     """Contexts of JAX are those of a thread: the background thread has its own."""
-    call = _compile_cache.cached_program(program, static=("times",))
+    call = _compile_cache.CachedProgram(program, static=("times",))
     with enable_x64(True):
         call.compile_in_background({"x": np.ones(3)}, np.ones(3))
         found = call({"x": np.ones(3)}, np.ones(3))

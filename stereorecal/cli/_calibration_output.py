@@ -8,13 +8,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.cli._options import value_of
-from stereorecal.cli._places import (
-    CalibrationPath,
-    Place,
-    check_places,
-    paths,
-    refuse_replacing_inputs,
-)
+from stereorecal.cli._places import CalibrationPath, Place, check_places, paths, refuse_replacing_inputs
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, next_copy, prior_beside, save_rig, unsaid_unit

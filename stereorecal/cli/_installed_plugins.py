@@ -22,27 +22,16 @@ if TYPE_CHECKING:
 
 def run(options: PluginOptions) -> int:
     """List the installed plug-ins, or check one; returns the exit code."""
-    kind = _strategies if options.verb == "strategies" else _matchers
-    return kind(options.name)
-
-
-def _strategies(name: str | None) -> int:
+    of_strategies, name = options.verb == "strategies", options.name
     if name is not None:
-        from stereorecal.testing import check_strategy  # renders scenes: a list of names does not wait for that
+        from stereorecal.testing import check_matcher, check_strategy  # a list of names does not wait for scenes
 
-        return _print_checks(check_strategy(strategy(name)))
-    found = strategies_found()
-    if not found:
+        return _print_checks(check_strategy(strategy(name)) if of_strategies else check_matcher(matcher(name)))
+    if not of_strategies:
+        return _print_list(matchers_found(), "runs", _where_it_runs)
+    if not (found := strategies_found()):
         raise InputError(NONE_INSTALLED)
     return _print_list(found, "needs", lambda cls: cls.needs.name.lower())
-
-
-def _matchers(name: str | None) -> int:
-    if name is not None:
-        from stereorecal.testing import check_matcher
-
-        return _print_checks(check_matcher(matcher(name)))
-    return _print_list(matchers_found(), "runs", _where_it_runs)
 
 
 def _where_it_runs(cls: type[AbstractMatcher]) -> str:

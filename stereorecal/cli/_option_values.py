@@ -9,11 +9,9 @@ from importlib import import_module
 from typing import Any
 
 from stereorecal._errors import InputError, checked_choice
-from stereorecal._plugins import MATCHER_NAMES
+from stereorecal._plugins import MATCHER_NAMES, install_line
 
-NONE_INSTALLED = (
-    "no strategy is installed; run: pip install 'stereorecal[default]' (in a clone: pip install -e plugins/compass)"
-)
+NONE_INSTALLED = f"no strategy is installed; run: {install_line('compass')}"
 _NUMBER = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
 _NAME = r"([^,]*[^,\s][^,]*)"
 

@@ -14,6 +14,7 @@ from types import NoneType, UnionType
 from typing import Any, ClassVar, Literal, NoReturn, TypeVar, Union, dataclass_transform, get_args, get_origin
 
 from stereorecal._errors import InputError
+from stereorecal._plugins import install_line
 from stereorecal.cli._places import Place, paths
 from stereorecal.cli._signals import BAD_INPUT
 
@@ -21,7 +22,7 @@ _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 QUOTED = "a pattern such as 'left/*.png' must be quoted"
-# Commands, and options of a command, that come with distributions of their own.
+# Commands, and options of a command, that come with distributions of their own: the command, and the folder in a clone.
 _ELSEWHERE = {
     "reproduce": ("reproduce", "paper"),
     "--judge": ("compare", "field"),
@@ -223,16 +224,18 @@ class Parser(argparse.ArgumentParser):
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
         if flag in _ELSEWHERE:
-            return f" ({flag} belongs to {_ELSEWHERE[flag][0]}, and comes with: {_install_line(flag)})"
-        names = {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
-        close = get_close_matches(flag.lstrip("-"), names, 1)
-        return f" (did you mean {names[close[0]]}?)" if close else ""
+            command, folder = _ELSEWHERE[flag]
+            return f" ({flag} belongs to {command}, and comes with: {install_line(folder)})"
+        word, names = flag.lstrip("-"), {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
+        takers = [one.option_strings[0] for one in self._actions if one.metavar == word.upper() and one.option_strings]
+        close = takers or [names[one] for one in get_close_matches(word, names, 1)]
+        return f" (did you mean {' or '.join(close)}?)" if close else ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
         if value in _ELSEWHERE:
-            raise argparse.ArgumentError(None, f"{value} is not installed; run: {_install_line(value)}")
+            raise argparse.ArgumentError(None, f"{value} is not installed; run: {install_line(_ELSEWHERE[value][1])}")
         close = get_close_matches(str(value), action.choices, 1)
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest
@@ -269,9 +272,3 @@ def _value(found: Field[Any]) -> dict[str, Any]:
     if get_origin(kind) is Literal:
         told["choices"] = parts
     return told if several or "choices" in told else {**told, "type": kind}
-
-
-def _install_line(name: str) -> str:
-    """What installs a command or an option that another distribution has."""
-    folder = _ELSEWHERE[name][1]
-    return f"pip install stereorecal-{folder} (in a clone: pip install -e plugins/{folder})"

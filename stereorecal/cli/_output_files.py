@@ -1,10 +1,10 @@
 """The files that a command writes: one that fails costs no other, and what is killed has its finished trials there."""
 
-import importlib
 import sys
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -37,21 +37,20 @@ def deliver(*steps: Callable[[], object]) -> None:
         raise errors[0]
 
 
-def check_extra(options: Any, name: str, needs: str, *modules: str) -> None:
+def check_extra(options: Any, name: str, needs: str, module: str) -> None:
     """Refuse, before the work is done, an output that could not be made.
 
     Args:
         name: of the option, such as "html".
         needs: the extra that it takes.
-        modules: that make it.
+        module: that makes it.
 
     Raises:
         InputError: says what to install.
     """
     if getattr(options, name):
         with extra(needs, f"--{name}"):
-            for module in modules:
-                importlib.import_module(module)
+            import_module(module)
 
 
 def written_or_printed(write: Callable[[], _Done], text: Callable[[], str], *, to_stdout: bool = True) -> _Done:

@@ -111,7 +111,8 @@ def _page_settings(options: RecalibrateOptions, settings: Settings) -> dict[str,
     """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
     was solved for afterwards."""
     names = "everything" if settings.free.everything else ", ".join(settings.free.names)
-    return {"free": names, "ranges": options.ranges or "none"}
+    output = {} if options.output is None else {"output": options.output}
+    return {"free": names, "ranges": options.ranges or "none", **output}
 
 
 def _save_calibration(options: RecalibrateOptions, found: Solution, scene: Scene, output: Output) -> None:

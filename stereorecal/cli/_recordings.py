@@ -55,7 +55,7 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     def choose(pairs: LazyPairs, *, stream: bool = False, about: str) -> tuple[Pair, ...]:
         wanted = _wanted(pairs, options, about)
         limit = value_of(options, "limit", MOST_FRAMES if few or stream or len(wanted) > _LONG else None)
-        chosen = _limited(wanted, limit)
+        chosen = tuple(wanted) if limit is None else chosen_frames(wanted, limit)
         found.leave_out(pairs, wanted, "outside of --pairs")
         why = f"of {limit} stretches of equal length, the pair with the most texture is used"
         found.leave_out(wanted, chosen, why)
@@ -89,7 +89,7 @@ def watched(options: MonitorOptions) -> tuple[Scene, PairSequence]:
 
     def first(pairs: LazyPairs, *, stream: bool = False, about: str) -> tuple[Pair, ...]:
         wanted, limit = _wanted(pairs, options, about), value_of(options, "limit")
-        every.append(wanted if limit is None else _limited(wanted, limit))
+        every.append(wanted if limit is None else chosen_frames(wanted, limit))
         return tuple(every[-1][:1])
 
     found = Recordings()
@@ -151,10 +151,6 @@ def _scene_of_images(options: RecordingOptions, choose: _Choose, how: dict[str, 
     assert options.left is not None
     assert options.right is not None
     return bag_scene(place, (options.left, options.right), pairs, unit=options.unit)
-
-
-def _limited(wanted: LazyPairs, limit: int | None) -> tuple[Pair, ...]:
-    return tuple(wanted) if limit is None else chosen_frames(wanted, limit)
 
 
 def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPairs:

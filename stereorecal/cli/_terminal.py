@@ -58,11 +58,8 @@ def _folded(line: str, width: int) -> list[str]:
 def _on_compilation(call: Callable[[], None]) -> Iterator[None]:
     """Call `call` whenever a program is compiled that is not in the cache."""
 
-    class Handler(logging.Handler):
-        def emit(self, record: logging.LogRecord) -> None:
-            call()
-
-    handler, level = Handler(), LOG.level
+    handler, level = logging.Handler(), LOG.level
+    handler.emit = lambda record: call()
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO)
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from stereorecal._errors import InputError, StrategyError
 from stereorecal._run_all import Progress, run_all
 from stereorecal._version import versions
-from stereorecal.comparison._comparison import Comparison, Shown
+from stereorecal.comparison._comparison import Comparison
 from stereorecal.comparison._entrants import entrants_of
 from stereorecal.comparison._trial import JudgedScene, Task, Trial, failed, run_trial
 from stereorecal.estimation import EXACT
@@ -191,9 +191,8 @@ def _planned(
         "budget": asdict(budget),
         "free": list(free.names),
     }
-    shown = {one.scene.name: Shown(one.rig, one.scene.pairs[0], one.matcher) for one in judged}
-    described = tuple(_described(one) for one in judged)
-    return tasks, Comparison(settings, made_with, described, (), interrupted=True, shown=shown)
+    shown = {one.scene.name: one for one in judged}
+    return tasks, Comparison(settings, made_with, tuple(map(_described, judged)), (), interrupted=True, shown=shown)
 
 
 def _judged_scene(scene: Scene, matcher: AbstractMatcher, reach: Reach, scale: float) -> JudgedScene:

@@ -11,24 +11,12 @@ from stereorecal._arrays import json_data
 from stereorecal._errors import extra
 from stereorecal.comparison._profiles import Curve, curves
 from stereorecal.comparison._summary import Summary, Thresholds, succeeded, summarise
-from stereorecal.comparison._trial import Trial
-from stereorecal.geometry import StereoRig
+from stereorecal.comparison._trial import JudgedScene, Trial
 from stereorecal.io import write_json, write_text
-from stereorecal.matching import AbstractMatcher
-from stereorecal.recordings import Pair
 from stereorecal.report.disparity_map import TrialPicture
 from stereorecal.scoring.host import disparity
 
 SCHEMA = "stereorecal.compare/1"
-
-
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """A scene's rig, the pair that is shown, and the matcher with its disparity range."""
-
-    rig: StereoRig
-    pair: Pair
-    matcher: AbstractMatcher
 
 
 @dataclass(frozen=True)
@@ -50,7 +38,7 @@ class Comparison:
     trials: tuple[Trial, ...]
     thresholds: Thresholds = field(default_factory=Thresholds)
     interrupted: bool = False
-    shown: Mapping[str, Shown] = field(default_factory=dict, repr=False, compare=False)
+    shown: Mapping[str, JudgedScene] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def summary(self) -> tuple[Summary, ...]:
@@ -98,7 +86,7 @@ class Comparison:
 
 
 def pictures_of(
-    trials: Sequence[Trial], scenes: Mapping[str, Shown], thresholds: Thresholds
+    trials: Sequence[Trial], scenes: Mapping[str, JudgedScene], thresholds: Thresholds
 ) -> tuple[TrialPicture, ...]:
     """Disparities before and after, of the best, the median and the worst trial of each scene (of one or two, where
     there are so few): those that succeeded first, as in the tables, and among them by r."""
@@ -113,10 +101,10 @@ def pictures_of(
     return tuple(found)
 
 
-def _picture(which: str, trial: Trial, scene: Shown, success: bool) -> TrialPicture:
+def _picture(which: str, trial: Trial, judged: JudgedScene, success: bool) -> TrialPicture:
     assert trial.extrinsics is not None
-    rigs = [scene.rig.with_extrinsics(np.array(trial.extrinsics[when])) for when in ("start", "final")]
-    before, after = (disparity(rig, scene.pair, matcher=scene.matcher) for rig in rigs)
+    rigs = [judged.rig.with_extrinsics(np.array(trial.extrinsics[when])) for when in ("start", "final")]
+    before, after = (disparity(rig, judged.scene.pairs[0], matcher=judged.matcher) for rig in rigs)
     return TrialPicture(
         trial.scene,
         f"{which}: {trial.strategy}, schedule {trial.schedule}, draw {trial.draw}, r = {trial.ratio:.3f}, "

@@ -250,25 +250,19 @@ def _key(task: Task) -> dict:
 def course_of(reference: StereoRig, solution: Solution, *, one_score: bool) -> dict[str, list]:
     """See `Trial.course`; `one_score`: all of the schedule has the same score."""
     steps = solution.path
-    last = len(steps) - 1
     rigs = [solution.initial.with_extrinsics(step.extrinsics) for step in steps]
     cost = [float(step.cost) for step in steps]
+    score: list[float | None] = [None] * len(steps)
+    runs = [run for stage in solution.stages for run in stage.runs]
+    if one_score and runs:
+        start, trace = runs[-1].start_value, runs[-1].trace
+        reached = [trace.best_within(spent) for spent in cost]
+        *before, last = (float(start if best is None else max(start, best)) for best in reached)
+        # The nomination, which the core has judged, is all that a strategy has which evaluates nothing itself.
+        score = [*before, max(last, float(runs[-1].value))]
     return {
         "cost": cost,
         "rotation_error_deg": [float(np.degrees(angle_between(rig.rotation, reference.rotation))) for rig in rigs],
         "axes_deg": [list(axis_errors(rig, reference).rotation_deg.values()) for rig in rigs],
-        "score": [
-            _best_at(solution, spent, ended=step == last) if one_score else None for step, spent in enumerate(cost)
-        ],
+        "score": score,
     }
-
-
-def _best_at(solution: Solution, cost: float, *, ended: bool) -> float | None:
-    """Args: ended: whether the nomination counts, which the core has judged. A strategy that evaluates nothing itself,
-    inside JAX or on images, has no other value than that."""
-    runs = [run for stage in solution.stages for run in stage.runs]
-    if not runs:
-        return None
-    run = runs[-1]
-    values = [run.start_value, run.trace.best_within(cost), run.value if ended else None]
-    return float(max(value for value in values if value is not None))

@@ -13,13 +13,7 @@ from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig, View, rectifying_rotations, with_unit_baseline
-from stereorecal.recalibration._facts import (
-    NOTHING_SEEN,
-    SAYS_NOTHING,
-    changed_axes,
-    changed_intrinsics,
-    facts_of,
-)
+from stereorecal.recalibration._facts import NOTHING_SEEN, SAYS_NOTHING, changed_axes, changed_intrinsics, facts_of
 from stereorecal.recalibration._result import AbstractResult, Condition
 from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._settings import settings_as_data
@@ -116,7 +110,7 @@ def report_of(
     Args:
         pairs: those that were given, in their order.
         command: that repeats it, if it was one.
-        settings: what else is needed to run it again.
+        settings: what else is needed to run it again; the advice names its `output`, if it has one.
         absent: frames that did not come to the repair, and why.
 
     Raises:
@@ -143,7 +137,7 @@ def report_of(
         name=name,
         conclusion=conclusion,
         verdict=solution.verdict,
-        advice=solution.advice,
+        advice=solution.advice.replace("FILE", settings.get("output", "FILE")),
         text=str(solution),
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),

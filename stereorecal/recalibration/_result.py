@@ -57,7 +57,7 @@ class DepthOutcome(enum.Enum):
     KEPT = "kept as calibrated"
     CORRECTED = "corrected"
     IN_PART = "corrected in part"
-    NOT_OFF = "not measurably off"
+    INSIGNIFICANT = "not significantly changed"
 
 
 @dataclass(frozen=True, eq=False)
@@ -339,5 +339,5 @@ def depth_outcome(result: AbstractResult, decision: Decision) -> DepthOutcome:
     if not decision.depth_corrected:
         return DepthOutcome.KEPT
     if not any(error.significant for error in result.depth_before):
-        return DepthOutcome.NOT_OFF
+        return DepthOutcome.INSIGNIFICANT
     return DepthOutcome.CORRECTED if decision.depth_corrected == 1.0 else DepthOutcome.IN_PART

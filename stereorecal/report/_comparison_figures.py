@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from stereorecal.report.svg import COLOURS, INK, MARKERS, style, svg
 
-# Okabe and Ito; lines differ in their dashes too.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+_COLOURS = (*COLOURS, "#cc79a7", "#e69f00", "#56b4e9")  # of the same palette; lines differ in their dashes too
 _DASHES = ((), (6, 3), (7, 2, 1.5, 2), (1.5, 2))  # lengths of strokes and gaps, in widths of the line
 
 Row = Mapping[str, Any]
+Strips = Sequence[Sequence[float]]  # the values in each strip
 
 _MOST_POINTS = 30  # of a strip; more are drawn as quartiles and range, so that a page of many trials stays small
 _LETTERS = 20  # of a line of a name on the axis; longer names go on below
@@ -49,7 +49,7 @@ def curve_figures(rows: Sequence[Row], lines: Sequence[Line]) -> list[str]:
 def _figure(rows: Sequence[Row], lines: Sequence[Line], label: str, name: str) -> str:
     names = [line.name for line in lines]
     with style(("curves", name, names, [row["scene"] for row in rows])):
-        figure = Figure(figsize=(3.7, 2.8), layout="constrained")
+        figure = Figure(figsize=(3.7, 2.8))
         axes = figure.subplots()
         for row, line in zip(rows, lines, strict=True):
             values = row[name]
@@ -61,7 +61,6 @@ def _figure(rows: Sequence[Row], lines: Sequence[Line], label: str, name: str) -
         axes.set_ylabel(label)
         axes.set_xlabel("units spent")
         axes.set_xlim(left=0.0)
-        axes.spines[["top", "right"]].set_visible(False)
         if name == "share":
             axes.set_ylim(-0.03, 1.03)
         if name == "rotation_error_deg":
@@ -69,23 +68,16 @@ def _figure(rows: Sequence[Row], lines: Sequence[Line], label: str, name: str) -
         return svg(figure, f"{label} over the units spent, of {', '.join(names)}.")
 
 
-@dataclass(frozen=True)
-class Series:
-    """The values of one quantity in each strip, and its name in the legend."""
-
-    label: str
-    values: Sequence[Sequence[float]]
-
-
 def strips(
-    names: Sequence[str], series: Sequence[Series], axis: str, limits: Sequence[float], *, log: bool, tall: int = 1
+    names: Sequence[str], series: Mapping[str, Strips], axis: str, limits: Sequence[float], *, log: bool, tall: int = 1
 ) -> str:
-    """A strip plot as an `<svg>` element: one strip for each name, from the top, with up to three series on it and
-    their medians. Limits are dotted lines; `tall`: series for which there is room, as in the panels beside it."""
+    """A strip plot as an `<svg>` element: one strip for each name, from the top, with up to three series on it, by
+    their names in the legend, and their medians. Limits are dotted lines; `tall`: series for which there is room, as in
+    the panels beside it."""
     step = 0.8 / len(series)
     height = 1.01 + len(names) * (0.18 + 0.16 * max(tall, len(series)))
     with style((names, series, axis)):
-        figure = Figure(figsize=(4.4, height), layout="constrained")
+        figure = Figure(figsize=(4.4, height))
         axes = figure.subplots()
         if log:
             axes.set_xscale("log")
@@ -93,16 +85,15 @@ def strips(
             axes.locator_params(axis="x", nbins=5)
         for limit in limits:
             axes.axvline(limit, color=INK, linestyle=":", linewidth=1)
-        for index, one in enumerate(series):
-            for row, values in enumerate(one.values):
+        for index, (label, of_strips) in enumerate(series.items()):
+            for row, values in enumerate(of_strips):
                 _strip(axes, values, row + step * (index - (len(series) - 1) / 2), index)
-            axes.plot([], [], MARKERS[index], color=COLOURS[index], label=one.label)
+            axes.plot([], [], MARKERS[index], color=COLOURS[index], label=label)
         axes.set_yticks(range(len(names)), [_lines(name) for name in names], parse_math=False)
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.set_xlabel(axis)
-        axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(axis="y", length=0)
-        figure.legend(loc="outside upper center", ncols=len(series), frameon=False, handletextpad=0, columnspacing=1)
+        figure.legend(loc="outside upper center", ncols=len(series), handletextpad=0, columnspacing=1)
         return svg(figure, f"{axis} by {', '.join(names)}")
 
 

@@ -3,7 +3,7 @@ large, or larger than expected.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,9 @@ def misfit_sentence(
     if not places:
         return f"{begin} none of the {regions} matched regions of the view does the epipolar error exceed {LIMIT} px."
     worst = max(abs(error) for place, error in zip(misfit["place"], misfit[when], strict=True) if place == places[0])
-    here = "nearly everywhere" if _nearly_everywhere(places, misfit) else f"at the {_listed(_parts(places))}"
+    everywhere = len(places) >= _NEARLY_ALL * regions
+    parts = [part for part, _ in Counter(map(_part, places)).most_common()]  # those that hold most of them first
+    here = "nearly everywhere" if everywhere else f"at the {_listed(parts)}"
     return (
         f"{begin} {len(places)} of the {regions} matched regions of the view the epipolar error exceeds {LIMIT} px "
         f"({worst:.2f} px at worst), {here}: {hence}."
@@ -71,15 +73,6 @@ def coverage_sentence(misfit: Mapping[str, Any]) -> str | None:
 def _part(place: int) -> str:
     row, column = divmod(place, GRID[0])
     return _PARTS[3 * row // GRID[1]][3 * column // GRID[0]]
-
-
-def _parts(places: Iterable[int]) -> list[str]:
-    """All parts of the view that hold one of the places; those that hold most first."""
-    return [part for part, _ in Counter(map(_part, places)).most_common()]
-
-
-def _nearly_everywhere(places: list[int], misfit: Mapping[str, Any]) -> bool:
-    return len(places) >= _NEARLY_ALL * len(set(misfit["place"]))
 
 
 def _listed(parts: list[str]) -> str:

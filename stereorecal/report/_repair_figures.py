@@ -39,7 +39,7 @@ def field_figures(
     rows: Rows, image: Grey, names: tuple[str, str], misaligned: tuple[Sequence[int], Sequence[int]]
 ) -> list[str]:
     """Maps of epipolar errors over the image, before and after, on one scale, with misaligned places outlined."""
-    norm, largest = row_scale(rows), largest_row(rows)
+    norm, largest = row_scale(rows)
     found = []
     for name, field, places in zip(names, (rows.field_before, rows.field_after), misaligned, strict=True):
         with style(("field", name, largest, image.shape)):
@@ -50,15 +50,10 @@ def field_figures(
     return found
 
 
-def row_scale(rows: Rows) -> SymLogNorm:
-    """The scale of the colours of row differences over the view, which holds both maps."""
-    largest = largest_row(rows)
-    return SymLogNorm(LIMIT, vmin=-largest, vmax=largest)
-
-
-def largest_row(rows: Rows) -> float:
-    """Pixels at the ends of that scale."""
-    return _scale(rows.field_before, rows.field_after)
+def row_scale(rows: Rows) -> tuple[SymLogNorm, float]:
+    """The scale of the colours of row differences over the view, which holds both maps, and the pixels at its ends."""
+    largest = _scale(rows.field_before, rows.field_after)
+    return SymLogNorm(LIMIT, vmin=-largest, vmax=largest), largest
 
 
 def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
@@ -66,7 +61,7 @@ def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
     largest = _scale(rows.all_before, rows.all_after)
     bins = _bins(largest)
     with style(("histogram", largest, rows.all_before.size)):
-        figure = Figure(figsize=(_WIDTH, 3.1), layout="constrained")
+        figure = Figure(figsize=(_WIDTH, 3.1))
         axis = figure.subplots()
         for name, values, colour in zip(names, (rows.all_before, rows.all_after), COLOURS[1::-1], strict=True):
             label = f"{name}: {percent(float(np.mean(np.abs(values) <= LIMIT)))} within {LIMIT} px"
@@ -79,8 +74,7 @@ def histogram_figure(rows: Rows, names: tuple[str, str]) -> str:
         axis.set_xlabel("row difference [px]")
         axis.set_ylabel("share of matches per px")
         axis.set_ylim(bottom=0.0)
-        axis.spines[["top", "right"]].set_visible(False)
-        figure.legend(frameon=False, loc="outside upper left")
+        figure.legend(loc="outside upper left")
         return svg(figure, f"Histogram of the row differences of all matches, {names[0]} and {names[1]}.")
 
 
@@ -118,7 +112,7 @@ def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasure
         hatches = {name: hatch for name, (hatch, places) in marks.items() if places}
         if hatches:
             handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in hatches.items()]
-            figure.legend(handles=handles, frameon=False, loc="outside lower left")
+            figure.legend(handles=handles, loc="outside lower left")
         return svg(
             figure, "Map over the view: the epipolar error to expect at each place, with the calibration to use."
         )
@@ -131,13 +125,12 @@ def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
         if curve is None or len(curve.cost) < 2:  # one point is no curve
             continue
         with style(("progress", len(found), curve.label)):
-            figure = Figure(figsize=(_WIDTH, 2.5), layout="constrained")
+            figure = Figure(figsize=(_WIDTH, 2.5))
             axis = figure.subplots()
             axis.step(curve.cost, curve.best, where="post", color=COLOURS[0])
             axis.plot(curve.cost[-1], curve.best[-1], "o", color=COLOURS[0])
             axis.set_ylabel(curve.label)
             axis.set_xlabel("units spent")
-            axis.spines[["top", "right"]].set_visible(False)
             if curve is way:
                 axis.set_ylim(bottom=0.0)
             found.append(svg(figure, f"Over the units spent: {curve.label}."))
@@ -154,7 +147,7 @@ def _map(
     extend: str = "neither",
 ) -> tuple[Figure, Axes]:
     """A map of values in colours over the grey image, without colour where there is no value."""
-    figure = Figure(figsize=(_WIDTH, 0.82 * _WIDTH * _aspect(image) + 0.4), layout="constrained")
+    figure = Figure(figsize=(_WIDTH, 0.82 * _WIDTH * _aspect(image) + 0.4))
     axis = figure.subplots()
     height, width = image.shape
     size = min(_BACKGROUND, width), max(1, round(height * min(_BACKGROUND, width) / width))
@@ -163,6 +156,7 @@ def _map(
     over = np.ma.masked_invalid(values)
     axis.imshow(over, cmap=colours, norm=norm, alpha=OVER, extent=_EXTENT, aspect="auto")
     axis.set_box_aspect(_aspect(image))
+    axis.spines[:].set_visible(True)
     axis.set_xticks([])
     axis.set_yticks([])
     # A colour bar of its own: the map's would be as translucent as the map.

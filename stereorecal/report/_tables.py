@@ -34,38 +34,33 @@ def fitted(
         least_missed: heads of columns that may be left out, in that order.
     """
     heads = list(rows[0])
-    least = _TOGETHER if len(parts) > 1 else _WHOLE
-    if table := _first_that_fits(rows, heads, width, words, title, [most for most in _LETTERS if most >= least]):
-        return [table], []
+
+    def table(heads: Sequence[str], letters: int) -> Table:
+        about = None if title is None else Text(title)
+        made = Table(box=box.SIMPLE_HEAD, title=about, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
+        for head in heads:
+            made.add_column(head, justify="left" if head in words else "right", no_wrap=True)
+        for row in rows:
+            made.add_row(*(Text(_folded(row[head], letters) if head in words else row[head]) for head in heads))
+        return made
+
+    def widest(heads: Sequence[str], least: int) -> Table | None:
+        """The widest layout that fits, with so many letters a line or more."""
+        tables = (table(heads, letters) for letters in _LETTERS if letters >= least)
+        return next((one for one in tables if Console(width=10_000).measure(one).maximum <= width), None)
+
+    if whole := widest(heads, _TOGETHER if len(parts) > 1 else _WHOLE):
+        return [whole], []
     tables, dropped = [], []
     for part in parts:
         others = {head for one in parts if one is not part for head in one}
         kept = [head for head in heads if head not in others]
         may = [head for head in least_missed if head in kept]
-        letters = [most for most in _LETTERS if most >= _WHOLE]
-        while may and not _first_that_fits(rows, kept, width, words, title, letters):
+        while may and not widest(kept, _WHOLE):
             dropped.append(may[0])
             kept.remove(may.pop(0))
-        table = _first_that_fits(rows, kept, width, words, title, _LETTERS)
-        tables.append(table or _table(rows, kept, words, title, _LETTERS[-1]))
+        tables.append(widest(kept, _LETTERS[-1]) or table(kept, _LETTERS[-1]))
     return tables, list(dict.fromkeys(dropped))
-
-
-def _first_that_fits(
-    rows: Rows, heads: Sequence[str], width: int, words: Collection[str], title: str | None, letters: Sequence[int]
-) -> Table | None:
-    tables = (_table(rows, heads, words, title, most) for most in letters)
-    return next((table for table in tables if Console(width=10_000).measure(table).maximum <= width), None)
-
-
-def _table(rows: Rows, heads: Sequence[str], words: Collection[str], title: str | None, letters: int) -> Table:
-    about = None if title is None else Text(title)
-    table = Table(box=box.SIMPLE_HEAD, title=about, title_justify="left", padding=(0, 1, 0, 0), pad_edge=False)
-    for head in heads:
-        table.add_column(head, justify="left" if head in words else "right", no_wrap=True)
-    for row in rows:
-        table.add_row(*(Text(_folded(row[head], letters) if head in words else row[head]) for head in heads))
-    return table
 
 
 def _folded(text: str, letters: int) -> str:

@@ -1,5 +1,6 @@
 """Terminal tables of a comparison, from the plain data of its JSON."""
 
+from collections import Counter
 from collections.abc import Mapping
 from itertools import zip_longest
 from typing import Any
@@ -66,7 +67,8 @@ def comparison_tables(data: Mapping[str, Any], width: int) -> Group:
             tables += found
             missed += [f"{', '.join(dropped)} of {name}"] * bool(dropped)
     omissions = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
-    return Group(*tables, Text(omissions + _legend(data) + _troubles(data)))
+    reasons = (f"{name} {status}: {message}\n" for name, status, message in troubles(data))
+    return Group(*tables, Text(omissions + _legend(data) + "".join(reasons)))
 
 
 def _trial(row: Row, data: Mapping[str, Any]) -> dict[str, str]:
@@ -91,16 +93,23 @@ def _truth(row: Row, data: Mapping[str, Any]) -> dict[str, str]:
     return {**_about(row, data), **errors, **far, "harmful": str(row["harmful"])}
 
 
+def marks_of(data: Mapping[str, Any]) -> list[str]:
+    """The budgets in units, within that of the comparison, at which the best score was recorded."""
+    most = data["settings"]["budget"]["evaluations"] or float("inf")
+    marks = data["summary"][0]["score_at_median"] if data["summary"] else ()
+    return [units for units in marks if float(units) <= most]
+
+
 def _leaders(data: Mapping[str, Any]) -> list[dict[str, str]]:
-    """The three strategies with the best median score at each budget, in units, within that of the comparison; none
-    where there is one strategy, or no scores were recorded."""
-    most, found = data["settings"]["budget"]["evaluations"] or float("inf"), []
+    """The three strategies with the best median score at each budget; none where there is one strategy, or no
+    scores were recorded."""
+    found = []
     for scene, name in _short_names(data).items() if len(data["settings"]["strategies"]) > 1 else ():
         rows = [row for row in data["summary"] if row["scene"] == scene]
-        for units in rows[0]["score_at_median"] if rows else ():
+        for units in marks_of(data):
             reached = [(row["score_at_median"][units], row["strategy"]) for row in rows]
             ranked = sorted((one for one in reached if one[0] is not None), key=lambda one: (-one[0], one[1]))[:3]
-            if ranked and float(units) <= most:
+            if ranked:
                 leaders = (f"{strategy} {count(value)}" for value, strategy in ranked)
                 found.append({"scene": name, "units": units, **dict(zip_longest(_PLACES, leaders, fillvalue=""))})
     return found
@@ -148,11 +157,10 @@ def _truth_legend(data: Mapping[str, Any]) -> str:
     )
 
 
-def _troubles(data: Mapping[str, Any]) -> str:
-    """The reasons why trials were skipped or failed, each once."""
-    unfinished = [trial for trial in data["trials"] if trial["status"] in ("SKIPPED", "FAILED")]
-    reasons = dict.fromkeys(f"{title_of(t, data)} {t['status']}: {t['message']}\n" for t in unfinished)
-    return "".join(reasons)
+def troubles(data: Mapping[str, Any]) -> Counter[tuple[str, str, str]]:
+    """The number of trials that were skipped or failed, by entrant, status and message."""
+    unfinished = (row for row in data["trials"] if row["status"] in ("SKIPPED", "FAILED"))
+    return Counter((title_of(row, data), row["status"], row["message"]) for row in unfinished)
 
 
 def _short_names(data: Mapping[str, Any]) -> dict[str, str]:

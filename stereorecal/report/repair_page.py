@@ -3,8 +3,6 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-import base64
-import hashlib
 import json
 from pathlib import Path
 
@@ -24,7 +22,6 @@ def repair_page(report: RepairReport) -> str:
     names = report.names
     sights = dict(zip(names, (report.before, report.after), strict=True))
     least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights.values()])
-    script = _SCRIPT.read_text(encoding="utf-8")
     return rendered(
         "repair.html.jinja",
         report=report,
@@ -42,8 +39,7 @@ def repair_page(report: RepairReport) -> str:
         used=sum(state == "used" for _, state, _ in report.frames),
         settings=list(flat_settings(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
-        script=Markup(script),
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii"),
+        script=_SCRIPT,
     )
 
 

@@ -12,7 +12,7 @@ from jaxtyping import UInt8
 
 from stereorecal.report._embedded_images import LINE_COLOURS, line_rows
 from stereorecal.report._regions import where
-from stereorecal.report._repair_figures import OVER, ROW_COLOURS, largest_row, row_scale
+from stereorecal.report._repair_figures import OVER, ROW_COLOURS, row_scale
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.number_text import percent
 from stereorecal.report.repair_report import RepairReport, Sight
@@ -65,7 +65,7 @@ def row_pictures(report: RepairReport) -> list[UInt8[np.ndarray, "h w 3"]]:
     where nothing matched. Empty if none was measured."""
     if report.rows is None:
         return []
-    norm, image = row_scale(report.rows), report.after.left
+    (norm, _), image = row_scale(report.rows), report.after.left
     found = []
     for field in (report.rows.field_before, report.rows.field_after):
         colours = 255.0 * matplotlib.colormaps[ROW_COLOURS](norm(np.nan_to_num(field)))[..., :3]
@@ -85,7 +85,7 @@ def verdict_text(report: RepairReport) -> str:
     )
     if report.rows is not None:
         parts.append(
-            f"**Epipolar error**: white is aligned, full colour {largest_row(report.rows):.2g} px, on a scale that is "
+            f"**Epipolar error**: white is aligned, full colour {row_scale(report.rows)[1]:.2g} px, on a scale that is "
             "logarithmic beyond 0.2 px; no colour: too few matches there."
         )
     return "\n\n".join(parts)

@@ -17,6 +17,9 @@ INK = "#010203"  # placeholder for the text colour of the page
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "font.size": 11,
+    "figure.constrained_layout.use": True,
+    "legend.frameon": False,
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right"), False),
     **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"), INK),
 }
 

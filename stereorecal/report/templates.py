@@ -1,5 +1,7 @@
 """Pages from templates, in which everything that is not markup is escaped; and settings as rows of a table."""
 
+import base64
+import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,8 +12,13 @@ from markupsafe import Markup as Markup  # which jinja2 brings: the one that peo
 from stereorecal.report.number_text import between, change, count, distance, number, percent
 
 
-def rendered(template: str | Path, **values: Any) -> str:
-    """The page of a template: one of this folder, or a file that may include them."""
+def rendered(template: str | Path, *, script: Path | None = None, **values: Any) -> str:
+    """The page of a template: one of this folder, or a file that may include them. It has the text of its script, and
+    the hash by which it allows that one and no other."""
+    if script is not None:
+        text = script.read_text(encoding="utf-8")
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
+        values |= {"script": Markup(text), "script_hash": digest}
     environment = Environment(
         loader=FileSystemLoader([Path(__file__).parent, Path(template).parent]),
         autoescape=True,

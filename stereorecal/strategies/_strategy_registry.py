@@ -14,17 +14,12 @@ _REGISTRY = Registry[AbstractStrategy](
     error=StrategyError,
     example="compass",
     elsewhere={
-        "compass": ("'stereorecal[default]'", "compass"),
-        "gradient-descent": ("'stereorecal[default]'", "compass"),
-        "secant": ("'stereorecal[default]'", "compass"),
-        "levenberg-marquardt": ("stereorecal-levenberg-marquardt", "levenberg-marquardt"),
-        "optimistix-": ("stereorecal-optimistix", "optimistix"),
-        "nlopt-": ("stereorecal-nlopt", "nlopt"),
-        "essential-matrix": ("stereorecal-features", "features"),
-        "features": ("stereorecal-features", "features"),
-        "superpoint": ("stereorecal-features", "features"),
-        "xfeat": ("stereorecal-features", "features"),
-        "colmap": ("stereorecal-colmap", "colmap"),
+        **dict.fromkeys(("compass", "gradient-descent", "secant"), "compass"),
+        "levenberg-marquardt": "levenberg-marquardt",
+        "optimistix-": "optimistix",
+        "nlopt-": "nlopt",
+        **dict.fromkeys(("essential-matrix", "features", "superpoint", "xfeat"), "features"),
+        "colmap": "colmap",
     },
 )
 

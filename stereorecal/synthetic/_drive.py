@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import groupby
 from pathlib import Path
 
 import cv2
@@ -187,13 +188,11 @@ def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] 
         folder: of the cache (15 MB for 100 frames); default: in the user's cache.
     """
     cache_folder = user_cache_path("stereorecal") / "drives" if folder is None else Path(folder)
-    place, images = -1, None
-    for frame in range(first, len(drive)):
-        if images is None or drive.place(frame) != place:
-            place = drive.place(frame)
-            images = _cached(drive, place, cache_folder)
-        left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
-        yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
+    for place, frames in groupby(range(first, len(drive)), drive.place):
+        images = _cached(drive, place, cache_folder)
+        for frame in frames:
+            left, right = images[frame - drive.frames_at(place)[0]].astype(np.float32)
+            yield Pair(left, right, f"{drive.tour}-{drive.seed}-{frame:05d}")
 
 
 def _cached(drive: Drive, place: int, folder: Path) -> _Images:
@@ -222,7 +221,8 @@ def _sources() -> str:
 
 
 def _rendered(drive: Drive, place: int) -> _Images:
-    kind, frames, weather = drive.kind(place), drive.frames_at(place), drive.weather[place * len(drive.frames_at(0))]
+    kind, frames = drive.kind(place), drive.frames_at(place)
+    weather = drive.weather[frames[0]]
     world = make_world(kind, 1000 * drive.seed + place)
     draw = np.random.default_rng([drive.seed, place, 29])
     course = drawn_course(draw, world.eye, _SPEED[kind], _SWAY_ON_LAND if kind == "street" else _SWAY_AFLOAT)

@@ -139,7 +139,7 @@ def _supersampled_rays(size: tuple[int, int], matrix: bytes, distortion: bytes, 
     lens. The camera is given by its numbers, so that scenes of equal cameras share them; the samples lie a quarter of
     a pixel off the pixel centres, near enough for a first-order expansion."""
     camera = Camera(size, np.frombuffer(matrix).reshape(3, 3), np.frombuffer(distortion), model=model)
-    centre = np.asarray(_camera_rays(camera, jnp.asarray(pixel_grid(size), jnp.float32)))
+    centre = pixel_rays(camera)
     down, across = (np.float32(0.25) * slope for slope in np.gradient(centre, axis=(0, 1)))
     fine = np.empty((2 * size[1], 2 * size[0], 3), np.float32)
     for row, sign_y in enumerate((-1, 1)):

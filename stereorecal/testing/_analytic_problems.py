@@ -8,7 +8,7 @@ and where they run: a strategy cannot hide evaluations inside JAX.
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -25,33 +25,31 @@ Score = Callable[[Any], Any]  # (..., n) -> (...), NumPy or traced
 class Meter:
     """Counts the evaluations of a problem on both faces, whether a strategy declares them or not."""
 
-    _traced: dict[int, float] = {}  # noqa: RUF012  shared: the callbacks of compiled programs look them up
-    _farthest: dict[int, float] = {}  # noqa: RUF012
-    _created = 0
+    _all: ClassVar[list["Meter"]] = []  # by their keys: the callbacks of compiled programs look them up
 
     def __init__(self) -> None:
-        self.on_host = 0
-        Meter._created += 1
-        self.key = Meter._created
-        Meter._traced[self.key] = Meter._farthest[self.key] = 0.0
+        self.on_host, self._traced, self._farthest = 0, 0, 0.0
+        self.key = len(Meter._all)
+        Meter._all.append(self)
 
     @property
-    def total(self) -> float:
+    def total(self) -> int:
         """Evaluations so far; a value with its gradient, or residuals with their Jacobian, count n + 1."""
         jax.effects_barrier()
-        return self.on_host + Meter._traced[self.key]
+        return self.on_host + self._traced
 
     @property
     def farthest(self) -> float:
         """The largest absolute coordinate at which a traced function was evaluated."""
         jax.effects_barrier()
-        return Meter._farthest[self.key]
+        return self._farthest
 
     @staticmethod
     def tick(key: AnyArray, coordinate: AnyArray, count: int) -> None:
         """Called from inside compiled programs."""
-        Meter._traced[int(key)] += count
-        Meter._farthest[int(key)] = max(Meter._farthest[int(key)], float(coordinate))
+        meter = Meter._all[int(key)]
+        meter._traced += count
+        meter._farthest = max(meter._farthest, float(coordinate))
 
 
 @register_pytree

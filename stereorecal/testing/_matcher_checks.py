@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.matching import AbstractMatcher, Disparity
+from stereorecal.matching import AbstractMatcher
 from stereorecal.testing._checks import CheckResult, Checks
 
 _SIZE = (160, 96)
@@ -51,7 +51,8 @@ def searches_its_range(matcher: AbstractMatcher) -> None:
     for lowest, shift in ((-8, -4), (4, 9)):
         ranged = matcher_at(matcher, lowest, 24)
         _assert_finds(ranged, shift)
-        values = _values(ranged.match(*_shifted_wall(shift)))
+        found = ranged.match(*_shifted_wall(shift))
+        values = np.asarray(found.values)[np.asarray(found.valid)]
         assert values.min() > lowest - 1, f"it finds {values.min()} below min_disparity {lowest}"
         assert values.max() < lowest + 24, f"it finds {values.max()}, beyond its range"
 
@@ -188,12 +189,6 @@ def _shifted_wall(shift: float) -> tuple[Image, Image]:
         cv2.remap(wide, columns + np.float32(margin + half), rows, cv2.INTER_CUBIC) for half in (-shift / 2, shift / 2)
     )
     return np.clip(left, 0, 255), np.clip(right, 0, 255)
-
-
-def _values(found: Disparity) -> Float[np.ndarray, "n"]:
-    values = np.asarray(found.values)[np.asarray(found.valid)]
-    assert values.size, "it finds no valid disparity"
-    return values
 
 
 def _assert_finds(matcher: AbstractMatcher, shift: float) -> None:

@@ -75,6 +75,7 @@ def test_a_wrong_name_or_number_is_said_at_once(tmp_path: Path, at_once):
         ("score scene --zzzz", "unrecognized arguments: --zzzz; see"),
         ("--verison score", "unrecognized arguments: --verison (did you mean --version?); see"),
         ("recalibrate sc --quite also", "unrecognized arguments: --quite also (did you mean --quiet?); see"),
+        ("convert a b --format ros", "unrecognized arguments: --format ros (did you mean --from or --to?); see"),
         ("diff a b c --jsno", "unrecognized arguments: c --jsno (did you mean --json?); see"),
         ("scoer scene", "unknown command 'scoer' (did you mean score?); see stereorecal --help"),
         (

@@ -35,6 +35,7 @@ def reported(solution: sr.Solution, pairs, **settings) -> RepairReport:
 
 def test_all_that_repeats_a_repair(repaired, harbour):
     said = reported(repaired, harbour).settings
+    assert reported(repaired, harbour, output="new.json").advice.endswith("--output new.json).")
     assert said["free"][:6] == ["pitch", "yaw", "roll", "y", "z", "left.f"]
     assert said["reach"] == {"degrees": 3.0, "baseline_fraction": 0.03}
     assert said["budget"] == {"evaluations": 200, "seconds": None}

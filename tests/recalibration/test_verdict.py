@@ -116,7 +116,7 @@ def test_what_became_of_depth_is_said_once(repaired, share, low):
     }
     for verdict, line in lines.items():
         assert (verdict in found.verdict) == (line in str(found))
-    assert ("not measurably off" in found.verdict) == (low < 0 < share)
+    assert ("depth not significantly changed" in found.verdict) == (low < 0 < share)
 
 
 @pytest.mark.parametrize("failed", [*Criterion, None])

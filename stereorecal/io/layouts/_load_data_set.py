@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from stereorecal._errors import InputError, existing_folder
-from stereorecal._plugins import entry_points
+from stereorecal._plugins import entry_points, install_line
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._load_rig import warn_of_file
 from stereorecal.io.layouts import _data_sets, _own_folders
@@ -41,7 +41,7 @@ _LAYOUTS: tuple[Layout, ...] = (
     _data_sets.EUROC,
 )
 _GROUP = "stereorecal.layouts"
-_INSTALL = "run: pip install stereorecal-field (in a clone: pip install -e plugins/field)"
+_INSTALL = f"run: {install_line('field')}"
 _OF_FIELD = ("im0.png", "*/im0.png", "frames/*L.jpg", "video_data/*/frames", "calibration/calibration-*.yaml")
 
 

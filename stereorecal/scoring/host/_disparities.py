@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal._arrays import AnyArray, Extrinsics
-from stereorecal._compile_cache import cached_program
+from stereorecal._compile_cache import CachedProgram
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import TILES, Correspondences, gathered, refined
 from stereorecal.scoring._count import count_scaled
@@ -23,7 +23,7 @@ _LARGEST_HALO = 0.1  # of the rows of a block
 _AT_ONCE = 64  # candidates in one call of a GPU, at most
 _PIXELS_AT_ONCE = 2**22  # of them together, which take some hundred bytes each
 
-_refined = cached_program(refined)
+_refined = CachedProgram(refined)
 
 
 class Block(NamedTuple):
@@ -57,7 +57,7 @@ def compiled_rotations(extrinsics: Float[AnyArray, "6"]) -> Rotations:
     return np.asarray(_rotations(np.asarray(extrinsics, np.float32))[0])
 
 
-@cached_program
+@CachedProgram
 def _rotations(extrinsics: Extrinsics) -> tuple[jax.Array, ...]:
     return (rotations_by(extrinsics),)
 
@@ -67,7 +67,7 @@ def rectified_frame(data: ScoringData, rotations: Rotations) -> Rectified:
     return Rectified(*rectified(data, rotations))
 
 
-@cached_program
+@CachedProgram
 def rectified(data: ScoringData, rotations: Rotations) -> tuple[jax.Array, ...]:
     """The rectified images and areas of the one frame of `data`, in the order of `Rectified`."""
     frames = rectify_frames(data, rotations, lambda frame: frame)
@@ -109,7 +109,7 @@ def _match(matcher: AbstractMatcher, frame: Rectified) -> Disparity:
     return Disparity(*_compiled_match(frame, matcher=matcher)) if matcher.traceable else match_frame(matcher, frame)
 
 
-@partial(cached_program, static=("matcher",))
+@partial(CachedProgram, static=("matcher",))
 def _compiled_match(frame: Rectified, *, matcher: AbstractMatcher) -> tuple[AnyArray, ...]:
     found = match_frame(matcher, frame)
     return found.values, found.valid

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
-from stereorecal._compile_cache import cached_program
+from stereorecal._compile_cache import CachedProgram
 from stereorecal.geometry import StereoRig, cubic_warp, rectifying_rotations, with_unit_baseline
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._correspondences import SMALLEST_SPREAD
@@ -49,7 +49,7 @@ def match_pixels(
     return found
 
 
-@cached_program
+@CachedProgram
 def _offsets(data: ScoringData, rotations: Rotations, found: Disparity) -> tuple[jax.Array, jax.Array, jax.Array]:
     """Disparity, row offset and whether they are good, of each pixel of one frame."""
 

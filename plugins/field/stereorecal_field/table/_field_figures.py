@@ -38,7 +38,7 @@ def error_against_seconds(data: Mapping[str, Any]) -> str:
     judges = list(dict.fromkeys(map(panel_of, data["summary"])))
     down = -(-len(judges) // _ACROSS)
     with style(("seconds", judges)):
-        figure = Figure(figsize=(10.5, 3.1 * down), layout="constrained")
+        figure = Figure(figsize=(10.5, 3.1 * down))
         panels = figure.subplots(down, _ACROSS, squeeze=False).ravel()
         for axes in panels[len(judges) :]:
             axes.set_visible(False)
@@ -73,7 +73,6 @@ def _scatter(axes: Axes, judge: str, rows: Sequence[Row], letters: Mapping[str, 
         axis.axes.set(**{f"{axis.axis_name}lim": (min(low, middle / _DECADE), max(high, middle * _DECADE))})
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    axes.spines[["top", "right"]].set_visible(False)
 
 
 def coverage(data: Mapping[str, Any]) -> str | None:
@@ -83,7 +82,7 @@ def coverage(data: Mapping[str, Any]) -> str | None:
     if not found:
         return None
     with style(("coverage", list(found))):
-        figure = Figure(figsize=(5.2, 1.1 + 0.42 * len(found)), layout="constrained")
+        figure = Figure(figsize=(5.2, 1.1 + 0.42 * len(found)))
         axes = figure.subplots()
         for place, (held, of) in enumerate(found.values()):
             low, high = _binomial(held, of)
@@ -92,7 +91,6 @@ def coverage(data: Mapping[str, Any]) -> str | None:
         axes.axvline(0.95, color=INK, linestyle=":", linewidth=1)
         axes.set_yticks(range(len(found)), [f"{name} ({held} of {of})" for name, (held, of) in found.items()])
         axes.set(ylim=(len(found) - 0.5, -0.5), xlim=(0, 1.02), xlabel="share of stated intervals that hold the truth")
-        axes.spines[["top", "right"]].set_visible(False)
         return svg(figure, "coverage of stated intervals, by method")
 
 
@@ -102,7 +100,7 @@ def harm(data: Mapping[str, Any]) -> str:
     rows = {name: [row for row in data["summary"] if row["method"] == name] for name in names}
     counts = {name: _kinds(some) for name, some in rows.items() if sum(row["trials"] for row in some)}
     with style(("harm", names)):
-        figure = Figure(figsize=(7.2, 1.5 + 0.36 * len(counts)), layout="constrained")
+        figure = Figure(figsize=(7.2, 1.5 + 0.36 * len(counts)))
         axes = figure.subplots()
         for place, numbers in enumerate(counts.values()):
             left = 0.0
@@ -114,8 +112,7 @@ def harm(data: Mapping[str, Any]) -> str:
                 left += share
         axes.set_yticks(range(len(counts)), list(counts))
         axes.set(ylim=(len(counts) - 0.5, -0.5), xlim=(0, 1), xlabel="share of the trials")
-        axes.spines[["top", "right"]].set_visible(False)
-        figure.legend(loc="outside upper center", ncols=2, frameon=False)
+        figure.legend(loc="outside upper center", ncols=2)
         return svg(figure, "outcomes of all trials, by method: harmful, accepted, kept, refused")
 
 

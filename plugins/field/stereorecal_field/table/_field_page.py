@@ -3,8 +3,6 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-import base64
-import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -22,7 +20,6 @@ def field_page(data: Mapping[str, Any]) -> str:
     Args:
         data: of the table's JSON.
     """
-    script = _SCRIPT.read_text(encoding="utf-8")
     summary = data["summary"]
     covered = coverage(data) if summary else None
     return rendered(
@@ -37,6 +34,5 @@ def field_page(data: Mapping[str, Any]) -> str:
         before_and_after=before_and_after,
         depth_at=depth_at,
         panel_of=panel_of,
-        script=Markup(script),
-        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii"),
+        script=_SCRIPT,
     )
