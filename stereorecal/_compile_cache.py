@@ -112,7 +112,8 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
     def flat(*leaves: jax.Array) -> Leaves:
         return function(*jax.tree.unflatten(structure, leaves), **statics)
 
-    flat.__name__ = function.__name__
+    # A name of its own, by which JAX does not find it: what its cache has loaded cannot be written whole again.
+    flat.__name__ = f"{function.__name__}_{uuid.uuid4().hex}"
     program = jax.jit(flat).lower(*shapes).compile()
     with suppress(Exception):  # a full disk, a folder that has gone, a platform that cannot: not cached
         _write(path, zlib.compress(pickle.dumps(serialize_executable.serialize(program)), 1))

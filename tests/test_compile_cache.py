@@ -50,6 +50,18 @@ def test_traced_once_for_all_processes(folder):
     assert len(list(folder.iterdir())) == 1
 
 
+def test_made_anew_beside_what_jax_keeps_it_is_whole(folder, settings_of_jax):
+    """A program that JAX read from its own cache would be written without its code."""
+    settings_of_jax(jax_persistent_cache_min_compile_time_secs=0.0)
+    for _ in range(3):
+        np.testing.assert_array_equal(result(times=4)[0], [12, 12, 12])
+        for path in folder.iterdir():
+            path.unlink()
+    result(times=4)
+    np.testing.assert_array_equal(result(times=4, value=2.0)[0], [16, 16, 16])
+    assert len(TRACES) == 4
+
+
 def test_everything_that_makes_another_program_does(folder):
     call = _compile_cache.CachedProgram(program, static=("matcher", "times"))
     for static in ({}, {"times": 2}, {"matcher": SAD(num_disparities=16)}, {"matcher": SAD(num_disparities=32)}):

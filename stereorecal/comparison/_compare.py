@@ -191,7 +191,8 @@ def _planned(
         "budget": asdict(budget),
         "free": list(free.names),
     }
-    shown = {one.scene.name: one for one in judged}
+    # Of each scene the pair that is shown, and not a whole recording.
+    shown = {one.scene.name: replace(one, scene=replace(one.scene, pairs=one.scene.pairs[:1])) for one in judged}
     return tasks, Comparison(settings, made_with, tuple(map(_described, judged)), (), interrupted=True, shown=shown)
 
 
