@@ -28,8 +28,7 @@ from stereorecal.io.formats._numbers import (
 from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
-    essential,
-    fundamental,
+    epipolar_matrices,
     options_of,
     rectification_of,
 )
@@ -114,11 +113,8 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
         counts = [count for count in _COUNTS if count >= size_of(matrices.content, lens)]
         values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
         values |= matrix_values(matrices.content, lens, coefficients(camera, counts, "OpenCV", "", OF_OPENCV))
-    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | {
-        "E": essential(rig),
-        "F": fundamental(rig),
-    }
-    regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
+    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | epipolar_matrices(rig)
+    regions = {name: made[key] for key, names in _REGIONS.items() for name in names}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     for key, array in arrays.items():
         name = matrices.own_name(key) or key
