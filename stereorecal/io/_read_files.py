@@ -43,11 +43,12 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
 
 @contextmanager
 def about(subject: Any) -> Iterator[None]:
-    """Prefix the message of any InputError raised inside with `subject`, such as a path; its class is kept."""
+    """Prefix the message of any InputError raised inside with `subject`, such as a path, unless that is empty; its
+    class is kept."""
     try:
         yield
     except InputError as error:
-        raise type(error)(f"{subject}: {error}") from error
+        raise type(error)(f"{subject}: {error}" if subject != "" else f"{error}") from error
 
 
 @contextmanager
