@@ -84,10 +84,11 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    read = partial(load_pairs, left, right, limit)
-    return calibrated_scene(
-        str(left), lambda sizes: read(sizes=sizes), calibration, format=format, unit=unit, cameras=cameras
-    )
+
+    def read(sizes: Sizes | None) -> Sequence[Pair]:
+        return load_pairs(left, right, limit, sizes=sizes)
+
+    return calibrated_scene(str(left), read, calibration, format=format, unit=unit, cameras=cameras)
 
 
 def calibrated_scene(
@@ -152,12 +153,12 @@ def _assembled(
     read = pairs(sizes)
     found = load(replace(hints, size=read[0].size if read else None))
     found = replace(found, rig=None if found.rig is None else at_common_size(found.rig))
-    with about(where):
-        if found.rig is not None and not read:
+    if found.rig is not None and not read:
+        with about(where):
             check_pairs(found.rig, read)  # says that there is none
-        scene = Scene(name, found.rig, tuple(_fitting(found, pair) for pair in read), found.reference, found.info)
+    fitted = tuple(_fitting(where, found, pair) for pair in read)
     remark_sizes(where, sizes)
-    return scene
+    return Scene(name, found.rig, fitted, found.reference, found.info)
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
@@ -174,23 +175,19 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
 
 def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
     """The pairs, each turned and checked when it is read; messages begin with `where`."""
-    return pairs.mapped(partial(_fitting_about, where, calibration))
+    return pairs.mapped(partial(_fitting, where, calibration))
 
 
-def _fitting_about(where: Path, calibration: Calibration, pair: Pair) -> Pair:
-    with about(where):
-        return _fitting(calibration, pair)
-
-
-def _fitting(calibration: Calibration, pair: Pair) -> Pair:
+def _fitting(where: Path | str, calibration: Calibration, pair: Pair) -> Pair:
     width, height = calibration.sizes[0]
-    if pair.size == (height, width) != (width, height):
-        raise InputError(
-            f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the images "
-            "are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
-        )
-    if calibration.rig is not None:
-        return check_pairs(calibration.rig, pair)[0]
-    if pair.size != (width, height):
-        raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
+    with about(where):
+        if pair.size == (height, width) != (width, height):
+            raise InputError(
+                f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the "
+                "images are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
+            )
+        if calibration.rig is not None:
+            return check_pairs(calibration.rig, pair)[0]
+        if pair.size != (width, height):
+            raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
     return pair
