@@ -34,7 +34,7 @@ class RectifyOptions:
 def options_of(read: Callable[[], StereoRig], P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
     """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
     cropped images."""
-    if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
+    if P1[0, 0] <= 0.0:
         return usual
     rig = read()
     if rig.is_wide:
