@@ -13,7 +13,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._numbers import coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._poses import Link, inverse, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._nodes import Keys, Values, at
@@ -104,8 +104,7 @@ def _write_depthai(rig: StereoRig, documents: Documents, hints: Hints, changed: 
     for side, camera in changed.items():
         data, stated = _data(content, sockets[side])
         size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
-        counts = [count for count in (4, 5, 8, 12, 14) if count >= least]
-        lens = coefficients(camera, counts, "DepthAI", "opencv", OF_OPENCV)
+        lens = coefficients(camera, (4, 5, 8, 12, 14), "DepthAI", "opencv", least)
         values[(*data, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
         values[(*data, "distortionCoeff")] = np.pad(lens, (0, max(0, least - lens.size))).tolist()
     return [values]

@@ -14,7 +14,6 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._matrix_search import MATRICES, Matrices, matrices_in
 from stereorecal.io.formats._numbers import (
-    OF_OPENCV,
     Array,
     camera_matrix,
     coefficients,
@@ -97,7 +96,7 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
         storage.write(_FISHEYE, 1)
     for side, camera in enumerate((rig.left, rig.right), start=1):
         storage.write(f"K{side}", np.eye(3))
-        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "OpenCV", "", OF_OPENCV).size)))
+        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "OpenCV", "").size)))
     for key, shape in _SHAPES.items():
         storage.write(key, np.zeros(shape))
     return (storage.releaseAndGetString(),)
@@ -110,9 +109,9 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     matrices, values = matrices_in(documents), dict[Keys, Any]()
     for side, camera in changed.items():
         matrix, lens = ((matrices.names[f"{role}{side + 1}"],) for role in "KD")
-        counts = [count for count in _COUNTS if count >= size_of(matrices.content, lens)]
+        terms = coefficients(camera, _COUNTS, "OpenCV", "", size_of(matrices.content, lens))
         values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
-        values |= matrix_values(matrices.content, lens, coefficients(camera, counts, "OpenCV", "", OF_OPENCV))
+        values |= matrix_values(matrices.content, lens, terms)
     made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | epipolar_matrices(rig)
     regions = {name: made[key] for key, names in _REGIONS.items() for name in names}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}

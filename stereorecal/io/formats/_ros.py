@@ -15,7 +15,6 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._kitti import in_projection
 from stereorecal.io.formats._numbers import (
-    OF_OPENCV,
     check_no_lens,
     coefficients,
     image_size,
@@ -220,8 +219,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
-    counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
-    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal", OF_OPENCV)
+    lens = coefficients(camera, (4, 5, 8) if least <= 8 else (12, 14), "ROS", "opencv or stereorecal", least)
     return camera.model if camera.model != Camera.model else _MODELS[lens.size >= 8], lens
 
 

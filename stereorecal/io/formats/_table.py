@@ -16,13 +16,13 @@ from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Cameras, Documents, Hints
 from stereorecal.io.formats._numbers import (
     Array,
-    check_held,
     check_no_lens,
     coefficients,
     has_lens,
     image_size,
     key_name,
     matrix_values,
+    not_held,
     numbers,
     pinhole_matrix,
     pinhole_numbers,
@@ -148,7 +148,7 @@ class Table:
             said = [word for word, lens in self.lenses.items() if lens.model == camera.model]
             said = [word for word in said if self.lenses[word] != Lens() or not has_lens(rig)]
             if not said:
-                check_held(camera, (), self.holder)
+                raise not_held(camera, self.holder)
             lens = self.lenses[said[0]]
             new: dict[Places, Any] = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
             new[self.size] = list(camera.size)
@@ -187,6 +187,8 @@ class Table:
     def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
         """What to write for a camera."""
         lens, terms = self.lens(content, name), np.asarray(camera.distortion, float)
+        if camera.model != lens.model:
+            raise not_held(camera, self.holder)
         if lens.model == Camera.model:
             counts = lens.counts if isinstance(lens.terms, str) or lens.radial else (len(lens.terms),)
             terms = coefficients(camera, counts, self.holder, "opencv, ros or depthai")
