@@ -4,6 +4,7 @@ in its name, and the side of a camera that it names; and the calib.json into whi
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -139,10 +140,8 @@ def calibration_template(paths: Sequence[AnyPath]) -> str:
     for path in map(Path, paths):
         if not path.exists():
             raise InputError(f"{path}: there is no such file; check the path.")
-        try:
+        with suppress(InputError):
             documents.append(read_document(path))
-        except InputError:
-            continue
     cameras = {f"{key}_{side}": rows for side in ("left", "right") for key, rows in _ROWS.items()}
     content: dict[str, Any] = {"image_size": [None, None], **cameras, "distortion_model": "opencv"}
     content |= {"R": [[None] * 3] * 3, "T": [None] * 3}
