@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,11 @@ class FrameSource:
     names: tuple[str, ...]  # of the frames
     times: Float[np.ndarray, "n"] | None  # (n,) seconds, ascending; None if they are not known
     read: Callable[[int], Image]  # makes the image of a number; raises InputError if it is damaged
+
+    @staticmethod
+    def of_files(where: str, files: Sequence[Path], times: Float[np.ndarray, "n"]) -> "FrameSource":
+        """Files, of which times are known, in place of their images."""
+        return FrameSource(where, tuple(file.name for file in files), times, files.__getitem__)
 
 
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:

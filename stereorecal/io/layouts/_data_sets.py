@@ -208,9 +208,7 @@ def _shots(camera: Path) -> FrameSource:
         times = np.array(["NaT"], "datetime64[ns]")
     if np.isnat(times).any():
         raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
-    paths = list(files.values())
-    names = tuple(path.name for path in paths)
-    return FrameSource(str(path), names, (times - _BEFORE) / np.timedelta64(1, "s"), paths.__getitem__)
+    return FrameSource.of_files(str(path), [*files.values()], (times - _BEFORE) / np.timedelta64(1, "s"))
 
 
 KITTI_RAW = _DataSet(
