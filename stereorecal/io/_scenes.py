@@ -142,12 +142,10 @@ def _assembled(
 ) -> Scene:
     """The scene of pairs and of what `load` finds, about `where`, which may depend on the size of the images."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            sizes = load(hints).sizes
-            # A calibration that is scaled to images of any size says none for each camera.
-            if sizes[0] != sizes[1] and load(replace(hints, size=common_size(sizes))).sizes != sizes:
-                sizes = None
+        sizes = load(hints).sizes
+        # A calibration that is scaled to images of any size says none for each camera.
+        if sizes[0] != sizes[1] and load(replace(hints, size=common_size(sizes))).sizes != sizes:
+            sizes = None
     except InputError:  # which is said below
         sizes = None
     read = pairs(sizes)
