@@ -13,7 +13,7 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._kitti import in_projection
+from stereorecal.io.formats._kitti import camera_and_place
 from stereorecal.io.formats._numbers import (
     check_no_lens,
     coefficients,
@@ -171,9 +171,7 @@ def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:
         camera = Camera(size, matrix, lens, model=model)
         if not np.any(projection):
             raise InputError(f"{names['projection']} is 0; calibrate the two as stereo.")
-        with about(names["projection"]):
-            _, place = in_projection(projection, size)
-    return camera, rotation, place
+        return camera, rotation, camera_and_place(content, names["projection"], size)[1]
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
@@ -198,14 +196,14 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     parts = _chosen(documents, hints)
     P1, P2 = (numbers(part.content, part.keys["projection"], (3, 4)) for part in parts)
     options = options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
-    made, wanted = rectification_of(rig, options), changed
+    made = rectification_of(rig, options)
     found = [dict[Keys, Any]() for _ in documents]
     for side, part in enumerate(parts):
         content, names, values = part.content, part.keys, dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
-        if side in wanted:
-            model, lens = _lens(wanted[side], size_of(content, (names["lens"],)))
-            arrays[names["matrix"]] = np.asarray(wanted[side].matrix)
+        if side in changed:
+            model, lens = _lens(changed[side], size_of(content, (names["lens"],)))
+            arrays[names["matrix"]] = np.asarray(changed[side].matrix)
             if model == "equidistant":
                 arrays[names["lens"]] = lens
             elif np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
