@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
+from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints
@@ -134,20 +135,21 @@ def said_of(documents: Documents) -> str:
     return f"{has} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
 
 
-def calibration_template(paths: Sequence[AnyPath]) -> str:
-    """A calib.json without numbers, and beside them, under `found`, those of some files, to be copied from there."""
+def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
+    """Write a calib.json to be filled in, and beside its keys, under `found`, the arrays of calibration files of no
+    known form; InputError if one is missing, or the place cannot be written to."""
     documents: list[Document] = []
-    for path in map(Path, paths):
-        if not path.exists():
-            raise InputError(f"{path}: there is no such file; check the path.")
+    for file in map(Path, paths):
+        if not file.exists():
+            raise InputError(f"{file}: there is no such file; check the path.")
         with suppress(InputError):
-            documents.append(read_document(path))
+            documents.append(read_document(file))
     cameras = {f"{key}_{side}": rows for side in ("left", "right") for key, rows in _ROWS.items()}
     content: dict[str, Any] = {"image_size": [None, None], **cameras, "distortion_model": "opencv"}
     content |= {"R": [[None] * 3] * 3, "T": [None] * 3}
     entries = entries_of(tuple(documents))
     found = {e.name: e.array.tolist() for e in entries if e.array is not None and e.array.size <= _LARGEST}
-    return strict_json_text({**content, "found": found})
+    write_text(path, strict_json_text({**content, "found": found}), replace=overwrite)
 
 
 MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")

@@ -27,7 +27,6 @@ from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _opencv, _stereorecal
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
-from stereorecal.io.formats._matrix_search import calibration_template
 from stereorecal.io.formats._read_rig import as_in_file, at_common_size, chosen_cameras, named, rig_in, scaled
 from stereorecal.io.formats._rig_file import (
     KEY,
@@ -142,12 +141,6 @@ def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     taken = as_in_file(rig, exchanged=False)
     text = calibration_text(calibration_of(taken, taken.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
-
-
-def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
-    """Write a calib.json to be filled in, with the arrays of calibration files of no known form beside; InputError if
-    one is missing, or the place cannot be written to."""
-    write_files({Path(path): calibration_template(paths).encode()}, replace=overwrite)
 
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:
