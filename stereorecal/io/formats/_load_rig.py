@@ -5,7 +5,8 @@ import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import permutations
+from functools import partial
+from itertools import combinations, permutations
 from pathlib import Path
 
 import numpy as np
@@ -229,15 +230,12 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     """The file of a folder that holds a calibration, or the two that do so together; if none does, the likely ones."""
     if format is None and (folder / _SCENE).is_file():
         return (read_document(folder / _SCENE),)
-    found = _documents_in(folder, format)
-    single = [(document,) for document in found if _is_whole((document,), format, hints)]
+    found, fits = _documents_in(folder, format), partial(_is_whole, format=format, hints=hints)
+    single = [(document,) for document in found if fits((document,))]
     parts = [document for document in found if (document,) not in single][:_MOST_FILES]
-    pairs = dict[frozenset[str], Documents]()
-    for pair in permutations(parts, 2):
-        if _is_whole(pair, format, hints):
-            pairs.setdefault(frozenset(document.name for document in pair), pair)
-    whole = [*single, *pairs.values()]
-    if not whole and 2 < len(found) <= _MOST_TOGETHER and _is_whole(found, format, hints):
+    pairs = [next(filter(fits, permutations(two)), None) for two in combinations(parts, 2)]
+    whole = [*single, *(pair for pair in pairs if pair is not None)]
+    if not whole and 2 < len(found) <= _MOST_TOGETHER and fits(found):
         return found
     if len(whole) == 1:
         return whole[0]
@@ -249,8 +247,8 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
             f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
         )
     for documents in (*permutations(parts, 2), *((document,) for document in found)):
-        fits = format or recognised(documents)
-        if fits is not None and fits.can_read(documents):
+        likely = format or recognised(documents)
+        if likely is not None and likely.can_read(documents):
             return documents  # whose reader says what is wrong with it
     if format is None and len(found) <= 2:
         return found
@@ -272,10 +270,8 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
     cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
-        try:
+        with suppress(InputError):  # something else that lies there
             documents.append(_parsed_file(path, format))
-        except InputError:
-            continue  # something else that lies there
     return tuple(document for document in documents if document.content)
 
 
