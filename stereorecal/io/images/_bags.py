@@ -35,34 +35,30 @@ def bag_folder(path: Path) -> Path:
 
 def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, FrameSource]:
     """The images of two topics of a bag, named and timed by the stamps of their headers."""
-    bag = _opened(path)
+    bag = _Bag(path)
     left, right = (bag.source(topic) for topic in topics)
     return left, right
 
 
 def camera_infos(path: Path, topics: tuple[str, str]) -> dict[str, str]:
     """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw."""
-    bag = _opened(path)
+    bag = _Bag(path)
     found = dict(bag.camera_info(topic) for topic in topics)
     if len(found) < 2:
         raise InputError(f"{path}: {' and '.join(topics)} have the same {next(iter(found))}; give --calibration.")
     return found
 
 
-def _opened(path: Path) -> "_Bag":
-    if not path.exists():
-        raise InputError(f"{path}: there is no such bag; check the path.")
-    if not is_bag(path):
-        raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
-    for file in (path, *path.rglob("*")):
-        note_input(file)
-    return _Bag(path)
-
-
 class _Bag:
     """An open bag."""
 
     def __init__(self, path: Path):
+        if not path.exists():
+            raise InputError(f"{path}: there is no such bag; check the path.")
+        if not is_bag(path):
+            raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
+        for file in (path, *path.rglob("*")):
+            note_input(file)
         with extra("bags", "reading a bag"):
             ros, types = import_module("rosbags.highlevel"), import_module("rosbags.typesys")
         self.path = path
