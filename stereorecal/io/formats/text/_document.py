@@ -118,13 +118,13 @@ def read_document(
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if lines and _lines.numbers_in(text) is not None:
+    if _lines.numbers_in(text) is not None:
         return Syntax.NUMBERS
-    if lines and _OST.search(text):
+    if _OST.search(text):
         return Syntax.SECTIONS
-    if lines and start not in "{<" and _DEVICES.search(text):
+    if start not in "{<" and _DEVICES.search(text):
         return Syntax.DEVICES
-    if lines and start not in "{<" and _INI.search(text):
+    if start not in "{<" and _INI.search(text):
         return Syntax.INI
     if _PYTHON.match(text.lstrip()):
         return Syntax.YAML
