@@ -33,8 +33,7 @@ from stereorecal.io.formats._rectification_matrices import (
 )
 from stereorecal.io.formats.text._nodes import Keys, Values
 
-_REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
-            "validPixROI2")}  # fmt: skip
+_REGIONS = ("roi", "validRoi", "validROI", "validPixROI")  # names of roi1 and roi2, without the number
 _COUNTS = (4, 5, 8, 12, 14)
 _RECTIFY = RectifyOptions(alpha=1.0)  # of stereo_calib
 # Nothing else tells the coefficients of cv2.fisheye from those of a pinhole: OpenCV's own sample writes the first.
@@ -113,7 +112,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
         values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
         values |= matrix_values(matrices.content, lens, terms)
     made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | epipolar_matrices(rig)
-    regions = {name: made[key] for key, names in _REGIONS.items() for name in names}
+    regions = {f"{name}{side}": made[f"roi{side}"] for name in _REGIONS for side in (1, 2)}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     for key, array in arrays.items():
         name = matrices.own_name(key) or key

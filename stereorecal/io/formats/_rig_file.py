@@ -5,6 +5,7 @@ The content of a prior is that of `SavedPrior.as_dict`; here it is JSON data, of
 """
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,13 +91,10 @@ def prior_file(path: Path) -> Path:
 def read_stored_prior(path: Path) -> StoredPrior | None:
     """The file beside a calibration, if there is one."""
     place = prior_file(path)
-    try:
-        if not place.is_file():
-            return None
-    except OSError:  # a name that is too long
+    if not os.path.isfile(place):  # False, too, where the name is too long
         return None
     try:
-        return StoredPrior(str(place), read_json(place, "add it."))
+        return StoredPrior(str(place), read_json(place))
     except InputError as error:
         return StoredPrior(str(place), None, str(error))
 
