@@ -57,9 +57,6 @@ _EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
 def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
     """Numbers of left and right frames that belong together: each the other's nearest, and near enough, in seconds; by
     default within a quarter of the usual interval between left frames."""
-    for source in (left, right):
-        if source.times is None:
-            raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
     first, second = np.asarray(left.times), np.asarray(right.times)
     if tolerance is None:
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
