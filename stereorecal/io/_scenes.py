@@ -9,7 +9,7 @@ from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
@@ -21,8 +21,6 @@ from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
 from stereorecal.io.images._load_pairs import Sizes, common_size, load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
-
-_IF_MISSING = "check the path, or write a calib.json there."
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +44,12 @@ def load_calibration(
     """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
     own, rig, size = None, None, (0, 0)
     if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
-        own = read_json(paths[0], _IF_MISSING)
+        own = read_json(paths[0])
     if isinstance(own, dict) and own.get("K_left", ()) is None and own.get("K_right", ()) is None:
         with about(paths[0]):
             size = image_size(own, "image_size")
     else:
-        rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
+        rig = read_files(paths, format, unit, hints).side_by_side()
         source = file_of(rig)
         own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
     known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
@@ -104,8 +102,7 @@ def calibrated_scene(
     sizes that it says; else as `gather_scene`."""
     paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
     for path in paths:
-        if not path.exists():
-            raise InputError(f"{path}: there is no such file; check the path.")
+        check_there(path)
     where, hints = " and ".join(map(str, paths)), Hints(cameras=checked_cameras(cameras))
     scene = _assembled(name, pairs, where, lambda hints: load_calibration(paths, format, unit, hints), hints)
     warn_of_file(where, scene.rig)

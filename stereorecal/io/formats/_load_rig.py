@@ -85,14 +85,12 @@ def read_files(
     format: str | None = None,
     unit: str | None = None,
     hints: Hints | None = None,
-    if_missing: str = "check the path.",
 ) -> StereoRig:
     """The rig in one file, in a left and a right file, or in a folder that holds such; it remembers where it came from.
 
     Args:
         format: name of the format; default: recognised.
         unit: of lengths in the files; default: that of the format, or inferred from the length of the baseline.
-        if_missing: the end of the message if a file does not exist.
 
     Raises:
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
@@ -100,14 +98,14 @@ def read_files(
     """
     checked_unit(unit)
     hints = hints or Hints()
-    documents, found = _documents_of(paths, format, hints, if_missing)
+    documents, found = _documents_of(paths, format, hints)
     rig = rig_in(documents, found, unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
     """Whether the format of files has a unit of lengths; InputError, as of `read_files`, if it is not recognised."""
-    return _documents_of(paths, format, Hints(), "check the path.")[1].unit is not None
+    return _documents_of(paths, format, Hints())[1].unit is not None
 
 
 def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
@@ -170,20 +168,20 @@ def _doubt_of_unit(rig: StereoRig) -> str | None:
 # --- which files, and of which format
 
 
-def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_missing: str) -> tuple[Documents, Format]:
+def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
     chosen = None if format is None else named(format)
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
-        documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
+        documents = tuple(_parsed_file(path, chosen) for path in paths)
     return documents, chosen or _recognised(documents)
 
 
-def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+def _parsed_file(path: Path, format: Format | None) -> Document:
     """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
     kinds = () if format is None else format.syntax.values()
     of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
-    return read_document(path, of_lines, if_missing, lines=format is None or of_lines is not None)
+    return read_document(path, of_lines, lines=format is None or of_lines is not None)
 
 
 def _half_of(documents: Documents) -> Format | None:
@@ -278,7 +276,7 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
 def _is_whole(documents: Documents, format: Format | None, hints: Hints) -> bool:
     """Whether documents are a whole calibration, and not a part of one."""
     format = format or recognised(documents)
-    if format is None or not format.can_read(documents) or len(documents) < format.files:
+    if format is None or not format.can_read(documents):
         return False
     try:
         rig_in(documents, format, None, hints)

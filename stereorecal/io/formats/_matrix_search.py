@@ -13,7 +13,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import write_text
-from stereorecal.io._read_files import AnyPath
+from stereorecal.io._read_files import AnyPath, check_there
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._numbers import Array, array_or_none, image_size, unpacked
@@ -140,8 +140,7 @@ def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = 
     known form; InputError if one is missing, or the place cannot be written to."""
     documents: list[Document] = []
     for file in map(Path, paths):
-        if not file.exists():
-            raise InputError(f"{file}: there is no such file; check the path.")
+        check_there(file)
         with suppress(InputError):
             documents.append(read_document(file))
     cameras = {f"{key}_{side}": rows for side in ("left", "right") for key, rows in _ROWS.items()}

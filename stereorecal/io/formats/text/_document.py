@@ -105,15 +105,13 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
             raise
 
 
-def read_document(
-    path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.", *, lines: bool = True
-) -> Document:
+def read_document(path: Path, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
     """The text of a file, parsed; `syntax` and `lines` as of `document`. That of a binary file is what it would be as
     JSON."""
     binary = binary_text(path)
     if binary is not None:
         return document(path, binary, Syntax.JSON)
-    return document(path, read_text(path, if_missing), syntax, lines=lines)
+    return document(path, read_text(path), syntax, lines=lines)
 
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
