@@ -181,7 +181,7 @@ def _parsed_file(path: Path, format: Format | None) -> Document:
     """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
     kinds = () if format is None else format.syntax.values()
     of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
-    return read_document(path, of_lines, lines=format is None or of_lines is not None)
+    return read_document(path, of_lines, lines=format is None)
 
 
 def _half_of(documents: Documents) -> Format | None:

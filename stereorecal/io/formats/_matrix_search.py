@@ -110,10 +110,8 @@ def _partners(name: str) -> Iterator[str]:
     """What the right camera's name may be if this is the left one's."""
     for left, right in _SIDES:
         if left in name:
-            places = [found.start() for found in re.finditer(left, name)]
-            yield from dict.fromkeys(
-                [name.replace(left, right), *(name[:at] + right + name[at + len(left) :] for at in places)]
-            )
+            yield name.replace(left, right)
+            yield from (name[: at.start()] + right + name[at.end() :] for at in re.finditer(left, name))
     yield from (f"{name}2", f"{name}_2")
 
 

@@ -249,10 +249,9 @@ def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> S
     """The syntax of what is written under a name, for a rig from a file of the format or from elsewhere."""
     files = len(own.documents) if own else format.files
     if len(paths) != files:
-        two = "two files, left and right; give two names"
+        few = {1: "one file; give one name", 2: "two files, left and right; give two names"}
         many = f"{files} files, as it was read; give as many names, or another format, such as stereorecal"
-        wanted = "one file; give one name" if files == 1 else two if files == 2 else many
-        raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {wanted}.")
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {few.get(files, many)}.")
     usual = own.documents[0].syntax if own else next(iter(format.syntax.values()))
     endings = {path.suffix.lower() for path in paths} - {""}
     first, *others = {format.syntax.get(ending) for ending in endings} or {usual}
