@@ -184,9 +184,9 @@ def _parsed_file(path: Path, format: Format | None) -> Document:
     return read_document(path, of_lines, lines=format is None)
 
 
-def _half_of(documents: Documents) -> Format | None:
-    """The format of which a single file is one of two."""
-    return recognised((documents[0], documents[0])) if len(documents) == 1 else None
+def _half_of(document: Document) -> Format | None:
+    """The format of which a file is one of two."""
+    return recognised((document, document))
 
 
 def _recognised(documents: Documents) -> Format:
@@ -196,16 +196,15 @@ def _recognised(documents: Documents) -> Format:
     if found is not None:
         return found
     names = " and ".join(document.name for document in documents)
-    half = _half_of(documents)
-    if half is not None:
+    looks = [recognised((document,)) or _half_of(document) for document in documents]
+    known = [format for format in looks if format is not None]
+    if known and len(documents) == 1:
         raise InputError(
-            f"{names}: this is one of two files ({half.name}: {half.about}); give both, left before right."
+            f"{names}: this is one of two files ({known[0].name}: {known[0].about}); give both, left before right."
         )
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
         raise InputError(f"{names}: {SEVERAL}")
-    looks = [recognised((document,)) or _half_of((document,)) for document in documents if len(documents) == 2]
-    known = [format for format in looks if format is not None]
-    if not known:
+    if not known or len(documents) > 2:
         raise InputError(f"{names}: {_unknown(documents)}")
     if len(known) == 2 and known[0] is known[1]:
         raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
@@ -244,9 +243,9 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
         raise InputError(
             f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
         )
+    looks = recognised if format is None else format.can_read
     for documents in (*permutations(parts, 2), *((document,) for document in found)):
-        likely = format or recognised(documents)
-        if likely is not None and likely.can_read(documents):
+        if looks(documents):
             return documents  # whose reader says what is wrong with it
     if format is None and len(found) <= 2:
         return found
@@ -281,8 +280,8 @@ def _is_whole(documents: Documents, format: Format | None, hints: Hints) -> bool
     try:
         rig_in(documents, format, None, hints)
     except UnsupportedModelError:
-        return len(documents) == format.files or _half_of(documents) is None
+        return True
     except InputError:
         # One that has an error of its own is to be read, so that it is named; half a calibration is not.
-        return len(documents) == 1 and _half_of(documents) is None and format.name != "opencv"
+        return len(documents) == 1 and _half_of(documents[0]) is None and format.name != "opencv"
     return True
