@@ -192,9 +192,10 @@ def _texts_of(
     """
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)
+    before = rig
     if source is not None:
-        own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
-        rig = _at_own_sizes(rig, own_sizes.turned(rig.turns))
+        before = rig_in(source.documents, named(source.format), source.unit, source.hints).turned(rig.turns)
+        rig = _at_own_sizes(rig, before)
     own = source if source is not None and source.format == chosen.name else None
     syntax = _syntax_for(paths, chosen, own)
     into = own if own is not None and own.documents[0].syntax is syntax else None
@@ -203,7 +204,7 @@ def _texts_of(
         if stated is not None and unit not in (None, stated):
             raise InputError(f"lengths of this {chosen.name} file are in {stated}, not in {unit}; leave the unit out.")
         if into is not None:
-            return _into(rig, chosen, into)
+            return _into(rig, before, chosen, into)
         taken = as_in_file(rig, exchanged=False)
         blanks = tuple(document("a new file", text, syntax) for text in chosen.blank(taken, syntax))
         hints = Hints(size=taken.left.size, rectified=False)
@@ -264,9 +265,8 @@ def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> S
     return first
 
 
-def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
-    """The texts of the source with what has changed."""
-    before = rig_in(source.documents, format, source.unit, source.hints).turned(rig.turns)
+def _into(rig: StereoRig, before: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
+    """The texts of the source, which had another rig before, with what has changed."""
     cameras = ((before.left, rig.left), (before.right, rig.right))
     for old, new in cameras:
         if old.size != new.size:

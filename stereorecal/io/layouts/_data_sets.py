@@ -104,12 +104,9 @@ def _euroc(folder: Path, limit: int | None) -> Iterator[Sequence]:
             f"{left / 'data'}: no image in it has the same time (file name) as one in {right / 'data'}; check both."
         )
     rig = read_files([left / _SENSOR, right / _SENSOR], "euroc")
-    sizes = rig.sizes_taken
-    pairs = load_matched(matched, limit, sizes=sizes)
-    if sizes[0] != sizes[1]:
-        rig = at_common_size(rig)
-        remark_sizes(str(folder), sizes)
-    yield folder, rig, pairs
+    pairs = load_matched(matched, limit, sizes=rig.sizes_taken)
+    remark_sizes(str(folder), rig.sizes_taken)
+    yield folder, at_common_size(rig), pairs
 
 
 EUROC = _DataSet(
