@@ -98,8 +98,8 @@ class Pair:
         size = whole_size(size)
         if size == self.size:
             return self
-        shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
-        return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout, turns=self.turns)
+        left, right = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right))
+        return replace(self, left=left, right=right, origin=None)
 
     def read_out(self, seconds: float) -> "Pair":
         """The pair as rolling shutters took it that take so many seconds from the first row to the last."""

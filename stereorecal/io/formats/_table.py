@@ -130,8 +130,8 @@ class Table:
 
     def _links(self, documents: Documents, names: tuple[str, str]) -> list[Link]:
         """How the cameras stand: both on a body, or the right one on the left one."""
-        links = []
-        for name, document in [*zip(names, (documents[0], documents[-1]), strict=True)][self.pose.between :]:
+        links, sides = [], [*zip(names, (documents[0], documents[-1]), strict=True)]
+        for name, document in sides[1:] if self.pose.between else sides:
             with about(document.name if len(documents) > 1 else ""):
                 motion = self.pose.read(document.content, name)
             links.append(Link(name, names[0] if self.pose.between else "", motion, self.pose.inverted))

@@ -82,8 +82,10 @@ def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
 def _complete(partners: _Partners, left: Files, right: Files) -> Matched:
     """The pairs, where every file has a partner."""
     for side, alone in zip(("right", "left"), _alone(partners, left, right), strict=True):
-        for path in alone:
-            raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
+        if alone:
+            raise InputError(
+                f"{alone[0]}: this image has no partner on the {side} side; add the partner or leave it out."
+            )
     return [*partners.items()]
 
 
