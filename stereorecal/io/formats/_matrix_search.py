@@ -225,8 +225,9 @@ def matrices_in(documents: Documents) -> Matrices:
     if not {names["R"], names["T"]} & content.keys():
         rotations = _pair_of(entries, "the rectifying rotations", _is_rotation)
         projections = _pair_of(entries, "the projection matrices", lambda entry: entry.shape == (3, 4))
-        for role, pair in (("R", rotations), ("P", projections)) if rotations and projections else ():
-            names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair or (), start=1)}
+        if rotations and projections:
+            names |= {f"R{side}": entry.name for side, entry in enumerate(rotations, start=1)}
+            names |= {f"P{side}": entry.name for side, entry in enumerate(projections, start=1)}
     return Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
 
 

@@ -51,8 +51,8 @@ _STATED = {"matlab": "WorldUnits", "stereorecal": "baseline_m"}  # keys of files
 
 def named(name: str) -> Format:
     """The format of that name."""
-    names = tuple(format.name for format in FORMATS)
-    return FORMATS[names.index(checked_choice(name, names, "calibration format"))]
+    known = {format.name: format for format in FORMATS}
+    return known[checked_choice(name, known, "calibration format")]
 
 
 def recognised(documents: Documents) -> Format | None:
