@@ -18,6 +18,7 @@ from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._stereorecal import NAME
 from stereorecal.io.formats.text._document import Syntax, document
+from stereorecal.io.formats.text._nodes import at
 
 KEY = "prior"
 ENDING = ".prior.json"
@@ -33,9 +34,7 @@ class StoredPrior:
 
     def of(self, rig: StereoRig) -> bool:
         """Whether it belongs to a rig."""
-        return self.read(
-            lambda content: same_rig(rig_from_data(content.get("rig") if isinstance(content, dict) else None), rig)
-        )
+        return self.read(lambda content: same_rig(rig_from_data(at(content, ("rig",))), rig))
 
     def read(self, reader: Callable[[Any], Any]) -> Any:
         """The content as a reader has it."""

@@ -28,7 +28,7 @@ from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._nodes import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values, at
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
@@ -65,7 +65,7 @@ class _Part:
 def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
     several, found = document.content.get(DOCUMENTS), list[_Part]()
-    maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
+    maps = [((DOCUMENTS, number), one) for number, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
         sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
         image = sections.pop("image", {})
@@ -77,11 +77,10 @@ def _parts_of(document: Document) -> list[_Part]:
         keys = _spelling(content)
         if keys is None:
             continue
-        header = content.get("header")
-        frame = header.get("frame_id") if isinstance(header, Mapping) else None
+        frame = at(content, ("header", "frame_id"))
         name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
         part = _Part(document.name, content, keys, (place,), str(name))
-        known = next((at for at, other in enumerate(found) if other.said == part.said), None)
+        known = next((number for number, other in enumerate(found) if other.said == part.said), None)
         if known is None:
             found.append(part)
         else:

@@ -130,10 +130,10 @@ def unsaid_unit(rig: StereoRig | None, path: Paths, *, format: str | None = None
     return own if chosen.unit is None else None
 
 
-def prior_beside(rig: StereoRig, path: Paths, *, format: str | None = None) -> Path | None:
+def prior_beside(rig: StereoRig, path: Paths) -> Path | None:
     """The file that `save_rig` writes beside a calibration for its prior; None where it writes none."""
     paths = paths_of(path)
-    return prior_place(paths, _chosen_format(paths, file_of(rig), format).name)
+    return prior_place(paths, _chosen_format(paths, file_of(rig), None).name)
 
 
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
