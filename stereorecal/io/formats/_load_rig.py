@@ -209,10 +209,11 @@ def _recognised(documents: Documents) -> Format:
     if len(known) == 2 and known[0] is known[1]:
         raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
     if len(known) == 2 or known[0].files == 1:
+        first, second = (document.name for document in documents)
         one, other = ("nothing that is known" if format is None else format.name for format in looks)
         raise InputError(
-            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
-            f"{other}; give two of one kind, or the whole one alone."
+            f"these two do not belong together: {first} looks like {one}, {second} like {other}; give two of one kind, "
+            "or the whole one alone."
         )
     return known[0]
 
