@@ -32,6 +32,7 @@ from stereorecal.io._strict_json import (
 )
 from stereorecal.io._tables import load_odometer as load_odometer, load_ranges as load_ranges
 from stereorecal.io.formats._load_rig import has_own_unit as has_own_unit, load_rig as load_rig
+from stereorecal.io.formats._matrix_search import save_template as save_template
 from stereorecal.io.formats._save_rig import (
     calibration_files as calibration_files,
     calibration_json as calibration_json,
@@ -39,7 +40,6 @@ from stereorecal.io.formats._save_rig import (
     prior_beside as prior_beside,
     save_maps as save_maps,
     save_rig as save_rig,
-    save_template as save_template,
     unit_read as unit_read,
     unsaid_unit as unsaid_unit,
 )

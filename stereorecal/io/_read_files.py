@@ -17,15 +17,23 @@ _GZIP = b"\x1f\x8b"
 _files_read: ContextVar[set[Path] | None] = ContextVar("files that were read", default=None)
 
 
-def read_text(path: Path, if_missing: str = "add it.") -> str:
-    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file. The message about one
-    that does not exist ends in `if_missing`."""
+def check_there(path: Path, advice: str = "check the path.") -> None:
+    """Refuse a file that does not exist; what else is wrong with it, a reader says."""
+    try:
+        path.stat()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file; {advice}") from None
+    except OSError:
+        return
+
+
+def read_text(path: Path) -> str:
+    """The text of a UTF-8 file, without byte order mark; ends of lines are those of the file."""
     note_input(path)
+    check_there(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             text = file.read(_MOST_CHARACTERS + 1)
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; {if_missing}") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
     except UnicodeDecodeError:
@@ -43,11 +51,12 @@ def read_text(path: Path, if_missing: str = "add it.") -> str:
 
 @contextmanager
 def about(subject: Any) -> Iterator[None]:
-    """Prefix the message of any InputError raised inside with `subject`, such as a path; its class is kept."""
+    """Prefix the message of any InputError raised inside with `subject`, such as a path, unless that is empty; its
+    class is kept."""
     try:
         yield
     except InputError as error:
-        raise type(error)(f"{subject}: {error}") from error
+        raise type(error)(f"{subject}: {error}" if subject != "" else f"{error}") from error
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from typing import Any
 
 from stereorecal._errors import CalibrationWarning, InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
@@ -21,8 +21,6 @@ from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
 from stereorecal.io.images._load_pairs import Sizes, common_size, load_pairs
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
-
-_IF_MISSING = "check the path, or write a calib.json there."
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,12 +44,12 @@ def load_calibration(
     """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
     own, rig, size = None, None, (0, 0)
     if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
-        own = read_json(paths[0], _IF_MISSING)
+        own = read_json(paths[0])
     if isinstance(own, dict) and own.get("K_left", ()) is None and own.get("K_right", ()) is None:
         with about(paths[0]):
             size = image_size(own, "image_size")
     else:
-        rig = read_files(paths, format, unit, hints, _IF_MISSING).side_by_side()
+        rig = read_files(paths, format, unit, hints).side_by_side()
         source = file_of(rig)
         own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
     known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
@@ -84,10 +82,11 @@ def gather_scene(
     Warns:
         CalibrationWarning: as `load_rig`.
     """
-    read = partial(load_pairs, left, right, limit)
-    return calibrated_scene(
-        str(left), lambda sizes: read(sizes=sizes), calibration, format=format, unit=unit, cameras=cameras
-    )
+
+    def read(sizes: Sizes | None) -> Sequence[Pair]:
+        return load_pairs(left, right, limit, sizes=sizes)
+
+    return calibrated_scene(str(left), read, calibration, format=format, unit=unit, cameras=cameras)
 
 
 def calibrated_scene(
@@ -103,8 +102,7 @@ def calibrated_scene(
     sizes that it says; else as `gather_scene`."""
     paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
     for path in paths:
-        if not path.exists():
-            raise InputError(f"{path}: there is no such file; check the path.")
+        check_there(path)
     where, hints = " and ".join(map(str, paths)), Hints(cameras=checked_cameras(cameras))
     scene = _assembled(name, pairs, where, lambda hints: load_calibration(paths, format, unit, hints), hints)
     warn_of_file(where, scene.rig)
@@ -141,23 +139,21 @@ def _assembled(
 ) -> Scene:
     """The scene of pairs and of what `load` finds, about `where`, which may depend on the size of the images."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            sizes = load(hints).sizes
-            # A calibration that is scaled to images of any size says none for each camera.
-            if sizes[0] != sizes[1] and load(replace(hints, size=common_size(sizes))).sizes != sizes:
-                sizes = None
+        sizes = load(hints).sizes
+        # A calibration that is scaled to images of any size says none for each camera.
+        if sizes[0] != sizes[1] and load(replace(hints, size=common_size(sizes))).sizes != sizes:
+            sizes = None
     except InputError:  # which is said below
         sizes = None
     read = pairs(sizes)
     found = load(replace(hints, size=read[0].size if read else None))
     found = replace(found, rig=None if found.rig is None else at_common_size(found.rig))
-    with about(where):
-        if found.rig is not None and not read:
+    if found.rig is not None and not read:
+        with about(where):
             check_pairs(found.rig, read)  # says that there is none
-        scene = Scene(name, found.rig, tuple(_fitting(found, pair) for pair in read), found.reference, found.info)
+    fitted = tuple(_fitting(where, found, pair) for pair in read)
     remark_sizes(where, sizes)
-    return scene
+    return Scene(name, found.rig, fitted, found.reference, found.info)
 
 
 def remark_sizes(where: str, sizes: Sizes | None) -> None:
@@ -174,23 +170,19 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
 
 def fitting(where: Path, calibration: Calibration, pairs: LazyPairs) -> LazyPairs:
     """The pairs, each turned and checked when it is read; messages begin with `where`."""
-    return pairs.mapped(partial(_fitting_about, where, calibration))
+    return pairs.mapped(partial(_fitting, where, calibration))
 
 
-def _fitting_about(where: Path, calibration: Calibration, pair: Pair) -> Pair:
-    with about(where):
-        return _fitting(calibration, pair)
-
-
-def _fitting(calibration: Calibration, pair: Pair) -> Pair:
+def _fitting(where: Path | str, calibration: Calibration, pair: Pair) -> Pair:
     width, height = calibration.sizes[0]
-    if pair.size == (height, width) != (width, height):
-        raise InputError(
-            f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the images "
-            "are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
-        )
-    if calibration.rig is not None:
-        return check_pairs(calibration.rig, pair)[0]
-    if pair.size != (width, height):
-        raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
+    with about(where):
+        if pair.size == (height, width) != (width, height):
+            raise InputError(
+                f"{pair.name}: the images are {height}x{width}, but the calibration is for {width}x{height}; the "
+                "images are turned by 90 degrees, or those of the calibration were: turn them alike (cv2.rotate)."
+            )
+        if calibration.rig is not None:
+            return check_pairs(calibration.rig, pair)[0]
+        if pair.size != (width, height):
+            raise InputError(f"an image is not {width}x{height} as the calibration says; correct one of them.")
     return pair

@@ -38,16 +38,13 @@ def strict_json_text(content: Any, *, sort_keys: bool = False) -> str:
     return json.dumps(content, indent=1, sort_keys=sort_keys, allow_nan=False) + "\n"
 
 
-def read_json(path: AnyPath, if_missing: str = "check the path.") -> Any:
+def read_json(path: AnyPath) -> Any:
     """The content of a JSON file.
-
-    Args:
-        if_missing: the end of the message if the file does not exist: what to do about it.
 
     Raises:
         InputError: naming the file, if it is missing, unreadable, empty, or refused by `parse_json`.
     """
-    text = read_text(Path(path), if_missing)
+    text = read_text(Path(path))
     with about(path):
         return parse_json(text)
 

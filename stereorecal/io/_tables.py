@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import about, read_text
+from stereorecal.io._read_files import about, check_there, read_text
 from stereorecal.recordings import Odometer, Range
 
 _SIGNS = ";\t|"  # that divide the columns of other tables
@@ -91,6 +91,7 @@ def _parsed_number(cell: str) -> float:
 
 def _lines(path: str | Path, wanted: str) -> list[list[str]]:
     """The cells of each line of a CSV file, without space around them; there is one line, at least."""
+    check_there(Path(path), "add it.")
     text = read_text(Path(path))
     try:
         return [[cell.strip() for cell in line] for line in csv.reader(text.splitlines())]

@@ -99,5 +99,5 @@ def check_two_images(pair: Pair) -> None:
     Raises:
         InputError: if it is.
     """
-    if np.array_equal(pair.left, pair.right) and np.ptp(pair.left) > 0:
+    if np.array_equal(pair.left, pair.right):
         raise InputError(f"{pair.name}: left and right are the same image; give one from each camera.")

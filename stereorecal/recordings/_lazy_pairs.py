@@ -34,7 +34,7 @@ class LazyPairs(PairSequence):
     def __getitem__(self, index: slice) -> "LazyPairs": ...
     def __getitem__(self, index: int | slice) -> "Pair | LazyPairs":
         if isinstance(index, slice):
-            return LazyPairs(self._reads[index], self.names[index], self.times[index])
+            return self.picked(range(len(self))[index])
         return self._reads[index]()
 
     def picked(self, numbers: Sequence[int]) -> "LazyPairs":

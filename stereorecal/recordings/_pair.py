@@ -59,7 +59,7 @@ class Pair:
         if self.time is not None and not (_is_number(self.time) and np.isfinite(self.time)):
             raise InputError(f"{self.name}: a time of {self.time!r} s makes no sense; leave it out if it is not known.")
         for side in ("left", "right"):
-            image = _float32(getattr(self, side), f"{self.name}, {side}")
+            image = _numbers(getattr(self, side), f"{self.name}, {side}").astype(np.float32, copy=False)
             if image.ndim != 2:
                 raise InputError(
                     f"{self.name}: an image of shape {image.shape} is not grey; write sr.make_pair(left, right), "
@@ -98,8 +98,8 @@ class Pair:
         size = whole_size(size)
         if size == self.size:
             return self
-        shrink = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right)]
-        return Pair(shrink[0], shrink[1], self.name, time=self.time, readout=self.readout, turns=self.turns)
+        left, right = (cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (self.left, self.right))
+        return replace(self, left=left, right=right, origin=None)
 
     def read_out(self, seconds: float) -> "Pair":
         """The pair as rolling shutters took it that take so many seconds from the first row to the last."""
@@ -212,11 +212,6 @@ def _numbers(image: Any, name: str) -> np.ndarray:
         what = f"an array of {array.dtype}" if isinstance(image, np.ndarray) else f"a {type(image).__name__}"
         raise InputError(f"{name}: {what} is no image; give an array of grey levels (h, w), or colours (h, w, 3).")
     return array
-
-
-def _float32(image: Any, name: str) -> np.ndarray:
-    array = _numbers(image, name)
-    return array if array.dtype == np.float32 else array.astype(np.float32)
 
 
 def _grey(image: np.ndarray, channels: str, name: str) -> np.ndarray:

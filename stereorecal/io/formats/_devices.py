@@ -13,7 +13,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._numbers import OF_OPENCV, coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._numbers import coefficients, image_size, numbers, pinhole_matrix, scalars, value
 from stereorecal.io.formats._poses import Link, inverse, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._nodes import Keys, Values, at
@@ -50,35 +50,30 @@ def _read_depthai(documents: Documents, hints: Hints) -> StereoRig:
 
 def _blank_depthai(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """A device of two cameras and no name, the left one of which stands on the right one."""
-
-    def standing(on: int = _NOWHERE, x: float = 0.0) -> dict[str, Any]:
-        zero = {"x": 0.0, "y": 0.0, "z": 0.0}
-        return {"rotationMatrix": _EYE, "specTranslation": {**zero, "x": x}, "toCameraSocket": on, "translation": zero}
-
-    def new_camera(camera: Camera, extrinsics: dict[str, Any]) -> dict[str, Any]:
-        width, height = camera.size
-        return {
+    zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+    alone = {"rotationMatrix": _EYE, "specTranslation": zero, "toCameraSocket": _NOWHERE, "translation": zero}
+    left, right = _SOCKETS.values()
+    on_right = alone | {"specTranslation": zero | {"x": -float(rig.baseline)}, "toCameraSocket": right}
+    cameras = [
+        {
             "cameraType": int(camera.model == "equidistant"),
             "distortionCoeff": [0.0] * 14,
             "extrinsics": extrinsics,
-            "height": height,
+            "height": camera.size[1],
             "intrinsicMatrix": _EYE,
             "lensPosition": 0,
-            "specHfovDeg": float(np.degrees(2.0 * np.arctan(0.5 * width / camera.matrix[0, 0]))),
-            "width": width,
+            "specHfovDeg": float(np.degrees(2.0 * np.arctan(0.5 * camera.size[0] / camera.matrix[0, 0]))),
+            "width": camera.size[0],
         }
-
-    left, right = _SOCKETS.values()
+        for camera, extrinsics in ((rig.left, on_right), (rig.right, alone))
+    ]
     content = {
         **dict.fromkeys(_WORDS, ""),
         "batchTime": 0,
         "boardOptions": 0,
-        "cameraData": [
-            [left, new_camera(rig.left, standing(right, -float(rig.baseline)))],
-            [right, new_camera(rig.right, standing())],
-        ],
-        "housingExtrinsics": standing(),
-        "imuExtrinsics": standing(),
+        "cameraData": [[left, cameras[0]], [right, cameras[1]]],
+        "housingExtrinsics": alone,
+        "imuExtrinsics": alone,
         "miscellaneousData": [],
         _STEREO: {**_SOCKETS, "rectifiedRotationLeft": _EYE, "rectifiedRotationRight": _EYE},
         "stereoEnableDistortionCorrection": False,
@@ -104,8 +99,7 @@ def _write_depthai(rig: StereoRig, documents: Documents, hints: Hints, changed: 
     for side, camera in changed.items():
         data, stated = _data(content, sockets[side])
         size, least = image_size(stated, "width", "height"), len(stated["distortionCoeff"])
-        counts = [count for count in (4, 5, 8, 12, 14) if count >= least]
-        lens = coefficients(camera, counts, "DepthAI", "opencv", OF_OPENCV)
+        lens = coefficients(camera, (4, 5, 8, 12, 14), "DepthAI", "opencv", least)
         values[(*data, "intrinsicMatrix")] = np.asarray(_uncut(camera, size).matrix).tolist()
         values[(*data, "distortionCoeff")] = np.pad(lens, (0, max(0, least - lens.size))).tolist()
     return [values]

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal._arrays import Vec3
 from stereorecal._errors import InputError
@@ -45,22 +44,17 @@ _GREY = ("P0", "P1")
 _OF_RECTIFIED = ("P0", "P1", "P2", "P3")
 
 
-def in_projection(projection: Float[np.ndarray, "3 4"], size: tuple[int, int]) -> tuple[Camera, Vec3]:
-    """The rectified camera K of P = K [I | t], and t."""
-    camera = Camera(size, projection[:, :3])
-    return camera, np.linalg.solve(camera.matrix, projection[:, 3])
-
-
-def _camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int]) -> tuple[Camera, Vec3]:
-    """The camera of P, and the position t of camera 00 in its frame."""
+def camera_and_place(content: Mapping[str, Any], key: str, size: tuple[int, int]) -> tuple[Camera, Vec3]:
+    """The rectified camera K of the P = K [I | t] under a key, and t: in KITTI's files, where camera 00 is from it."""
     projection = numbers(content, key, (3, 4))
     with about(key):
-        return in_projection(projection, size)
+        camera = Camera(size, projection[:, :3])
+        return camera, np.linalg.solve(camera.matrix, projection[:, 3])
 
 
 def _rectified_rig(content: Mapping[str, Any], keys: tuple[str, str], size: tuple[int, int]) -> StereoRig:
     """The rig of two cameras of one orientation, which P places; those of colour are not exactly on one line."""
-    (left, from_left), (right, from_right) = (_camera_and_place(content, key, size) for key in keys)
+    (left, from_left), (right, from_right) = (camera_and_place(content, key, size) for key in keys)
     return rig_of(left, right, pose(np.eye(3), from_right - from_left))
 
 
@@ -78,7 +72,7 @@ def _write_odometry(rig: StereoRig, documents: Documents, hints: Hints, changed:
     check_straight(rig, "KITTI's calib.txt")
     content, keys = documents[0].content, hints.cameras or _GREY
     fresh = len(changed) == 2 and not any(np.any(content[key]) for key in keys)
-    place = np.zeros(3) if fresh else _camera_and_place(content, keys[0], rig.left.size)[1]
+    place = np.zeros(3) if fresh else camera_and_place(content, keys[0], rig.left.size)[1]
     sides = [(keys[1], rig.right, place + np.asarray(rig.translation))]
     sides += [(keys[0], rig.left, place)] if 0 in changed else []
     return [

@@ -5,7 +5,8 @@ import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import permutations
+from functools import partial
+from itertools import combinations, permutations
 from pathlib import Path
 
 import numpy as np
@@ -84,14 +85,12 @@ def read_files(
     format: str | None = None,
     unit: str | None = None,
     hints: Hints | None = None,
-    if_missing: str = "check the path.",
 ) -> StereoRig:
     """The rig in one file, in a left and a right file, or in a folder that holds such; it remembers where it came from.
 
     Args:
         format: name of the format; default: recognised.
         unit: of lengths in the files; default: that of the format, or inferred from the length of the baseline.
-        if_missing: the end of the message if a file does not exist.
 
     Raises:
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
@@ -99,14 +98,14 @@ def read_files(
     """
     checked_unit(unit)
     hints = hints or Hints()
-    documents, found = _documents_of(paths, format, hints, if_missing)
+    documents, found = _documents_of(paths, format, hints)
     rig = rig_in(documents, found, unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
     """Whether the format of files has a unit of lengths; InputError, as of `read_files`, if it is not recognised."""
-    return _documents_of(paths, format, Hints(), "check the path.")[1].unit is not None
+    return _documents_of(paths, format, Hints())[1].unit is not None
 
 
 def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
@@ -169,25 +168,25 @@ def _doubt_of_unit(rig: StereoRig) -> str | None:
 # --- which files, and of which format
 
 
-def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints, if_missing: str) -> tuple[Documents, Format]:
+def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
     chosen = None if format is None else named(format)
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
     else:
-        documents = tuple(_parsed_file(path, chosen, if_missing) for path in paths)
+        documents = tuple(_parsed_file(path, chosen) for path in paths)
     return documents, chosen or _recognised(documents)
 
 
-def _parsed_file(path: Path, format: Format | None, if_missing: str = "check the path.") -> Document:
+def _parsed_file(path: Path, format: Format | None) -> Document:
     """A file, parsed as the format that was chosen is: as lines, where it has those, over which others stumble."""
     kinds = () if format is None else format.syntax.values()
     of_lines = next((kind for kind in kinds if kind in (Syntax.COLONS, Syntax.EQUALS)), None)
-    return read_document(path, of_lines, if_missing, lines=format is None or of_lines is not None)
+    return read_document(path, of_lines, lines=format is None)
 
 
-def _half_of(documents: Documents) -> Format | None:
-    """The format of which a single file is one of two."""
-    return recognised((documents[0], documents[0])) if len(documents) == 1 else None
+def _half_of(document: Document) -> Format | None:
+    """The format of which a file is one of two."""
+    return recognised((document, document))
 
 
 def _recognised(documents: Documents) -> Format:
@@ -197,24 +196,24 @@ def _recognised(documents: Documents) -> Format:
     if found is not None:
         return found
     names = " and ".join(document.name for document in documents)
-    half = _half_of(documents)
-    if half is not None:
+    looks = [recognised((document,)) or _half_of(document) for document in documents]
+    known = [format for format in looks if format is not None]
+    if known and len(documents) == 1:
         raise InputError(
-            f"{names}: this is one of two files ({half.name}: {half.about}); give both, left before right."
+            f"{names}: this is one of two files ({known[0].name}: {known[0].about}); give both, left before right."
         )
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
         raise InputError(f"{names}: {SEVERAL}")
-    looks = [recognised((document,)) or _half_of((document,)) for document in documents if len(documents) == 2]
-    known = [format for format in looks if format is not None]
-    if not known:
+    if not known or len(documents) > 2:
         raise InputError(f"{names}: {_unknown(documents)}")
     if len(known) == 2 and known[0] is known[1]:
         raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
     if len(known) == 2 or known[0].files == 1:
+        first, second = (document.name for document in documents)
         one, other = ("nothing that is known" if format is None else format.name for format in looks)
         raise InputError(
-            f"these two do not belong together: {documents[0].name} looks like {one}, {documents[1].name} like "
-            f"{other}; give two of one kind, or the whole one alone."
+            f"these two do not belong together: {first} looks like {one}, {second} like {other}; give two of one kind, "
+            "or the whole one alone."
         )
     return known[0]
 
@@ -229,15 +228,12 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     """The file of a folder that holds a calibration, or the two that do so together; if none does, the likely ones."""
     if format is None and (folder / _SCENE).is_file():
         return (read_document(folder / _SCENE),)
-    found = _documents_in(folder, format)
-    single = [(document,) for document in found if _is_whole((document,), format, hints)]
+    found, fits = _documents_in(folder, format), partial(_is_whole, format=format, hints=hints)
+    single = [(document,) for document in found if fits((document,))]
     parts = [document for document in found if (document,) not in single][:_MOST_FILES]
-    pairs = dict[frozenset[str], Documents]()
-    for pair in permutations(parts, 2):
-        if _is_whole(pair, format, hints):
-            pairs.setdefault(frozenset(document.name for document in pair), pair)
-    whole = [*single, *pairs.values()]
-    if not whole and 2 < len(found) <= _MOST_TOGETHER and _is_whole(found, format, hints):
+    pairs = [next(filter(fits, permutations(two)), None) for two in combinations(parts, 2)]
+    whole = [*single, *(pair for pair in pairs if pair is not None)]
+    if not whole and 2 < len(found) <= _MOST_TOGETHER and fits(found):
         return found
     if len(whole) == 1:
         return whole[0]
@@ -248,9 +244,9 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
         raise InputError(
             f"{folder}: there is no calibration file in it that can be read; give a file, or another folder."
         )
+    looks = recognised if format is None else format.can_read
     for documents in (*permutations(parts, 2), *((document,) for document in found)):
-        fits = format or recognised(documents)
-        if fits is not None and fits.can_read(documents):
+        if looks(documents):
             return documents  # whose reader says what is wrong with it
     if format is None and len(found) <= 2:
         return found
@@ -272,23 +268,21 @@ def _documents_in(folder: Path, format: Format | None) -> Documents:
     cameras = (root / name for root in (folder, folder / "mav0") for name in _OF_CAMERAS)
     documents = []
     for path in (*paths, *(path for path in cameras if path.is_file())):
-        try:
+        with suppress(InputError):  # something else that lies there
             documents.append(_parsed_file(path, format))
-        except InputError:
-            continue  # something else that lies there
     return tuple(document for document in documents if document.content)
 
 
 def _is_whole(documents: Documents, format: Format | None, hints: Hints) -> bool:
     """Whether documents are a whole calibration, and not a part of one."""
     format = format or recognised(documents)
-    if format is None or not format.can_read(documents) or len(documents) < format.files:
+    if format is None or not format.can_read(documents):
         return False
     try:
         rig_in(documents, format, None, hints)
     except UnsupportedModelError:
-        return len(documents) == format.files or _half_of(documents) is None
+        return True
     except InputError:
         # One that has an error of its own is to be read, so that it is named; half a calibration is not.
-        return len(documents) == 1 and _half_of(documents) is None and format.name != "opencv"
+        return len(documents) == 1 and _half_of(documents[0]) is None and format.name != "opencv"
     return True

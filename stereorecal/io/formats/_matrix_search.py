@@ -4,6 +4,7 @@ in its name, and the side of a camera that it names; and the calib.json into whi
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import AnyPath
+from stereorecal.io._atomic import write_text
+from stereorecal.io._read_files import AnyPath, check_there
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._numbers import Array, array_or_none, image_size, unpacked
@@ -108,10 +110,8 @@ def _partners(name: str) -> Iterator[str]:
     """What the right camera's name may be if this is the left one's."""
     for left, right in _SIDES:
         if left in name:
-            places = [found.start() for found in re.finditer(left, name)]
-            yield from dict.fromkeys(
-                [name.replace(left, right), *(name[:at] + right + name[at + len(left) :] for at in places)]
-            )
+            yield name.replace(left, right)
+            yield from (name[: at.start()] + right + name[at.end() :] for at in re.finditer(left, name))
     yield from (f"{name}2", f"{name}_2")
 
 
@@ -133,22 +133,20 @@ def said_of(documents: Documents) -> str:
     return f"{has} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
 
 
-def calibration_template(paths: Sequence[AnyPath]) -> str:
-    """A calib.json without numbers, and beside them, under `found`, those of some files, to be copied from there."""
+def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
+    """Write a calib.json to be filled in, and beside its keys, under `found`, the arrays of calibration files of no
+    known form; InputError if one is missing, or the place cannot be written to."""
     documents: list[Document] = []
-    for path in map(Path, paths):
-        if not path.exists():
-            raise InputError(f"{path}: there is no such file; check the path.")
-        try:
-            documents.append(read_document(path))
-        except InputError:
-            continue
+    for file in map(Path, paths):
+        check_there(file)
+        with suppress(InputError):
+            documents.append(read_document(file))
     cameras = {f"{key}_{side}": rows for side in ("left", "right") for key, rows in _ROWS.items()}
     content: dict[str, Any] = {"image_size": [None, None], **cameras, "distortion_model": "opencv"}
     content |= {"R": [[None] * 3] * 3, "T": [None] * 3}
     entries = entries_of(tuple(documents))
     found = {e.name: e.array.tolist() for e in entries if e.array is not None and e.array.size <= _LARGEST}
-    return strict_json_text({**content, "found": found})
+    write_text(path, strict_json_text({**content, "found": found}), replace=overwrite)
 
 
 MATRICES = ("K", "M", "cameraMatrix", "camera_matrix_", "intrinsic")
@@ -227,8 +225,9 @@ def matrices_in(documents: Documents) -> Matrices:
     if not {names["R"], names["T"]} & content.keys():
         rotations = _pair_of(entries, "the rectifying rotations", _is_rotation)
         projections = _pair_of(entries, "the projection matrices", lambda entry: entry.shape == (3, 4))
-        for role, pair in (("R", rotations), ("P", projections)) if rotations and projections else ():
-            names |= {f"{role}{side}": entry.name for side, entry in enumerate(pair or (), start=1)}
+        if rotations and projections:
+            names |= {f"R{side}": entry.name for side, entry in enumerate(rotations, start=1)}
+            names |= {f"P{side}": entry.name for side, entry in enumerate(projections, start=1)}
     return Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
 
 

@@ -200,7 +200,7 @@ def size_of(content: Mapping[str, Any], keys: Keys) -> int:
     return 0 if array is None else array.size
 
 
-OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has
+_OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has
 ROUNDING = 1e-9  # radians; and parts of the baseline
 # Formats that have a place for a lens model, for messages.
 _HOLDERS = {
@@ -229,13 +229,11 @@ def pinhole_numbers(camera: Camera) -> list[float]:
     return [float(matrix[place]) for place in ((0, 0), (1, 1), (0, 2), (1, 2))]
 
 
-def check_held(camera: Camera, models: Sequence[str], what: str) -> None:
-    """Refuse a lens of another model than the format that is called `what` has a place for."""
-    if camera.model not in models:
-        raise InputError(
-            f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} "
-            "instead."
-        )
+def not_held(camera: Camera, what: str) -> InputError:
+    """What to raise for a lens of a model for which the format that is called `what` has no place."""
+    return InputError(
+        f"{what} has no place for a lens of the model {camera.model!r}; write it as {_HOLDERS[camera.model]} instead."
+    )
 
 
 def has_lens(rig: StereoRig) -> bool:
@@ -244,20 +242,20 @@ def has_lens(rig: StereoRig) -> bool:
 
 
 def coefficients(
-    camera: Camera, counts: Sequence[int], what: str, instead: str, models: Sequence[str] = ("radtan",)
+    camera: Camera, counts: Sequence[int], what: str, instead: str, least: int = 0
 ) -> Float[np.ndarray, "n"]:
     """The distortion in OpenCV's order; of a pinhole as many coefficients as a file takes, the first of the counts that
-    is enough. `what` is, for messages, whose lens models these are, and `instead` names the formats that hold more."""
-    check_held(camera, models, what or "this file")
+    is enough and not below `least`. `what` is, for messages, whose lens models these are, and `instead` names the
+    formats that hold more."""
+    if camera.model not in _OF_OPENCV:
+        raise not_held(camera, what)
     own = np.asarray(camera.distortion, float)
     if camera.model != Camera.model:
         return own
     needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
     for count in counts:
-        if count >= needed:
-            return np.concatenate([own, np.zeros(max(0, count - own.size))])[:count]
-    if not counts:
-        raise InputError(f"the file has more lens coefficients than {what} knows; calibrate with fewer.")
+        if count >= max(needed, least):
+            return np.pad(own, (0, max(0, count - own.size)))[:count]
     raise InputError(
         f"{what} has {counts[-1]} lens coefficients, and this rig needs {needed}; write it as {instead} instead."
     )

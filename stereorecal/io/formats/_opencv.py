@@ -14,7 +14,6 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._matrix_search import MATRICES, Matrices, matrices_in
 from stereorecal.io.formats._numbers import (
-    OF_OPENCV,
     Array,
     camera_matrix,
     coefficients,
@@ -28,15 +27,13 @@ from stereorecal.io.formats._numbers import (
 from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
-    essential,
-    fundamental,
+    epipolar_matrices,
     options_of,
     rectification_of,
 )
 from stereorecal.io.formats.text._nodes import Keys, Values
 
-_REGIONS = {"roi1": ("roi1", "validRoi1", "validROI1", "validPixROI1"), "roi2": ("roi2", "validRoi2", "validROI2",
-            "validPixROI2")}  # fmt: skip
+_REGIONS = ("roi", "validRoi", "validROI", "validPixROI")  # names of roi1 and roi2, without the number
 _COUNTS = (4, 5, 8, 12, 14)
 _RECTIFY = RectifyOptions(alpha=1.0)  # of stereo_calib
 # Nothing else tells the coefficients of cv2.fisheye from those of a pinhole: OpenCV's own sample writes the first.
@@ -98,7 +95,7 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
         storage.write(_FISHEYE, 1)
     for side, camera in enumerate((rig.left, rig.right), start=1):
         storage.write(f"K{side}", np.eye(3))
-        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "OpenCV", "", OF_OPENCV).size)))
+        storage.write(f"D{side}", np.zeros((1, coefficients(camera, _COUNTS, "OpenCV", "").size)))
     for key, shape in _SHAPES.items():
         storage.write(key, np.zeros(shape))
     return (storage.releaseAndGetString(),)
@@ -111,14 +108,11 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     matrices, values = matrices_in(documents), dict[Keys, Any]()
     for side, camera in changed.items():
         matrix, lens = ((matrices.names[f"{role}{side + 1}"],) for role in "KD")
-        counts = [count for count in _COUNTS if count >= size_of(matrices.content, lens)]
+        terms = coefficients(camera, _COUNTS, "OpenCV", "", size_of(matrices.content, lens))
         values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
-        values |= matrix_values(matrices.content, lens, coefficients(camera, counts, "OpenCV", "", OF_OPENCV))
-    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | {
-        "E": essential(rig),
-        "F": fundamental(rig),
-    }
-    regions = {name: made.pop(key) for key, names in _REGIONS.items() for name in names if key in made}
+        values |= matrix_values(matrices.content, lens, terms)
+    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | epipolar_matrices(rig)
+    regions = {f"{name}{side}": made[f"roi{side}"] for name in _REGIONS for side in (1, 2)}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     for key, array in arrays.items():
         name = matrices.own_name(key) or key

@@ -1,7 +1,6 @@
 """From parsed files to a rig: the list of formats, which two cameras of a file are the left and the right one, and the
 unit of lengths."""
 
-from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -52,8 +51,8 @@ _STATED = {"matlab": "WorldUnits", "stereorecal": "baseline_m"}  # keys of files
 
 def named(name: str) -> Format:
     """The format of that name."""
-    names = tuple(format.name for format in FORMATS)
-    return FORMATS[names.index(checked_choice(name, names, "calibration format"))]
+    known = {format.name: format for format in FORMATS}
+    return known[checked_choice(name, known, "calibration format")]
 
 
 def recognised(documents: Documents) -> Format | None:
@@ -71,7 +70,7 @@ def rig_in(documents: Documents, format: Format, unit: str | None, hints: Hints)
     if len(documents) < format.files:
         raise InputError(f"{names}: {format.name} has a file for each camera; give the left and the right one.")
     try:
-        with about(names) if len(documents) == 1 or format.files == 1 else nullcontext():
+        with about(names if 1 in (len(documents), format.files) else ""):
             asked, exchanged = chosen_cameras(format, documents, hints)
             rig = format.read(documents, asked)
     except (AttributeError, IndexError, KeyError, TypeError):  # a list where there should be keys, and the like

@@ -19,8 +19,6 @@ from stereorecal.geometry import (
 )
 
 Array = Float[np.ndarray, "..."]
-
-
 _SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the options below by more
 
 
@@ -36,7 +34,7 @@ class RectifyOptions:
 def options_of(read: Callable[[], StereoRig], P1: Array, P2: Array, usual: RectifyOptions) -> RectifyOptions:
     """The options with which a file's projection matrices were made from its rig; the usual ones where none fit, as for
     cropped images."""
-    if P1.shape != (3, 4) or P2.shape != (3, 4) or not np.all(np.isfinite(P1)) or P1[0, 0] <= 0.0:
+    if P1[0, 0] <= 0.0:
         return usual
     rig = read()
     if rig.is_wide:
@@ -97,14 +95,10 @@ def _sign(rig: StereoRig) -> float:
     return 1.0 if rig.translation[0] > 0.0 else -1.0
 
 
-def essential(rig: StereoRig) -> Array:
-    """E = [T]x R."""
+def epipolar_matrices(rig: StereoRig) -> dict[str, Array]:
+    """E = [T]x R; and F, with p_right^T F p_left = 0 and F[2, 2] = 1 where that can be."""
     x, y, z = np.asarray(rig.translation)
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) @ rig.rotation
-
-
-def fundamental(rig: StereoRig) -> Array:
-    """F, with p_right^T F p_left = 0 and F[2, 2] = 1 where that can be."""
+    E = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]) @ rig.rotation
     inverse_left, inverse_right = (np.linalg.inv(np.asarray(camera.matrix)) for camera in (rig.left, rig.right))
-    matrix = inverse_right.T @ essential(rig) @ inverse_left
-    return matrix / matrix[2, 2] if abs(matrix[2, 2]) > 1e-12 * np.abs(matrix).max() else matrix
+    F = inverse_right.T @ E @ inverse_left
+    return {"E": E, "F": F / F[2, 2] if abs(F[2, 2]) > 1e-12 * np.abs(F).max() else F}

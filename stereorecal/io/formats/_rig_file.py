@@ -5,6 +5,7 @@ The content of a prior is that of `SavedPrior.as_dict`; here it is JSON data, of
 """
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats._format import Documents, Hints
 from stereorecal.io.formats._stereorecal import NAME
 from stereorecal.io.formats.text._document import Syntax, document
+from stereorecal.io.formats.text._nodes import at
 
 KEY = "prior"
 ENDING = ".prior.json"
@@ -32,9 +34,7 @@ class StoredPrior:
 
     def of(self, rig: StereoRig) -> bool:
         """Whether it belongs to a rig."""
-        return self.read(
-            lambda content: same_rig(rig_from_data(content.get("rig") if isinstance(content, dict) else None), rig)
-        )
+        return self.read(lambda content: same_rig(rig_from_data(at(content, ("rig",))), rig))
 
     def read(self, reader: Callable[[Any], Any]) -> Any:
         """The content as a reader has it."""
@@ -90,13 +90,10 @@ def prior_file(path: Path) -> Path:
 def read_stored_prior(path: Path) -> StoredPrior | None:
     """The file beside a calibration, if there is one."""
     place = prior_file(path)
-    try:
-        if not place.is_file():
-            return None
-    except OSError:  # a name that is too long
+    if not os.path.isfile(place):  # False, too, where the name is too long
         return None
     try:
-        return StoredPrior(str(place), read_json(place, "add it."))
+        return StoredPrior(str(place), read_json(place))
     except InputError as error:
         return StoredPrior(str(place), None, str(error))
 

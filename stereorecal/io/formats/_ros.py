@@ -13,9 +13,8 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._kitti import in_projection
+from stereorecal.io.formats._kitti import camera_and_place
 from stereorecal.io.formats._numbers import (
-    OF_OPENCV,
     check_no_lens,
     coefficients,
     image_size,
@@ -29,7 +28,7 @@ from stereorecal.io.formats._poses import pose, rig_of
 from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._nodes import Keys, Values
+from stereorecal.io.formats.text._nodes import Keys, Values, at
 from stereorecal.io.formats.text._yaml import DOCUMENTS
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
@@ -66,7 +65,7 @@ class _Part:
 def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
     several, found = document.content.get(DOCUMENTS), list[_Part]()
-    maps = [((DOCUMENTS, at), one) for at, one in enumerate(several)] if isinstance(several, list) else []
+    maps = [((DOCUMENTS, number), one) for number, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
         sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
         image = sections.pop("image", {})
@@ -78,11 +77,10 @@ def _parts_of(document: Document) -> list[_Part]:
         keys = _spelling(content)
         if keys is None:
             continue
-        header = content.get("header")
-        frame = header.get("frame_id") if isinstance(header, Mapping) else None
+        frame = at(content, ("header", "frame_id"))
         name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
         part = _Part(document.name, content, keys, (place,), str(name))
-        known = next((at for at, other in enumerate(found) if other.said == part.said), None)
+        known = next((number for number, other in enumerate(found) if other.said == part.said), None)
         if known is None:
             found.append(part)
         else:
@@ -172,9 +170,7 @@ def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:
         camera = Camera(size, matrix, lens, model=model)
         if not np.any(projection):
             raise InputError(f"{names['projection']} is 0; calibrate the two as stereo.")
-        with about(names["projection"]):
-            _, place = in_projection(projection, size)
-    return camera, rotation, place
+        return camera, rotation, camera_and_place(content, names["projection"], size)[1]
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:
@@ -199,14 +195,14 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     parts = _chosen(documents, hints)
     P1, P2 = (numbers(part.content, part.keys["projection"], (3, 4)) for part in parts)
     options = options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
-    made, wanted = rectification_of(rig, options), changed
+    made = rectification_of(rig, options)
     found = [dict[Keys, Any]() for _ in documents]
     for side, part in enumerate(parts):
         content, names, values = part.content, part.keys, dict[Keys, Any]()
         arrays = {names["rotation"]: made[f"R{side + 1}"], names["projection"]: made[f"P{side + 1}"]}
-        if side in wanted:
-            model, lens = _lens(wanted[side], size_of(content, (names["lens"],)))
-            arrays[names["matrix"]] = np.asarray(wanted[side].matrix)
+        if side in changed:
+            model, lens = _lens(changed[side], size_of(content, (names["lens"],)))
+            arrays[names["matrix"]] = np.asarray(changed[side].matrix)
             if model == "equidistant":
                 arrays[names["lens"]] = lens
             elif np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
@@ -220,8 +216,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
 
 def _lens(camera: Camera, least: int = 5) -> tuple[str, Array]:
     """The model and its coefficients: as many as the file has or more, up to ROS's 8 unless it has more."""
-    counts = [count for count in ((4, 5, 8) if least <= 8 else (12, 14)) if count >= least]
-    lens = coefficients(camera, counts, "ROS", "opencv or stereorecal", OF_OPENCV)
+    lens = coefficients(camera, (4, 5, 8) if least <= 8 else (12, 14), "ROS", "opencv or stereorecal", least)
     return camera.model if camera.model != Camera.model else _MODELS[lens.size >= 8], lens
 
 

@@ -27,7 +27,6 @@ from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats import _opencv, _stereorecal
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
-from stereorecal.io.formats._matrix_search import calibration_template
 from stereorecal.io.formats._read_rig import as_in_file, at_common_size, chosen_cameras, named, rig_in, scaled
 from stereorecal.io.formats._rig_file import (
     KEY,
@@ -131,10 +130,10 @@ def unsaid_unit(rig: StereoRig | None, path: Paths, *, format: str | None = None
     return own if chosen.unit is None else None
 
 
-def prior_beside(rig: StereoRig, path: Paths, *, format: str | None = None) -> Path | None:
+def prior_beside(rig: StereoRig, path: Paths) -> Path | None:
     """The file that `save_rig` writes beside a calibration for its prior; None where it writes none."""
     paths = paths_of(path)
-    return prior_place(paths, _chosen_format(paths, file_of(rig), format).name)
+    return prior_place(paths, _chosen_format(paths, file_of(rig), None).name)
 
 
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
@@ -142,12 +141,6 @@ def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     taken = as_in_file(rig, exchanged=False)
     text = calibration_text(calibration_of(taken, taken.left.size))
     return text if prior is None else with_prior(text, prior.as_dict())
-
-
-def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
-    """Write a calib.json to be filled in, with the arrays of calibration files of no known form beside; InputError if
-    one is missing, or the place cannot be written to."""
-    write_files({Path(path): calibration_template(paths).encode()}, replace=overwrite)
 
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:
@@ -199,9 +192,10 @@ def _texts_of(
     """
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)
+    before = rig
     if source is not None:
-        own_sizes = rig_in(source.documents, named(source.format), source.unit, source.hints)
-        rig = _at_own_sizes(rig, own_sizes.turned(rig.turns))
+        before = rig_in(source.documents, named(source.format), source.unit, source.hints).turned(rig.turns)
+        rig = _at_own_sizes(rig, before)
     own = source if source is not None and source.format == chosen.name else None
     syntax = _syntax_for(paths, chosen, own)
     into = own if own is not None and own.documents[0].syntax is syntax else None
@@ -210,7 +204,7 @@ def _texts_of(
         if stated is not None and unit not in (None, stated):
             raise InputError(f"lengths of this {chosen.name} file are in {stated}, not in {unit}; leave the unit out.")
         if into is not None:
-            return _into(rig, chosen, into)
+            return _into(rig, before, chosen, into)
         taken = as_in_file(rig, exchanged=False)
         blanks = tuple(document("a new file", text, syntax) for text in chosen.blank(taken, syntax))
         hints = Hints(size=taken.left.size, rectified=False)
@@ -256,10 +250,9 @@ def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> S
     """The syntax of what is written under a name, for a rig from a file of the format or from elsewhere."""
     files = len(own.documents) if own else format.files
     if len(paths) != files:
-        two = "two files, left and right; give two names"
+        few = {1: "one file; give one name", 2: "two files, left and right; give two names"}
         many = f"{files} files, as it was read; give as many names, or another format, such as stereorecal"
-        wanted = "one file; give one name" if files == 1 else two if files == 2 else many
-        raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {wanted}.")
+        raise InputError(f"{' and '.join(map(str, paths))}: {format.name} is written as {few.get(files, many)}.")
     usual = own.documents[0].syntax if own else next(iter(format.syntax.values()))
     endings = {path.suffix.lower() for path in paths} - {""}
     first, *others = {format.syntax.get(ending) for ending in endings} or {usual}
@@ -272,9 +265,8 @@ def _syntax_for(paths: Sequence[Path], format: Format, own: RigFile | None) -> S
     return first
 
 
-def _into(rig: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
-    """The texts of the source with what has changed."""
-    before = rig_in(source.documents, format, source.unit, source.hints).turned(rig.turns)
+def _into(rig: StereoRig, before: StereoRig, format: Format, source: RigFile) -> tuple[str, ...]:
+    """The texts of the source, which had another rig before, with what has changed."""
     cameras = ((before.left, rig.left), (before.right, rig.right))
     for old, new in cameras:
         if old.size != new.size:

@@ -10,7 +10,7 @@ import numpy as np
 
 from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io._read_files import about
+from stereorecal.io._read_files import about, check_there
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints
 from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
 from stereorecal.io.formats._poses import inverse, pose, rig_of
@@ -144,7 +144,8 @@ def _read_vins(documents: Documents, hints: Hints) -> StereoRig:
 
 
 def _camera_of_vins(path: Path) -> Camera:
-    content = read_document(path, if_missing="put it beside the settings, which name it.").content
+    check_there(path, "put it beside the settings, which name it.")
+    content = read_document(path).content
     with about(path):
         if content.get("model_type") not in _CAMERAS:
             raise UnsupportedModelError(

@@ -1,7 +1,7 @@
 """A format as a table: where the numbers of a rig stand in a file, and by which conventions; one reader, one writer."""
 
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
@@ -16,13 +16,13 @@ from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import Cameras, Documents, Hints
 from stereorecal.io.formats._numbers import (
     Array,
-    check_held,
     check_no_lens,
     coefficients,
     has_lens,
     image_size,
     key_name,
     matrix_values,
+    not_held,
     numbers,
     pinhole_matrix,
     pinhole_numbers,
@@ -73,6 +73,8 @@ class Pose:
 
     def blank(self) -> dict[Places, Any]:
         """What new files have of a camera where the body is."""
+        if not self.rotation:
+            return {}
         if not self.translation:
             return {self.rotation: {"rows": 4, "cols": 4, "data": np.eye(4).ravel().tolist()}}
         return {self.rotation: self.encode(np.eye(3)).ravel().tolist(), self.translation: [0.0] * 3}
@@ -98,7 +100,7 @@ class Table:
     matrix: Places  # fx fy cx cy, or the camera matrix, if it is `square`
     lenses: Mapping[str, Lens]  # by the words that tell the lens, with spaces between them
     words: tuple[str, ...] = ()  # where they stand
-    pose: Pose | None = None  # None if a table cannot say it
+    pose: Pose = Pose("")  # without a place if a table cannot say it
     square: bool = False
     names: tuple[str, str] = ("left", "right")  # of the left and the right camera, if none are chosen
     where: str = ""  # what messages about a camera begin with, if not with the first of several keys
@@ -107,19 +109,17 @@ class Table:
 
     def read(self, documents: Documents, hints: Hints) -> StereoRig:
         """The rig, with T in the file's unit."""
-        names, cameras = hints.cameras or self.names, []
-        for side, name in enumerate(names):
-            with about(documents[side].name) if len(documents) > 1 else nullcontext():
-                cameras.append(self.camera(documents[side % len(documents)].content, name))
+        names, two, cameras = hints.cameras or self.names, len(documents) > 1, []
+        for name, document in zip(names, (documents[0], documents[-1]), strict=True):
+            with about(document.name if two else ""):
+                cameras.append(self.camera(document.content, name))
         links = self._links(documents, names)
-        assert self.pose is not None
         where = " and ".join(document.name for document in documents)
-        with about(where) if len(documents) > 1 else _about_place(self.pose.rotation if self.pose.between else "", ""):
+        with about(where) if two else _about_place(self.pose.rotation if self.pose.between else "", ""):
             return rig_of(cameras[0], cameras[1], motions_from(names[0], links)[names[1]])
 
     def write(self, rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[dict[Keys, Any]]:
         """What to write: the right camera moves, the left one stays where it is."""
-        assert self.pose is not None
         names, contents = hints.cameras or self.names, [document.content for document in documents]
         found = [dict[Keys, Any]() for _ in contents]
         for link, motion in moved(self._links(documents, names), *names, left_to_right(rig)):
@@ -130,13 +130,11 @@ class Table:
 
     def _links(self, documents: Documents, names: tuple[str, str]) -> list[Link]:
         """How the cameras stand: both on a body, or the right one on the left one."""
-        assert self.pose is not None
-        links = []
-        for side, name in enumerate(names):
-            if side or not self.pose.between:
-                with about(documents[side].name) if len(documents) > 1 else nullcontext():
-                    motion = self.pose.read(documents[side % len(documents)].content, name)
-                links.append(Link(name, names[0] if self.pose.between else "", motion, self.pose.inverted))
+        links, sides = [], [*zip(names, (documents[0], documents[-1]), strict=True)]
+        for name, document in sides[1:] if self.pose.between else sides:
+            with about(document.name if len(documents) > 1 else ""):
+                motion = self.pose.read(document.content, name)
+            links.append(Link(name, names[0] if self.pose.between else "", motion, self.pose.inverted))
         return links
 
     def blank(self, rig: StereoRig, syntax: Syntax) -> list[str]:
@@ -150,13 +148,13 @@ class Table:
             said = [word for word, lens in self.lenses.items() if lens.model == camera.model]
             said = [word for word in said if self.lenses[word] != Lens() or not has_lens(rig)]
             if not said:
-                check_held(camera, (), self.holder)
+                raise not_held(camera, self.holder)
             lens = self.lenses[said[0]]
             new: dict[Places, Any] = {**self.fixed, **dict(zip(self.words, said[0].split(), strict=True))}
             new[self.size] = list(camera.size)
             for place, count in ((self.matrix, 9 if self.square else 4 + lens.before), (lens.terms, lens.counts[-1])):
                 new[place] = [0.0] * (count if isinstance(place, str) else len(place))
-            for place, item in (new | (self.pose.blank() if self.pose is not None else {})).items():
+            for place, item in (new | self.pose.blank()).items():
                 for one, part in ((place, item),) if isinstance(place, str) else zip(place, item, strict=True):
                     *above, last = one.format(name).split("/")
                     reduce(lambda inside, key: inside.setdefault(key, {}), above, content)[last] = part
@@ -189,6 +187,8 @@ class Table:
     def values(self, content: Any, name: str, camera: Camera) -> dict[Keys, Any]:
         """What to write for a camera."""
         lens, terms = self.lens(content, name), np.asarray(camera.distortion, float)
+        if camera.model != lens.model:
+            raise not_held(camera, self.holder)
         if lens.model == Camera.model:
             counts = lens.counts if isinstance(lens.terms, str) or lens.radial else (len(lens.terms),)
             terms = coefficients(camera, counts, self.holder, "opencv, ros or depthai")
@@ -240,7 +240,7 @@ def _with_lists(content: Any) -> Any:
 def _about_place(place: Places, name: str) -> AbstractContextManager[None]:
     """What messages about a place begin with: the first of several keys."""
     first, more, _ = (place if isinstance(place, str) else place[0]).format(name).partition("/")
-    return about(first) if more else nullcontext()
+    return about(first if more else "")
 
 
 def keys_of(content: Any, place: str, name: str) -> Keys:

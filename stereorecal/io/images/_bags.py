@@ -35,34 +35,30 @@ def bag_folder(path: Path) -> Path:
 
 def bag_sources(path: Path, topics: tuple[str, str]) -> tuple[FrameSource, FrameSource]:
     """The images of two topics of a bag, named and timed by the stamps of their headers."""
-    bag = _opened(path)
+    bag = _Bag(path)
     left, right = (bag.source(topic) for topic in topics)
     return left, right
 
 
 def camera_infos(path: Path, topics: tuple[str, str]) -> dict[str, str]:
     """The camera_info beside two topics of images, as JSON, by topic: /left/camera_info of /left/image_raw."""
-    bag = _opened(path)
+    bag = _Bag(path)
     found = dict(bag.camera_info(topic) for topic in topics)
     if len(found) < 2:
         raise InputError(f"{path}: {' and '.join(topics)} have the same {next(iter(found))}; give --calibration.")
     return found
 
 
-def _opened(path: Path) -> "_Bag":
-    if not path.exists():
-        raise InputError(f"{path}: there is no such bag; check the path.")
-    if not is_bag(path):
-        raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
-    for file in (path, *path.rglob("*")):
-        note_input(file)
-    return _Bag(path)
-
-
 class _Bag:
     """An open bag."""
 
     def __init__(self, path: Path):
+        if not path.exists():
+            raise InputError(f"{path}: there is no such bag; check the path.")
+        if not is_bag(path):
+            raise InputError(f"{path}: neither a .bag file nor a folder with a {_METADATA} in it; give one of these.")
+        for file in (path, *path.rglob("*")):
+            note_input(file)
         with extra("bags", "reading a bag"):
             ros, types = import_module("rosbags.highlevel"), import_module("rosbags.typesys")
         self.path = path
@@ -145,13 +141,18 @@ def _sound(path: Path) -> Iterator[None]:
         raise InputError(f"{path}: not a bag that can be read, or a damaged one ({why}); record it again.") from error
 
 
-_TO_BGR = {"rgb8": cv2.COLOR_RGB2BGR, "rgba8": cv2.COLOR_RGBA2BGR}
-_TO_BGR |= {"rgb16": cv2.COLOR_RGB2BGR, "rgba16": cv2.COLOR_RGBA2BGR}
-# OpenCV names a Bayer pattern by its second row, ROS by its first.
-_BAYER = {"rggb": cv2.COLOR_BayerBG2BGR, "bggr": cv2.COLOR_BayerRG2BGR, "gbrg": cv2.COLOR_BayerGR2BGR}
-_BAYER["grbg"] = cv2.COLOR_BayerGB2BGR
 _SAME: dict[str, str] = {"8UC1": "mono8", "8UC3": "bgr8", "16UC1": "mono16"}
-_CHANNELS = {"mono": 1, "bgr": 3, "rgb": 3, "bgra": 4, "rgba": 4, "bayer_": 1}
+_ENCODINGS: dict[str, tuple[int, int | None]] = {  # the channels, and what makes them BGR
+    "mono": (1, None),
+    "bgr": (3, None),
+    "bgra": (4, None),
+    "rgb": (3, cv2.COLOR_RGB2BGR),
+    "rgba": (4, cv2.COLOR_RGBA2BGR),
+    "bayer_rggb": (1, cv2.COLOR_BayerBG2BGR),  # OpenCV names a Bayer pattern by its second row, ROS by its first
+    "bayer_bggr": (1, cv2.COLOR_BayerRG2BGR),
+    "bayer_gbrg": (1, cv2.COLOR_BayerGR2BGR),
+    "bayer_grbg": (1, cv2.COLOR_BayerGB2BGR),
+}
 
 
 def image_of_message(message: Any, where: str) -> Image:
@@ -168,19 +169,17 @@ def image_of_message(message: Any, where: str) -> Image:
         return decode_image(bytes(message.data), f"{where} ({in_a_line(message.format)})")[0]
     encoding = _SAME.get(message.encoding, str(message.encoding))
     name = encoding.rstrip("0123456789")
-    pattern = name.removeprefix("bayer_").rstrip("0123456789")
-    channels = 1 if pattern in _BAYER else _CHANNELS.get(name)
     depth = encoding.removeprefix(name)
-    if channels is None or depth not in ("8", "16"):
+    if name not in _ENCODINGS or depth not in ("8", "16"):
         raise InputError(f"{where}: the encoding {in_a_line(encoding)} is not known; republish as mono8 or bgr8.")
-    order = ">" if message.is_bigendian else "<"
-    width = channels * int(depth) // 8 * message.width
+    (channels, conversion), numbers = _ENCODINGS[name], np.dtype(f"u{int(depth) // 8}")
+    width = channels * numbers.itemsize * message.width
     if not 0 < width <= message.step or not 0 < message.step * message.height <= len(message.data):
         raise InputError(f"{where}: the image is cut short; leave it out or record it again.")
     rows = np.asarray(message.data, np.uint8)[: message.step * message.height].reshape(message.height, message.step)
-    image = np.ascontiguousarray(rows[:, :width]).view(f"{order}u{int(depth) // 8}").astype(f"u{int(depth) // 8}")
+    sent = numbers.newbyteorder(">" if message.is_bigendian else "<")
+    image = np.ascontiguousarray(rows[:, :width]).view(sent).astype(numbers)
     image = image.reshape(message.height, message.width, channels) if channels > 1 else image
-    conversion = _BAYER.get(pattern, _TO_BGR.get(encoding))
     return image if conversion is None else cv2.cvtColor(image, conversion)
 
 

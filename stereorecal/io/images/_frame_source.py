@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,11 @@ class FrameSource:
     names: tuple[str, ...]  # of the frames
     times: Float[np.ndarray, "n"] | None  # (n,) seconds, ascending; None if they are not known
     read: Callable[[int], Image]  # makes the image of a number; raises InputError if it is damaged
+
+    @staticmethod
+    def of_files(where: str, files: Sequence[Path], times: Float[np.ndarray, "n"]) -> "FrameSource":
+        """Files, of which times are known, in place of their images."""
+        return FrameSource(where, tuple(file.name for file in files), times, files.__getitem__)
 
 
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
@@ -51,9 +57,6 @@ _EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
 def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
     """Numbers of left and right frames that belong together: each the other's nearest, and near enough, in seconds; by
     default within a quarter of the usual interval between left frames."""
-    for source in (left, right):
-        if source.times is None:
-            raise InputError(f"{source.where}: these frames have no times; give the tolerance for frames that have.")
     first, second = np.asarray(left.times), np.asarray(right.times)
     if tolerance is None:
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")

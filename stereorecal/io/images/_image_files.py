@@ -16,7 +16,7 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io._read_files import about, note_input
+from stereorecal.io._read_files import about, check_there, note_input
 
 Pixels = Num[np.ndarray, "..."]
 _PNG, _JPEG = b"\x89PNG", b"\xff\xd8"
@@ -55,11 +55,10 @@ def read_image(path: str) -> tuple[Pixels, int]:
 def image_bytes(path: str) -> bytes:
     """The content of an image file."""
     note_input(path)
+    check_there(Path(path))
     try:
         with open(path, "rb") as file:
             return file.read(_MOST_BYTES + 1)
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; check the path.") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
 

@@ -180,11 +180,11 @@ def load_matched(
     names = [Path(left).name for left, _ in files]
     if times is None:
         times = counted_times([Path(name).stem for name in names])
-    known = [None] * len(names) if times is None else [float(time) for time in times]
+    known = [None] * len(files) if times is None else [float(time) for time in times[: len(files)]]
     if files:
         _remark(*files[0], sizes)
-    reads = [partial(read_pair, *paths, time, sizes) for paths, time in zip(files, known, strict=False)]
-    return LazyPairs(reads, names, known[: len(reads)])
+    reads = [partial(read_pair, *paths, time, sizes) for paths, time in zip(files, known, strict=True)]
+    return LazyPairs(reads, names, known)
 
 
 def find_images(where: AnyPath) -> list[Path]:

@@ -65,9 +65,7 @@ def without_lost_frames(found: MatchedFiles) -> Matched:
 
 def match_all(left: Files, right: Files) -> Matched:
     """The files of both sides as pairs, in the order of the left ones, matched by their names."""
-    partners = _by_name(left, right)
-    _refuse_alone(*_alone(partners, left, right))
-    return [*partners.items()]
+    return _complete(_by_name(left, right), left, right)
 
 
 def match_equal(left: Path, right: Path) -> Matched:
@@ -77,15 +75,18 @@ def match_equal(left: Path, right: Path) -> Matched:
 
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     """The files with equal keys, in the order of the left ones; an InputError names a file without a partner."""
-    _refuse_alone(
-        *([path for key, path in one.items() if key not in other] for one, other in ((left, right), (right, left)))
-    )
-    return [(path, right[key]) for key, path in left.items()]
+    partners = {path: right[key] for key, path in left.items() if key in right}
+    return _complete(partners, [*left.values()], [*right.values()])
 
 
-def _refuse_alone(left: Files, right: Files) -> None:
-    for path, side in [(path, "right") for path in left] + [(path, "left") for path in right]:
-        raise InputError(f"{path}: this image has no partner on the {side} side; add the partner or leave it out.")
+def _complete(partners: _Partners, left: Files, right: Files) -> Matched:
+    """The pairs, where every file has a partner."""
+    for side, alone in zip(("right", "left"), _alone(partners, left, right), strict=True):
+        if alone:
+            raise InputError(
+                f"{alone[0]}: this image has no partner on the {side} side; add the partner or leave it out."
+            )
+    return [*partners.items()]
 
 
 def by_stem(folder: Path) -> dict[str, Path]:

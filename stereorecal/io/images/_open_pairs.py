@@ -135,15 +135,13 @@ def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Size
         with about(file.parent):
             return time_of(file.stem, per_second)
 
-    files = [sorted(side, key=time) for side in files]
-    times = [np.array([time(file) for file in side]) for side in files]
     first, second = (
-        FrameSource(str(where), tuple(file.name for file in side), known, lambda index, side=side: side[index])
-        for where, side, known in zip((left, right), files, times, strict=True)
+        FrameSource.of_files(str(where), sorted(side, key=time), np.array(sorted(map(time, side))))
+        for where, side in zip((left, right), files, strict=True)
     )
     found = pairs_by_time(first, second, tolerance)
-    matched = [(files[0][one], files[1][other]) for one, other in found]
-    pairs = load_matched(matched, times=[float(times[0][one]) for one, _ in found], sizes=sizes)
+    matched = [(first.read(one), second.read(other)) for one, other in found]
+    pairs = load_matched(matched, times=[time(path) for path, _ in matched], sizes=sizes)
     return Recorded(pairs, _alone(first, second, found), False)
 
 

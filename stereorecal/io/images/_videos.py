@@ -122,7 +122,7 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
             number += 1
     finally:
         for camera in cameras:
-            camera.close()
+            camera.capture.release()
 
 
 def _split_images(images: Sequence[Image], name: str, time: float | None) -> Pair | Images:
@@ -147,24 +147,24 @@ class _Camera:
                 f"camera {name}: this OpenCV was built without GStreamer; name a device, such as 0, or install one "
                 "that has it (python3-opencv of Debian and Ubuntu has)."
             )
-        self._capture = _captured(
+        self.capture = _captured(
             int(name) if name.isdecimal() else name,
             f"camera {name}: cannot be opened; check that it is there, and that nothing else uses it.",
             cv2.CAP_GSTREAMER if "!" in name else cv2.CAP_ANY,
         )
         if not self._is_file:
-            self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest frame, where a driver can
+            self.capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)  # the newest frame, where a driver can
 
     @property
     def time(self) -> float:
         """Seconds, by the camera's own clock, of the frame that was grabbed; 0 if it has none."""
-        time = float(self._capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
+        time = float(self.capture.get(cv2.CAP_PROP_POS_MSEC)) / 1e3
         return time if np.isfinite(time) else 0.0
 
     def grab(self) -> bool:
         """Take the next frame; False at the end of a file."""
         with quiet_opencv():
-            found = self._capture.grab()
+            found = self.capture.grab()
         if not found and not self._is_file:
             raise InputError(f"camera {self._name}: sends no images any more, after {self._frames}; check its cable.")
         self._frames += found
@@ -173,10 +173,7 @@ class _Camera:
     def image(self) -> Image:
         """The frame that was grabbed."""
         with quiet_opencv():
-            found, image = self._capture.retrieve()
+            found, image = self.capture.retrieve()
         if not found or image is None:
             raise InputError(f"camera {self._name}: image {self._frames} cannot be decoded; check camera and file.")
         return image
-
-    def close(self) -> None:
-        self._capture.release()

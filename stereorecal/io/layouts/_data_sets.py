@@ -10,7 +10,7 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
-from stereorecal.io._read_files import read_text
+from stereorecal.io._read_files import check_there, read_text
 from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
@@ -104,12 +104,9 @@ def _euroc(folder: Path, limit: int | None) -> Iterator[Sequence]:
             f"{left / 'data'}: no image in it has the same time (file name) as one in {right / 'data'}; check both."
         )
     rig = read_files([left / _SENSOR, right / _SENSOR], "euroc")
-    sizes = rig.sizes_taken
-    pairs = load_matched(matched, limit, sizes=sizes)
-    if sizes[0] != sizes[1]:
-        rig = at_common_size(rig)
-        remark_sizes(str(folder), sizes)
-    yield folder, rig, pairs
+    pairs = load_matched(matched, limit, sizes=rig.sizes_taken)
+    remark_sizes(str(folder), rig.sizes_taken)
+    yield folder, at_common_size(rig), pairs
 
 
 EUROC = _DataSet(
@@ -130,8 +127,8 @@ def _odometry(folder: Path, limit: int | None) -> Iterator[Sequence]:
         matched = match_equal(place / left, place / right)
         pairs = load_matched(matched, limit, _read_times(place / "times.txt", len(matched)))
         hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
-        missing = _IF_MISSING.format("data_odometry_calib.zip")
-        yield place, read_files([place / "calib.txt"], "kitti-odometry", hints=hints, if_missing=missing), pairs
+        check_there(place / "calib.txt", _IF_MISSING.format("data_odometry_calib.zip"))
+        yield place, read_files([place / "calib.txt"], "kitti-odometry", hints=hints), pairs
 
 
 def _read_times(path: Path, pairs: int) -> list[float] | None:
@@ -175,8 +172,8 @@ def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
                 f"{_RECTIFIED} (rectified) or {_AS_TAKEN}."
             )
         hints = Hints(cameras=(left[-2:], right[-2:]), rectified=rectified)
-        missing = _IF_MISSING.format(f"{day.name}_calib.zip")
-        rig = read_files([day / _OF_DAY], "kitti-raw", hints=hints, if_missing=missing)
+        check_there(day / _OF_DAY, _IF_MISSING.format(f"{day.name}_calib.zip"))
+        rig = read_files([day / _OF_DAY], "kitti-raw", hints=hints)
         if rectified:
             matched = match_equal(drive / left / "data", drive / right / "data")
         else:
@@ -201,6 +198,7 @@ def _seconds(camera: Path, matched: Matched) -> list[float] | None:
 def _shots(camera: Path) -> FrameSource:
     """The images of a camera and their times: the number in an image's name is its line in timestamps.txt, from 0."""
     files, path = by_stem(camera / "data"), camera / _TIMES
+    check_there(path, "add it.")
     lines = read_text(path).split("\n")
     try:
         times = np.array([lines[int(stem)].strip() for stem in files], "datetime64[ns]")
@@ -208,9 +206,7 @@ def _shots(camera: Path) -> FrameSource:
         times = np.array(["NaT"], "datetime64[ns]")
     if np.isnat(times).any():
         raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
-    paths = list(files.values())
-    names = tuple(path.name for path in paths)
-    return FrameSource(str(path), names, (times - _BEFORE) / np.timedelta64(1, "s"), paths.__getitem__)
+    return FrameSource.of_files(str(path), [*files.values()], (times - _BEFORE) / np.timedelta64(1, "s"))
 
 
 KITTI_RAW = _DataSet(
@@ -238,19 +234,19 @@ def _stereo(folder: Path, limit: int | None) -> Iterator[Sequence]:
     after the number of its first frame."""
     sides = _sides_in(folder, _KINDS)
     (calibrations, format, archive), cameras, projections = _KINDS[sides]
-    missing = _IF_MISSING.format(archive)
     days: dict[object, tuple[Path, list[tuple[Path, Path]]]] = {}
     for left, right in match_equal(folder / sides[0], folder / sides[1]):
         if left.stem.endswith(_BENCHMARK):
             path = folder / calibrations / f"{left.stem.removesuffix(_BENCHMARK)}.txt"
-            content = read_document(path, Syntax.COLONS, missing).content
+            check_there(path, _IF_MISSING.format(archive))
+            content = read_document(path, Syntax.COLONS).content
             # The projections distinguish the days; the time of the calibration does not matter.
             values = tuple(tuple(content.get(key, ())) for key in projections)
             days.setdefault(values, (path, []))[1].append((left, right))
     for path, matched in days.values():
         pairs = load_matched(matched, limit)
         hints = Hints(size=pairs[0].size, cameras=cameras, rectified=True)
-        yield folder / path.stem, read_files([path], format, hints=hints, if_missing=missing), pairs
+        yield folder / path.stem, read_files([path], format, hints=hints), pairs
 
 
 KITTI_STEREO = _DataSet(

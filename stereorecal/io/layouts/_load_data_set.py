@@ -131,13 +131,11 @@ def is_data_set(folder: AnyPath) -> bool:
 
 def _layout_of(folder: Path) -> Layout | None:
     """The first that recognises a folder."""
-    for layout in _layouts():
-        if layout.recognises(folder):
-            return layout
-    missing = "modd2" not in entry_points(group=_GROUP).names
+    found = next((layout for layout in _layouts() if layout.recognises(folder)), None)
+    missing = found is None and "modd2" not in entry_points(group=_GROUP).names
     if missing and any(any(folder.glob(pattern)) for pattern in _OF_FIELD):
         raise InputError(f"{folder}: to read MODD2, MODS and Middlebury, {_INSTALL}.")
-    return None
+    return found
 
 
 def _layouts() -> tuple[Layout, ...]:

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import write_text
-from stereorecal.io._read_files import AnyPath, about
+from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._scenes import Calibration, fitting, load_calibration
 from stereorecal.io.formats._load_rig import load_rig, looks_calibrated
 from stereorecal.io.formats._read_rig import as_in_file
@@ -46,6 +46,7 @@ def is_scene_folder(folder: Path) -> bool:
 def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, LazyPairs]:
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     _check_calibrated(folder)
+    check_there(folder / _CALIBRATION_FILE, "check the path, or write a calib.json there.")
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes[0])
     if isinstance(readout := calibration.info.get(_READOUT), int | float):

@@ -268,3 +268,15 @@ def test_results_of_bouguets_toolbox(tmp_path: Path):
     values |= {"om_error": three, "T_error": three, "omc_left_1": three, "Tc_left_1": three, "Rc_left_1": R.T}
     savemat(path, values | {"fc_left": [[500.0], [501.0]], "nx": 640.0, "X_left_1": np.zeros((3, 54))})
     np.testing.assert_allclose(load_rig(path, unit="mm", size=SIZE).extrinsics, RIG.extrinsics, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["roi", "validRoi", "validROI", "validPixROI"])
+def test_regions_follow_under_each_of_their_names(tmp_path: Path, name: str):
+    path = written(tmp_path / "a.json", content() | {f"{name}{side}": [1, 2, 3, 4] for side in (1, 2)})
+    rig = load_rig(path, unit="m")
+    save_rig(rig.with_extrinsics(rig.extrinsics + 0.01), tmp_path / "b.json")
+    found = json.loads((tmp_path / "b.json").read_text())
+    seen = cv2.stereoRectify(K1, D1, K2, D2, SIZE, np.array(found["R"]), np.array(found["T"]).reshape(3, 1), alpha=1.0)[
+        5:
+    ]
+    assert [found[f"{name}1"], found[f"{name}2"]] == [list(region) for region in seen]

@@ -189,7 +189,9 @@ def test_settings_of_rectified_images(tmp_path: Path):
 def test_a_camera_matrix_and_a_baseline(tmp_path: Path, lines: str):
     path = tmp_path / "K.txt"
     path.write_text(lines)
-    np.testing.assert_allclose(load_rig(path, size=SIZE).extrinsics, [0, 0, 0, -0.12, 0, 0], atol=1e-12)
+    for format in (None, "foundationstereo"):
+        rig = load_rig(path, size=SIZE, format=format)
+        np.testing.assert_allclose(rig.extrinsics, [0, 0, 0, -0.12, 0, 0], atol=1e-12)
     refused(lambda: load_rig(path), "the file has no image size")
     path.write_text(lines.replace("0.12", "-0.12"))
     refused(lambda: load_rig(path, size=SIZE), "the baseline, is -0.12")
@@ -206,6 +208,7 @@ def test_what_camera_calibration_prints(tmp_path: Path):
     path.write_text(text)
     rig = load_rig(path)
     np.testing.assert_allclose(rig.extrinsics, RIG.extrinsics, atol=1e-9)
+    np.testing.assert_array_equal(load_rig(path, format="camera_info").extrinsics, rig.extrinsics)
     refused(lambda: save_rig(rig, path, overwrite=True), "the ending contradicts what is to be written")
 
 
@@ -267,6 +270,7 @@ def test_zed(tmp_path: Path, name: str, seed: int):
     rig = load_rig(path, size=ZED_SIZES[name])
     width, height = rig.left.size
     assert (rig.left.size, rig.source.format, rig.source.unit) == (ZED_SIZES[name], "zed", "mm")
+    np.testing.assert_array_equal(load_rig(path, size=ZED_SIZES[name], format="zed").extrinsics, rig.extrinsics)
     np.testing.assert_allclose(rig.T, [-0.12025, 0.000125, -0.0005], rtol=1e-12)
     np.testing.assert_allclose(rig.R, cv2.Rodrigues(TURN)[0], rtol=0, atol=1e-12)
     right = [[width / 2 + 3, 0, width / 2 - 3], [0, width / 2, height / 2], [0, 0, 1]]
@@ -342,6 +346,7 @@ def test_realsense(tmp_path: Path, size: tuple[int, int]):
     rig = load_rig(path, size=size)
     assert (rig.left.size, rig.source.format) == (size, "realsense")
     check_motion(rig)
+    check_motion(load_rig(path, size=size, format="realsense"))
     matrix = [[size[0] / 2, 0, size[0] / 2 + 0.25], [0, size[0] / 2 + 0.5, size[1] / 2], [0, 0, 1]]
     np.testing.assert_array_equal(rig.left.matrix, matrix)
     assert not np.any(rig.left.distortion)

@@ -111,16 +111,14 @@ def binary_text(path: Path) -> str | None:
     """The content of a binary file as JSON, which is never executed; None if it is no such file."""
     try:
         with path.open("rb") as file:
-            head = file.read(128)
-            with about(path):
-                reader = _reader(head)
-            data = head + file.read(_LARGEST + 1 - len(head)) if reader else b""
+            data = file.read(_LARGEST + 1)
     except OSError:
         return None  # said by the reader of texts
-    if reader is None:
-        return None
-    note_input(path)
     with about(path):
+        reader = _reader(data)
+        if reader is None:
+            return None
+        note_input(path)
         if len(data) > _LARGEST:
             raise InputError(f"it has more than {_LARGEST >> 20} MB; check that this is a calibration.")
         try:
@@ -135,16 +133,16 @@ def binary_text(path: Path) -> str | None:
             raise InputError("it contains NaN or infinite numbers, or nests too deeply; correct it.") from None
 
 
-def _reader(head: bytes) -> Callable[[bytes, str], dict[str, Any]] | None:
-    if head.startswith(b"PK\x03\x04"):
+def _reader(data: bytes) -> Callable[[bytes, str], dict[str, Any]] | None:
+    if data.startswith(b"PK\x03\x04"):
         return _npz
-    if head.startswith(b"\x93NUMPY"):
+    if data.startswith(b"\x93NUMPY"):
         return lambda data, stem: {stem: _small(np.load(io.BytesIO(data), allow_pickle=False))}
-    if head.startswith((b"MATLAB 7.3", b"\x89HDF")):
+    if data.startswith((b"MATLAB 7.3", b"\x89HDF")):
         raise InputError("an HDF5 file, as of MATLAB's save with -v7.3; save it with '-v7', or as JSON (jsonencode).")
-    if head.startswith(b"MATLAB 5.0"):
+    if data.startswith(b"MATLAB 5.0"):
         return lambda data, _: {name: _small(value) for name, value in variables(data).items()}
-    if head.startswith((b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05")):
+    if data.startswith((b"\x80\x02", b"\x80\x03", b"\x80\x04", b"\x80\x05")):
         raise InputError("a pickle, which is not opened, since it can run code; write the arrays with np.savez.")
     return None
 

@@ -105,26 +105,24 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
             raise
 
 
-def read_document(
-    path: Path, syntax: Syntax | None = None, if_missing: str = "check the path.", *, lines: bool = True
-) -> Document:
+def read_document(path: Path, syntax: Syntax | None = None, *, lines: bool = True) -> Document:
     """The text of a file, parsed; `syntax` and `lines` as of `document`. That of a binary file is what it would be as
     JSON."""
     binary = binary_text(path)
     if binary is not None:
         return document(path, binary, Syntax.JSON)
-    return document(path, read_text(path, if_missing), syntax, lines=lines)
+    return document(path, read_text(path), syntax, lines=lines)
 
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if lines and _lines.numbers_in(text) is not None:
+    if _lines.numbers_in(text) is not None:
         return Syntax.NUMBERS
-    if lines and _OST.search(text):
+    if _OST.search(text):
         return Syntax.SECTIONS
-    if lines and start not in "{<" and _DEVICES.search(text):
+    if start not in "{<" and _DEVICES.search(text):
         return Syntax.DEVICES
-    if lines and start not in "{<" and _INI.search(text):
+    if start not in "{<" and _INI.search(text):
         return Syntax.INI
     if _PYTHON.match(text.lstrip()):
         return Syntax.YAML

@@ -8,8 +8,7 @@ from typing import Any
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats.text._nodes import Node, number_or_word, words
 
-_SECTION = re.compile(r"\[(.+)\]")
-_TITLE = re.compile(r"\[([^\]\n]+)\]\s*")
+_SECTION = re.compile(r"\[([^\]]+)\]")
 _INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*(\d+)x(\d+)[\s/]*(.*)')
 _EXTRINSIC = re.compile(r'\s*Extrinsic from "([^"]+)"\s+To\s+"([^"]+)"')
 
@@ -81,7 +80,7 @@ def parsed_ini(text: str) -> dict[str, Any]:
     """The values of an INI file by section and key, in capitals, as its readers do not tell them apart."""
     sections: list[tuple[str, list[tuple[str, Any]]]] = []
     for line in (re.split(r"[#;]", line)[0].strip() for line in text.splitlines()):
-        title, (key, sign, value) = _TITLE.fullmatch(line), line.partition("=")
+        title, (key, sign, value) = _SECTION.fullmatch(line), line.partition("=")
         if title:
             sections.append((title[1].strip().upper(), []))
         elif sign and sections:

@@ -29,14 +29,13 @@ def tree(text: str) -> tuple[str, Node]:
 
 def _node(text: str, first: re.Match[str], tags: Iterator[re.Match[str]]) -> Node:
     """The element that begins with `first`; takes its other tags. Its text goes to the first tag or comment in it."""
-    start, end, inside = first.end(), None, list[tuple[str, Node]]()
+    start, inside = first.end(), list[tuple[str, Node]]()
+    end = start if first["empty"] else text.index("<", start)
     for tag in () if first["empty"] else tags:
-        end = tag.start() if end is None else end
         if tag["ends"]:
             break
         if tag["name"]:
             inside.append((tag["name"], _node(text, tag, tags)))
-    end = start if end is None else end
     if inside and all(name == "_" for name, _ in inside):
         return Node([node for _, node in inside], start, end)
     if inside:

@@ -46,7 +46,7 @@ def tree(text: str) -> tuple[str, Node]:
     body = text.lstrip(_MARK)
     try:
         root = _node(_composed(body), body, len(text) - len(body))
-    except RecursionError:
+    except (yaml.YAMLError, UnicodeError, RecursionError):
         raise InputError(DAMAGED) from None
     if not isinstance(root.value, dict):
         raise InputError(DAMAGED)
@@ -60,19 +60,13 @@ def _composed(text: str) -> yaml.Node:
     text = _END.sub("", text)
     # Maps for rectification take a parser minutes, and are not needed: they are read as empty lists, and stay.
     text = _MAP.sub(lambda found: f"[{' ' * (len(found[0]) - 2)}]", text)
-    try:
-        found: list[yaml.Node] = list(yaml.compose_all(text, _Loader))
-        nodes = [node for node in found if len(found) == 1 or not isinstance(node, ScalarNode) or node.value]
-    except (yaml.YAMLError, UnicodeError, RecursionError):
-        nodes = []
-    node = nodes[0] if len(nodes) == 1 else _list_of(nodes) if nodes else None
-    if node is None:
+    found: list[yaml.Node] = list(yaml.compose_all(text, _Loader))
+    nodes = [node for node in found if len(found) == 1 or not isinstance(node, ScalarNode) or node.value]
+    if not nodes:
         raise InputError(DAMAGED)
-    try:
-        if _count(node, {}) > len(text) + _EXPANDED:
-            raise InputError("its aliases expand to more than a calibration has; check that this is the right file.")
-    except RecursionError:
-        raise InputError(DAMAGED) from None
+    node = nodes[0] if len(nodes) == 1 else _list_of(nodes)
+    if _count(node, {}) > len(text) + _EXPANDED:
+        raise InputError("its aliases expand to more than a calibration has; check that this is the right file.")
     return node
 
 
