@@ -8,6 +8,7 @@ calibration's κ and each deviation of the misfit, and what is left is a problem
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -204,16 +205,16 @@ def all_explained(
         drifts: standard deviations of each kind of drift, and their probabilities.
     """
     sizes, weights = drifts
-    each, which = np.repeat(np.arange(len(told)), len(which)), np.tile(which, len(told))
-    calibrations, prior_mean = prior.roots[which], prior.means[which]
-    log_weights = np.log(weights * prior.weights[which, None]) + np.array([log for _, log, _ in told])[each, None]
+    each, index = np.repeat(np.arange(len(told)), len(which)), np.tile(which, len(told))
+    calibrations, prior_mean = prior.roots[index], prior.means[index]
+    log_weights = np.log(weights * prior.weights[index, None]) + np.array([log for _, log, _ in told])[each, None]
     n, q = prior.means.shape[1], len(nuisances.sizes)
     a, b, c = (np.stack([np.asarray(getattr(one, name)) for *_, one in told])[each] for name in "abc")
     by_mean = (a[:, :, :n] @ prior_mean[:, :, None])[:, :, 0]
     c = c - np.einsum("jn,jn->j", prior_mean, (2.0 * b - by_mean)[:, :n])
     b = b - by_mean
     # With θ and ν in units of their roots.
-    roots = np.zeros((len(which), n + q, n + q))
+    roots = np.zeros((len(index), n + q, n + q))
     roots[:, :n, :n], roots[:, n:, n:] = calibrations, np.diag(nuisances.sizes)
     turned, by_root = roots.swapaxes(1, 2), a @ roots
     pulled, inner = turned @ b[:, :, None], np.eye(n + q) + turned @ by_root
@@ -234,10 +235,8 @@ def all_explained(
     by_drift = drift_response + np.eye(n + q, _DRIFTING)
     found = zip(evidence, most, without_drift, by_drift, means, precision, calibrations, lower, strict=True)
     return [
-        Explanation(misfit, index, normal, nuisances, e, m, w, by, d, p, sizes, root, half)
-        for (misfit, _, normal), index, (e, m, w, by, d, p, root, half) in zip(
-            (told[number] for number in each), which.tolist(), found, strict=True
-        )
+        Explanation(misfit, one, normal, nuisances, e, m, w, by, d, p, sizes, root, half)
+        for ((misfit, _, normal), one), (e, m, w, by, d, p, root, half) in zip(product(told, which), found, strict=True)
     ]
 
 
