@@ -143,13 +143,15 @@ def _jax_settings() -> tuple[Any, ...]:
 
 @cache
 def _made_by() -> tuple[Any, ...]:
-    """What programs are made by and for: versions, flags, the device, and the files of this package."""
+    """What programs are made by and for: versions, flags, the device, how many cores XLA spreads them over, which moves
+    last bits, and the files of this package."""
     root = Path(__file__).parent
     files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
     versions = [version(name) for name in ("jax", "jaxlib", "numpy")]
     device = jax.local_devices()[0]
     flags = os.environ.get("XLA_FLAGS", "")
-    return (__version__, *versions, flags, device.platform, device.device_kind, _processor(), files)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return (__version__, *versions, flags, device.platform, device.device_kind, cores, _processor(), files)
 
 
 def _processor() -> str:
