@@ -35,7 +35,6 @@ from stereorecal.recalibration import (
     sharing,
 )
 from stereorecal.recordings import Scene
-from stereorecal.report.repair_tables import repairs_table
 
 SCHEMA = "stereorecal.solution/3"
 _TOGETHER = "; use all new values of a recording together"
@@ -181,6 +180,8 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
     if len(repairs) == 1:
         print_lines(repairs[0].solution)
         return
+    from stereorecal.report.repair_tables import repairs_table
+
     console = table_console()
     console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
     shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]

@@ -17,7 +17,6 @@ from stereorecal.cli._terminal import print_lines, progress_bar, table_console
 from stereorecal.io import about, files_read
 from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, Solution, as_settings, health
 from stereorecal.recordings import Scene
-from stereorecal.report.repair_tables import scores_table
 
 SCHEMA = "stereorecal.health/4"
 _CODES = {  # the first that occurs
@@ -75,6 +74,8 @@ def _show(looked: Sequence[Solution | InputError], rows: Sequence[dict[str, Any]
     if not options.prints:
         return
     if len(looked) > 1:
+        from stereorecal.report.repair_tables import scores_table
+
         console = table_console()
         console.print(scores_table(rows, console.width))
     elif looked and isinstance(looked[0], Solution):

@@ -1,4 +1,4 @@
-"""What a terminal shows: tables, lines and progress."""
+"""What a terminal shows: tables, lines and progress; rich is imported where there is any of it to show."""
 
 import logging
 import re
@@ -6,19 +6,22 @@ import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from typing import TYPE_CHECKING
 
 from stereorecal._compile_cache import LOG
 from stereorecal._run_all import Progress as ProgressCall
-from stereorecal.report.comparison_tables import WIDE
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
+_WIDE = 120  # columns of a table that is not printed to a terminal
 _COMPILING = "compiling, once for images of this size"
 
 
-def table_console(wide: int = WIDE) -> Console:
+def table_console(wide: int = _WIDE) -> "Console":
     """Stdout: as wide as the terminal, or `wide` columns where it is none."""
+    from rich.console import Console
+
     return Console(width=None if sys.stdout.isatty() else wide)
 
 
@@ -39,6 +42,9 @@ def progress_bar(quiet: bool, doing: str = "repairing") -> Iterator[ProgressCall
     if quiet or not sys.stderr.isatty():
         yield None
         return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(doing, total=None)

@@ -13,7 +13,6 @@ from stereorecal.report._tables import fitted
 from stereorecal.report.number_text import count, number, percent
 
 _MOST_TRIALS = 24  # of which every one has a row
-WIDE = 120  # columns of a table that is not printed to a terminal
 _COUNTS = {"N_i": "initial", "N_o": "final", "N_GT": "reference"}
 _ERRORS = {  # heads of columns: what they show, with so many decimals
     **{f"{axis}°": ("rotation_error_deg", axis, 3) for axis in ("pitch", "yaw", "roll")},
