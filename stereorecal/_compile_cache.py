@@ -113,10 +113,12 @@ def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, 
         return function(*jax.tree.unflatten(structure, leaves), **statics)
 
     # A name of its own, by which JAX does not find it: what its cache has loaded cannot be written whole again.
-    flat.__name__ = f"{function.__name__}_{uuid.uuid4().hex}"
+    flat.__name__ = unique = f"{function.__name__}_{uuid.uuid4().hex}"
     program = jax.jit(flat).lower(*shapes).compile()
     with suppress(Exception):  # a full disk, a folder that has gone, a platform that cannot: not cached
         _write(path, zlib.compress(pickle.dumps(serialize_executable.serialize(program)), 1))
+        for copy in folder.parent.glob(f"*{unique}*"):  # JAX's own, that nobody will look for
+            copy.unlink()
     return program
 
 

@@ -205,3 +205,23 @@ began.wait()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("last\n", "")
+
+
+def test_what_is_kept_is_kept_once(tmp_path):
+    """Not by JAX, too, which would write each program that takes long enough to compile."""
+    code = """
+import sys, jax, numpy as np
+from stereorecal._compile_cache import CachedProgram
+jax.config.update("jax_compilation_cache_dir", sys.argv[1])
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+jax.jit(lambda x: x + 1)(np.ones(3))
+def doubled(x):
+    return (2 * x,)
+print(CachedProgram(doubled)(np.ones(2))[0])
+"""
+    for _ in range(2):
+        done = subprocess.run([sys.executable, "-c", code, tmp_path], capture_output=True, text=True, check=True)
+        assert done.stdout == "[2. 2.]\n"
+        names = [path.name for path in tmp_path.rglob("*") if path.is_file()]
+        assert sum(name.startswith("doubled") for name in names) == sum("doubled" in name for name in names) == 1
+        assert len(names) > 1  # what is JAX's own stays
