@@ -32,7 +32,8 @@ from stereorecal._version import __version__
 
 LOG = logging.getLogger("stereorecal")
 _FOLDER = "stereorecal"
-_SETTINGS = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision")
+_SETTINGS = ("jax_enable_x64", "jax_numpy_dtype_promotion", "jax_default_matmul_precision", "jax_optimization_level")
+_VARIABLES = ("XLA_FLAGS", "LIBTPU_INIT_ARGS", "NPROC", "PJRT_NPROC")
 Leaves = tuple[AnyArray, ...]
 
 _BACKGROUND = ThreadPoolExecutor(1, "compile")
@@ -82,12 +83,20 @@ class CachedProgram:
     def _run(self, key: Any, folder: Path | None, arguments: tuple[Any, ...], statics: dict[str, Any]) -> Leaves:
         if folder is None:
             return self.compiled(*arguments, **statics)
+        leaves, structure = jax.tree.flatten(arguments)
         program = self._programs.get(key)
         if program is None:
             with self._tracing:
-                program = self._programs.get(key) or _program(self._function, arguments, statics, folder)
+                path = folder / _file_name(self._function, arguments, statics)
+                program = self._programs.get(key) or _program(self._function, structure, leaves, statics, path)
                 self._programs[key] = program
-        return tuple(program(*jax.tree.leaves(arguments)))
+        try:
+            return tuple(program(*leaves))
+        except Exception:  # kept, but it cannot run: JAX says why, or makes it anew
+            self._programs[key] = lambda *leaves: self.compiled(*jax.tree.unflatten(structure, leaves), **statics)
+            with suppress(OSError):
+                (folder / _file_name(self._function, arguments, statics)).unlink(missing_ok=True)
+            return self.compiled(*arguments, **statics)
 
 
 def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
@@ -96,29 +105,32 @@ def _key(arguments: tuple[Any, ...], statics: dict[str, Any]) -> Any:
     return (os.getpid(), _jax_settings(), structure, shapes, *statics.items())
 
 
-def _program(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any], folder: Path) -> Callable:
-    leaves, structure = jax.tree.flatten(arguments)
-    shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
+def _file_name(function: Callable, arguments: tuple[Any, ...], statics: dict[str, Any]) -> str:
     texts = [(n, f"{v.__module__}.{v.__qualname__}" if callable(v) else repr(v)) for n, v in statics.items()]
-    known = [function.__module__, function.__qualname__, str(structure), str(shapes), texts]
     calls = tuple(name for value in statics.values() for name in getattr(value, "custom_calls", ()))
-    known += [_jax_settings(), _made_by(), calls]
-    path = folder / f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
+    key = map(str, _key(arguments, statics)[1:4])
+    known = [function.__module__, function.__qualname__, texts, calls, *key, _made_by()]
+    return f"{function.__name__.strip('_')}-{hashlib.sha256(repr(known).encode()).hexdigest()[:32]}"
+
+
+def _program(function: Callable, structure: Any, leaves: list[Any], statics: dict[str, Any], path: Path) -> Callable:
     with suppress(Exception):  # missing, truncated, of another format: made anew
         return _loaded(zlib.decompress(path.read_bytes()))
 
-    LOG.info("compiling %s into the cache %s", function.__name__.strip("_"), folder)
+    LOG.info("compiling %s into the cache %s", function.__name__.strip("_"), path.parent)
 
     def flat(*leaves: jax.Array) -> Leaves:
         return function(*jax.tree.unflatten(structure, leaves), **statics)
 
     # A name of its own, by which JAX does not find it: what its cache has loaded cannot be written whole again.
     flat.__name__ = unique = f"{function.__name__}_{uuid.uuid4().hex}"
+    shapes = [jax.ShapeDtypeStruct(np.shape(x), jax.dtypes.result_type(x)) for x in leaves]
     program = jax.jit(flat).lower(*shapes).compile()
+    with suppress(OSError):
+        for copy in path.parent.parent.glob(f"*{unique}*"):  # JAX's own, that nobody will look for
+            copy.unlink()
     with suppress(Exception):  # a full disk, a folder that has gone, a platform that cannot: not cached
         _write(path, zlib.compress(pickle.dumps(serialize_executable.serialize(program)), 1))
-        for copy in folder.parent.glob(f"*{unique}*"):  # JAX's own, that nobody will look for
-            copy.unlink()
     return program
 
 
@@ -133,34 +145,36 @@ def _folder_of(statics: dict[str, Any]) -> Path | None:
     modules = (value.__module__ if callable(value) else type(value).__module__ for value in statics.values())
     settings = jax.config.values
     folder = settings["jax_compilation_cache_dir"]
-    if not (folder and settings["jax_enable_compilation_cache"]) or settings["jax_default_device"] is not None:
+    if not (folder and settings["jax_enable_compilation_cache"]) or settings["jax_disable_jit"]:
+        return None
+    if settings["jax_default_device"] is not None:
         return None
     return Path(folder) / _FOLDER if {m.partition(".")[0] for m in modules} <= {"builtins", "stereorecal"} else None
 
 
 def _jax_settings() -> tuple[Any, ...]:
     """The settings of JAX that change a program; some may hold in this thread only."""
-    return tuple(getattr(jax.config, name) for name in _SETTINGS)
+    return tuple(getattr(jax.config, name, None) for name in _SETTINGS)
 
 
 @cache
 def _made_by() -> tuple[Any, ...]:
     """What programs are made by and for: versions, flags, the device, how many cores XLA spreads them over, which moves
     last bits, and the files of this package."""
-    root = Path(__file__).parent
+    root, devices = Path(__file__).parent, jax.local_devices()
     files = [(str(p.relative_to(root)), p.stat().st_size, p.stat().st_mtime_ns) for p in sorted(root.rglob("*.py"))]
-    versions = [version(name) for name in ("jax", "jaxlib", "numpy")]
-    device = jax.local_devices()[0]
-    flags = os.environ.get("XLA_FLAGS", "")
+    versions = [*(version(name) for name in ("jax", "jaxlib", "numpy")), devices[0].client.platform_version]
+    flags = [os.environ.get(name) for name in _VARIABLES]
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return (__version__, *versions, flags, device.platform, device.device_kind, cores, _processor(), files)
+    device = devices[0].platform, devices[0].device_kind, len(devices), cores, _processor()
+    return (__version__, *versions, *flags, *device, files)
 
 
 def _processor() -> str:
-    """What this processor can do: folders may be shared by several machines."""
+    """What this processor can do, or which machine it is in: folders may be shared by several."""
     with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
         return "".join(line for line in islice(file, 40) if line.startswith(("model name", "flags", "Features")))
-    return f"{platform.machine()} {platform.processor()}"
+    return f"{platform.node()} {platform.machine()} {platform.processor()}"
 
 
 def _write(path: Path, content: bytes) -> None:

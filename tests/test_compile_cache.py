@@ -94,6 +94,24 @@ def test_what_cannot_be_read_is_made_anew(folder, change):
     assert len(TRACES) == 2
 
 
+def test_what_is_read_and_cannot_run_is_made_anew(folder):
+    """As a program for arguments of another shape."""
+    call = _compile_cache.CachedProgram(program, static=("matcher", "times"))
+    call({"x": jnp.zeros(4)}, np.float32(1))
+    (other,) = folder.iterdir()
+    content = other.read_bytes()
+    other.unlink()
+    result()
+    (path,) = folder.iterdir()
+    path.write_bytes(content)
+    fresh = _compile_cache.CachedProgram(program, static=("matcher", "times"))
+    for value, expected in ((1.0, 3.0), (2.0, 4.0)):
+        np.testing.assert_array_equal(result(fresh, value)[0], [expected] * 3)
+    assert not path.exists()  # the next process makes it
+    np.testing.assert_array_equal(result()[0], [3, 3, 3])
+    assert path.exists()
+
+
 def test_other_versions_and_other_files_are_other_programs(folder, monkeypatch):
     result()
     monkeypatch.setattr(_compile_cache, "_made_by", lambda: ("another",))

@@ -221,7 +221,8 @@ class Estimate:
 
     @one_blas_thread()
     def expected_loss(self, used: Float[np.ndarray, "n"]) -> float:
-        """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point."""
+        """What the rig at θ = used loses on average: rows over what a matcher notices, and depth over a point; eight
+        normal distributions stand for the posterior."""
         return self.loss.expected(self._errors.of(used))
 
     @one_blas_thread()

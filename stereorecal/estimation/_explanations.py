@@ -25,18 +25,16 @@ class Hypothesis:
         several: θ under each misfit and prior that was compared; its probability is a part of their evidence. Left
             out of what is `kept`.
         misfit: the most probable one.
-        priors: which of the calibration's covariances have a say.
     """
 
     rows: LinearGroups
     several: Sequence[Explanation]
     misfit: tuple[float, float]
-    priors: Sequence[int]
 
     @classmethod
     def of(cls, rows: LinearGroups, several: Sequence[Explanation]) -> "Hypothesis":
         """What was compared."""
-        return cls(rows, several, best_of(several).misfit, with_a_say(several))
+        return cls(rows, several, best_of(several).misfit)
 
     @property
     def kept(self) -> "Hypothesis":
@@ -44,9 +42,9 @@ class Hypothesis:
         return replace(self, rows=replace(self.rows), several=())
 
     def explained(self, rows: LinearGroups) -> list[Explanation]:
-        """θ by some of its rows."""
+        """θ by some of its rows, under all covariances: the others may have told against one that these ask for."""
         misfit = self.misfit if len(rows.frames) > 1 else (float(np.hypot(*self.misfit)), 0.0)
-        return explanations(rows, self.priors, [misfit])
+        return explanations(rows, range(len(rows.model.prior.roots)), [misfit])
 
 
 def hypothesis_near(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothesis:

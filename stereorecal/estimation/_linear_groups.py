@@ -6,11 +6,12 @@ deviations; their length is short, since a smooth field would be the keystone of
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache, cached_property, reduce
 from itertools import product
 from operator import add
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -128,6 +129,10 @@ class LinearGroups:
     deviation: Float[np.ndarray, "g"]
     likelihoods: Sequence[tuple[float, Normal]]
     nuisances: Nuisances = ALONE
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is derived stays behind."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def frames(self) -> list[Int[np.ndarray, "_"]]:

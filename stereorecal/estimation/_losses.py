@@ -277,7 +277,7 @@ def _normal(z: Float[np.ndarray, "*p"]) -> tuple[Float[np.ndarray, "*p"], Float[
     """The normal density, and twice the integral from 0: Taylor's series from the nearest point of a table, to 1e-11.
     SciPy, which has it, takes a seventh of a second to import."""
     points, densities, integrals = _table()
-    size = np.minimum(np.abs(z), points[-1])
+    size = np.fmin(np.abs(z), points[-1])  # of what is no number, the density is none
     near = np.rint(size * _FINE).astype(int)
     z0, h = points[near], size - points[near]
     integral = integrals[near] + densities[near] * h * (1.0 - h * (0.5 * z0 - h * (z0 * z0 - 1.0) / 6.0))

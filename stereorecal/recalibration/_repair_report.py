@@ -137,7 +137,7 @@ def report_of(
         name=name,
         conclusion=conclusion,
         verdict=solution.verdict,
-        advice=solution.advice.replace("FILE", settings.get("output", "FILE")),
+        advice=solution.advice.replace("FILE", str(settings.get("output") or "FILE")),
         text=str(solution),
         search=f"{solution.message} ({count(solution.evaluations)} evaluations, {solution.seconds:.1f} s)",
         baseline=float(solution.rig.baseline),

@@ -242,9 +242,8 @@ class AbstractResult:
 
     @property
     def covariance(self) -> Float[np.ndarray, "n n"] | None:
-        """The covariance of the parameters of `uncertainty.names` around the candidate, in degrees, percent of the
-        baseline or of the focal length, pixels; of pitch, yaw, roll, y, z by default. None without an epipolar
-        stage."""
+        """The covariance of the parameters of `uncertainty.names` around the candidate, in degrees and percent of the
+        baseline; of pitch, yaw, roll, y, z by default. None without an epipolar stage."""
         return None if self.uncertainty is None else self.uncertainty.covariance
 
     @property
@@ -261,7 +260,6 @@ class AbstractResult:
         rows_px = float(self.decision.rows_px[int(self.accepted), 0])
         return Expected(self.estimate, self.rig, self.view, rows_px)
 
-    @cached_property
     def _residuals(self) -> RowResiduals | None:
         """The row differences of the last correspondences, whichever frames are kept; None without an estimate."""
         last = last_matched(self.stages)
@@ -269,17 +267,19 @@ class AbstractResult:
             return None
         return row_residuals(self.estimate.chart, last.found, self.candidate)
 
-    @property
+    @cached_property
     def row_errors(self) -> RowErrors | None:
         """Epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing."""
-        return None if self._residuals is None else self._residuals.errors
+        residuals = self._residuals()
+        return None if residuals is None else residuals.errors
 
     @cached_property
     def misfit(self) -> Misfit | None:
         """What no rig explains of the row differences, by regions; None in the same cases."""
-        if self._residuals is None or self.estimate is None:
+        residuals = self._residuals()
+        if residuals is None or self.estimate is None:
             return None
-        return misfit(self._residuals, late=self.estimate.is_late)
+        return misfit(residuals, late=self.estimate.is_late)
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:

@@ -92,7 +92,7 @@ class Solution(AbstractResult):
                 "ranges": self.ranges and self.ranges.as_dict(),
                 "left_out": list(self.left_out),
                 "disagreeing": list(self.disagreeing),
-                "covariance": known and {"axes": known.names, "units": "deg, percent, px", "matrix": known.covariance},
+                "covariance": known and {"axes": known.names, "units": "deg, percent", "matrix": known.covariance},
                 "expected": self.expected and self.expected.as_dict(),
                 "depth_error_percent": dict(self.depth_error_percent) if telling else {},
                 "depth": [

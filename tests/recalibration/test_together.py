@@ -40,6 +40,7 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
             np.testing.assert_allclose(take(one), take(other), rtol=1e-6, atol=1e-8)
     first, second, _ = (repair.solution for repair in alone)
     assert first.intrinsics.taken
+    assert first.uncertainty.names == sr.Parameters().names  # intrinsics have their own intervals
     np.testing.assert_array_equal(first.candidate.left.matrix, second.candidate.left.matrix)
     np.testing.assert_array_equal(first.candidate.right.distortion, second.candidate.right.distortion)
     assert not np.array_equal(first.candidate.extrinsics, second.candidate.extrinsics)
