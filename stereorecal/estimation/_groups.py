@@ -5,15 +5,24 @@ a few; and what lies near and far there tells apart what a mean of both would hi
 together as well, and are one: what is seen a dozen times is not known a dozen times as well.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, with_unit_baseline
-from stereorecal.objectives import RigChart, differences_at, linearised
-from stereorecal.scoring import Correspondences, with_rays_of
+from stereorecal.geometry import (
+    PINHOLE,
+    StereoRig,
+    projection,
+    rectifying_rotations,
+    reread,
+    same_camera,
+    with_unit_baseline,
+)
+from stereorecal.objectives import SIDES, RigChart, differences_at, linearised
+from stereorecal.scoring import Correspondences
 
 PLACES = (14, 9)  # columns and rows of places in the left image
 _DISPARITIES = 3  # near, middle, far: a third of all correspondences each
@@ -113,7 +122,7 @@ def grouped(
     if not len(weight):
         no, at = np.zeros(0), np.zeros(0, int)
         return Groups(left, right, no, no, at, at, no, at, focal / scale, no, first, found.projection)
-    rows, disparity = _rectified(found, chart, theta, valid)
+    rows, disparity = _rectified((left, right), found, chart, theta)
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     parts = len(valid), int(np.prod(PLACES)), _DISPARITIES
@@ -147,17 +156,22 @@ def grouped(
     return replace(groups, offset=groups.offset - differences_at(groups._as_correspondences(), chart, theta)[0])
 
 
-def _rectified(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"], valid):
-    """Row differences and disparities of what was found, in pixels of its scale, under the rig at θ."""
-    rig = chart.rig_at(theta)
-    read = with_rays_of(rig, found, matched_rig=chart.rig)
-    extrinsics = with_unit_baseline(rig.extrinsics)
-    rotations = rectifying_rotations(rig.rotation, extrinsics[3:])
-    of_view = projection(found.projection)
-    (x, y), (u, v) = (
-        of_view.project(*(np.asarray(rays, float)[valid] @ rotation.T).T)
-        for rays, rotation in zip((read.left, read.right), rotations, strict=True)
-    )
+def _rectified(
+    rays: Sequence[Float[np.ndarray, "m 3"]],
+    found: Correspondences,
+    chart: RigChart,
+    theta: Float[np.ndarray, "n"],
+) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m"]]:
+    """Row differences and disparities of rays, left and right, in pixels of the scale of what was found, under the rig
+    at θ."""
+    rig, of_view = chart.rig_at(theta), projection(found.projection)
+    rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
+    rectified = []
+    for side, some, rotation in zip(SIDES, rays, rotations, strict=True):
+        given, camera = getattr(chart.rig, side), getattr(rig, side)
+        read = some if same_camera(given, camera) else reread(some, given, camera)
+        rectified.append(of_view.project(*(read @ rotation.T).T))
+    (x, y), (u, v) = rectified
     return float(found.focal) * (y - v), float(found.focal) * (x - u)
 
 

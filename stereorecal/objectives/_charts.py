@@ -121,7 +121,17 @@ class RigChart:
         return changes
 
     def rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
-        """The rig at a point of the box."""
+        """The rig at a point of the box. The last one is kept: it is asked for again and again."""
+        at, last = z.tobytes(), self._last[0]
+        if last is None or last[0] != at:
+            self._last[0] = last = at, self._rig_at(z)
+        return last[1]
+
+    @cached_property
+    def _last(self) -> list[tuple[bytes, StereoRig] | None]:
+        return [None]
+
+    def _rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
         changes, rig = self.intrinsics(z), self.rig.with_extrinsics(self.extrinsics(z))
         if not any(change for side in changes.values() for change in side.values()):
             return rig

@@ -97,7 +97,7 @@ def _tilt_matrix(tau_x, tau_y):
 
 
 _ITERATIONS = 20  # of Newton's method
-_SETTLED = 1e-9  # of a step, normalised image points: the next would be of its square
+_SETTLED = 1e-7  # of a step, normalised image points: the next would be of its square
 _LONGEST = 0.25  # of a step: far corners of wide lenses must not jump over the model's turning point
 
 
