@@ -145,9 +145,9 @@ def _folder_of(statics: dict[str, Any]) -> Path | None:
     modules = (value.__module__ if callable(value) else type(value).__module__ for value in statics.values())
     settings = jax.config.values
     folder = settings["jax_compilation_cache_dir"]
-    if not (folder and settings["jax_enable_compilation_cache"]) or settings["jax_disable_jit"]:
+    if not (folder and settings["jax_enable_compilation_cache"]) or "://" in folder:  # a bucket is JAX's own business
         return None
-    if settings["jax_default_device"] is not None:
+    if settings["jax_disable_jit"] or settings["jax_default_device"] is not None:
         return None
     return Path(folder) / _FOLDER if {m.partition(".")[0] for m in modules} <= {"builtins", "stereorecal"} else None
 

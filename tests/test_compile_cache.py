@@ -135,12 +135,20 @@ def test_a_program_with_code_of_others_is_not_cached(folder):
 
 
 @pytest.mark.parametrize(
-    "off", [{"jax_compilation_cache_dir": None}, {"jax_enable_compilation_cache": False}], ids=list
+    "off",
+    [
+        {"jax_compilation_cache_dir": None},
+        {"jax_enable_compilation_cache": False},
+        {"jax_compilation_cache_dir": "gs://bucket"},
+        {"jax_disable_jit": True},
+    ],
+    ids=lambda off: "{0[0]}={0[1]}".format(*off.items()),
 )
-def test_off_where_jax_keeps_nothing(folder, settings_of_jax, off):
+def test_off_where_jax_keeps_nothing_here(folder, settings_of_jax, off, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     settings_of_jax(**off)
     np.testing.assert_array_equal(result()[0], [3, 3, 3])
-    assert not folder.exists()
+    assert not list(tmp_path.iterdir())
 
 
 def test_compiled_in_the_background_is_compiled_once(folder):

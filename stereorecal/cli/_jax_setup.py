@@ -18,8 +18,8 @@ _ELSEWHERE = "every command will compile again, for some ten seconds; set JAX_CO
 
 def use_compile_cache() -> str | None:
     """Use JAX's persistent compilation cache, unless the user has switched it off
-    (`JAX_ENABLE_COMPILATION_CACHE=false`): some forty files of 30 kB for each image size and disparity range. Returns a
-    sentence for the user if that fails."""
+    (`JAX_ENABLE_COMPILATION_CACHE=false`): some ten files of 20 to 140 kB for each image size and disparity range.
+    Returns a sentence for the user if that fails."""
     settings = jax.config.values
     if not settings["jax_enable_compilation_cache"]:
         return None

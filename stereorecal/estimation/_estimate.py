@@ -7,9 +7,8 @@ rest, and not applied to the part, which may be the one that moved.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -32,7 +31,7 @@ from stereorecal.estimation._losses import (
     points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture, median_and_interval, merged
+from stereorecal.estimation._mixture import Mixture, Travels, median_and_interval, merged
 from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._rig_parameters import DRIFTING
@@ -80,7 +79,7 @@ def parts_of(groups: Groups) -> Iterator[tuple[str, Bool[np.ndarray, "g"]]]:
 
 
 @dataclass(frozen=True, eq=False)
-class Estimate:
+class Estimate(Travels):
     """What the images of a rig and the prior of its calibration say of it together.
 
     Attributes:
@@ -122,10 +121,6 @@ class Estimate:
     hypotheses: tuple[Hypothesis, ...] = ()
     samples: int = 2000
     slopes: Consequences | None = None
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is derived stays behind: samples are larger than all else."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
     def names(self) -> tuple[str, ...]:

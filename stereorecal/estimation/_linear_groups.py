@@ -6,12 +6,11 @@ deviations; their length is short, since a smooth field would be the keystone of
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, reduce
 from itertools import product
 from operator import add
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -19,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, integrated, marginal, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture, root
+from stereorecal.estimation._mixture import Mixture, Travels, root
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -109,7 +108,7 @@ class Model:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearGroups:
+class LinearGroups(Travels):
     """The rows of groups near θ: r₀ + J θ.
 
     Attributes:
@@ -129,10 +128,6 @@ class LinearGroups:
     deviation: Float[np.ndarray, "g"]
     likelihoods: Sequence[tuple[float, Normal]]
     nuisances: Nuisances = ALONE
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is derived stays behind."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def frames(self) -> list[Int[np.ndarray, "_"]]:

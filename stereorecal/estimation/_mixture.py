@@ -12,8 +12,15 @@ _ROUNDING = 1e-12  # of the squares whose difference is taken
 _NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 
 
+class Travels:
+    """A dataclass that is pickled by its fields alone: what is derived stays behind."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}  # pyright: ignore[reportArgumentType]
+
+
 @dataclass(frozen=True, eq=False)
-class Mixture:
+class Mixture(Travels):
     """A mixture of m normal distributions of θ (n,).
 
     Attributes:
@@ -31,10 +38,6 @@ class Mixture:
         """As probable each, with the given rig as the most probable one."""
         number, n, _ = covariances.shape
         return cls(np.full(number, 1.0 / number), np.zeros((number, n)), covariances)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is derived stays behind."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def mean(self) -> Float[np.ndarray, "n"]:
