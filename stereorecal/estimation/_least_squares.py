@@ -182,14 +182,11 @@ class Fit:
         """The fit of θ alone near the same rig, with a misfit of its own, and with what else is measured there."""
         if self.rows is None:
             return self
-        recording = replace(self.recording, start=self._within_field(self.best.theta))
-        misfit, which = self.misfit, self.best.prior
+        best, recording = self.best, replace(self.recording, start=self._within_field(self.best.theta))
         rows = recording.model.linear(self.rows.groups, recording.begun)
         for _ in range(2):  # those that err alone have less say the second time
-            best = best_of(_searched(rows, misfit, which))
-            misfit, which = best.misfit, best.prior
-            rows = rows.robust(sum(misfit), recording.begun)
-        return Fit(recording, rows, misfit)
+            rows, best = _robust(rows, best, recording.begun)
+        return Fit(recording, rows, best.misfit)
 
     def _within_field(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
         """θ, or as far towards it from where the rows are linear as the lenses have rays."""
@@ -302,12 +299,17 @@ def _other_rigs(
 ) -> tuple[OtherRig, ...]:
     """Frames that show another rig than θ, each by itself, also where several show the same; `best` is the most
     probable explanation of rows near θ."""
-    misfit = best.misfit
     if any_same(rows.groups.first):
         rows = rows.model.linear(grouped(found, rows.model.chart, theta), theta, rows.likelihoods)
-        misfit = best_of(_searched(rows, misfit, best.prior)).misfit
-        rows = rows.robust(sum(misfit), theta)
-    return other_rigs(rows, sum(misfit), theta)
+        rows, best = _robust(rows, best, theta)
+    return other_rigs(rows, sum(best.misfit), theta)
+
+
+def _robust(rows: LinearGroups, near: Explanation, theta: Float[np.ndarray, "n"]) -> tuple[LinearGroups, Explanation]:
+    """The rows near θ, those that err alone with less say, and the most probable explanation of them; searched from one
+    that is near."""
+    best = best_of(_searched(rows, near.misfit, near.prior))
+    return rows.robust(sum(best.misfit), theta), best
 
 
 def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> list[Explanation]:
