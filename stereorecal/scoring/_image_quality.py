@@ -161,12 +161,11 @@ def _is_noise(image: Float[np.ndarray, "h w"]) -> bool:
     height, width = image.shape
     if width < 8 * _BLOCK:
         return False
-    columns = image[:, : width // (2 * _BLOCK) * 2 * _BLOCK].reshape(height, -1, 2, _BLOCK).mean(axis=-1)
-    size = min(_WIDTH, columns.shape[1])
-    halves = [
-        _resized(np.ascontiguousarray(columns[:, :, half]), size, max(1, height * size // width)) for half in (0, 1)
-    ]
-    first, second = (cv2.Sobel(half, cv2.CV_32F, 1, 0) for half in halves)
+    step, size = 2 * _BLOCK, min(_WIDTH, width // (2 * _BLOCK))
+    columns = [image[:, first : width // step * step : step] for first in range(step)]
+    halves = (np.mean(some, axis=0) for some in (columns[:_BLOCK], columns[_BLOCK:]))
+    small = (_resized(half, size, max(1, height * size // width)) for half in halves)
+    first, second = (cv2.Sobel(half, cv2.CV_32F, 1, 0) for half in small)
     energy = float(np.sqrt((first**2).sum() * (second**2).sum()))
     return energy > 0.0 and float((first * second).sum()) < _CORRELATED * energy
 
