@@ -21,7 +21,6 @@ from stereorecal.geometry import (
     projection,
     rectifying_rotations,
     reread,
-    same_camera,
     view as view_of,
 )
 from stereorecal.objectives import SIDES, RigChart
@@ -112,8 +111,7 @@ def rays_read(
     """Rays at depth 1 that the cameras of `used` give to the pixels in which those of `true` see points."""
 
     def read(seen: Float[np.ndarray, "p 3"], true_camera: Camera, used_camera: Camera) -> Float[np.ndarray, "p 3"]:
-        at_1 = seen / seen[:, 2:]
-        return at_1 if same_camera(true_camera, used_camera) else reread(at_1, true_camera, used_camera)
+        return reread(seen / seen[:, 2:], true_camera, used_camera)
 
     right = points @ true.rotation.T + true.translation
     return read(points, true.left, used.left), read(right, true.right, used.right)

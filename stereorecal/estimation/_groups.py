@@ -18,7 +18,6 @@ from stereorecal.geometry import (
     projection,
     rectifying_rotations,
     reread,
-    same_camera,
     with_unit_baseline,
 )
 from stereorecal.objectives import SIDES, RigChart, differences_at, linearised
@@ -168,8 +167,7 @@ def _rectified(
     rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
     rectified = []
     for side, some, rotation in zip(SIDES, rays, rotations, strict=True):
-        given, camera = getattr(chart.rig, side), getattr(rig, side)
-        read = some if same_camera(given, camera) else reread(some, given, camera)
+        read = reread(some, getattr(chart.rig, side), getattr(rig, side))
         rectified.append(of_view.project(*(read @ rotation.T).T))
     (x, y), (u, v) = rectified
     return float(found.focal) * (y - v), float(found.focal) * (x - u)

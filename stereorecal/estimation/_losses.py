@@ -179,8 +179,9 @@ def points_shown(
     """Points that groups show if the rig at θ is the true one, in the frame of its left camera, and their weights: each
     place of the image that shows something counts as much as another."""
     rig = chart.rig_at(theta)
-    left = reread(groups.left, chart.rig.left, rig.left)  # a yaw and a principal point that make up for each other
-    right = reread(groups.right, chart.rig.right, rig.right)  # would tell any depth, one without the other
+    left, right = (rays / rays[:, 2:] for rays in (groups.left, groups.right))
+    left = reread(left, chart.rig.left, rig.left)  # a yaw and a principal point that make up for each other
+    right = reread(right, chart.rig.right, rig.right)  # would tell any depth, one without the other
     nearness = nearness_of(rig, left, right, view)
     some = np.flatnonzero((nearness > 0.0) & within_lens(rig.left, left) & within_lens(rig.right, right))
     some = np.random.default_rng(0).permutation(some)[:_MOST_SHOWN]  # groups are in the order of their depths

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._errors import InputError
-from stereorecal.geometry._camera import Camera
+from stereorecal.geometry._camera import Camera, same_camera
 from stereorecal.geometry.lenses import LensModel
 
 _TINY = 1e-30
@@ -81,7 +81,10 @@ def _long_enough(lens: LensModel, coefficients: Float[np.ndarray, "n"], names: I
 
 
 def reread(rays: Float[np.ndarray, "*n 3"], true: Camera, read: Camera) -> Float[np.ndarray, "*n 3"]:
-    """The rays (x/z, y/z, 1) that `read` gives to the pixels in which `true` sees points along `rays`."""
+    """The rays (x/z, y/z, 1) that `read` gives to the pixels in which `true` sees points along `rays`; the very `rays`,
+    where the cameras are equal."""
+    if same_camera(true, read):
+        return rays
     rays = np.asarray(rays, float)
     points = rays[..., :2] / rays[..., 2:]
     goals = (true.project(rays) - read.matrix[:2, 2]) / read.matrix[(0, 1), (0, 1)]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.decision import ENOUGH, Reason, Seen, decide, is_sparse, reason_of
 from stereorecal.estimation import (
@@ -109,8 +109,8 @@ def assessed(
     used = found if disagree else without_frames_of(found, excluded)
     candidate = estimated.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
-    used_frames = np.isin(np.arange(len(used.weight)), () if disagree else excluded, invert=True)
-    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
+    of_used = tiles[:, _used_frames(case, excluded, disagree)]
+    seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
@@ -213,7 +213,7 @@ def solution_of(
     """
     disagree = reason is Reason.FRAMES_DISAGREE
     frames, whole = len(case.images.pairs), case.images.at(1.0)
-    used = np.isin(np.arange(frames), () if disagree else excluded, invert=True)
+    used = _used_frames(case, excluded, disagree)
     pixels = whole.pixels * int(used.sum()) // frames  # all of one size
     before, after = (Score(int(found.sum()), pixels) for found in tiles[:, used])
     names = tuple(case.images.pairs[frame].name for frame in excluded)
@@ -248,6 +248,11 @@ def solution_of(
         prior_use=case.prior_use,
         **findings,
     )
+
+
+def _used_frames(case: Case, excluded: tuple[int, ...], disagree: bool) -> Bool[np.ndarray, "k"]:
+    """Which frames count: where too many disagree to say which are wrong, all."""
+    return np.isin(np.arange(len(case.images.pairs)), () if disagree else excluded, invert=True)
 
 
 def _seen(case: Case, found: Correspondences) -> Seen:

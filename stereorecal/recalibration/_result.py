@@ -22,7 +22,6 @@ from stereorecal.recalibration._row_residuals import (
     TILES_OF_A_FRAME,
     Misfit,
     RowErrors,
-    RowResiduals,
     misfit,
     row_residuals,
 )
@@ -260,26 +259,25 @@ class AbstractResult:
         rows_px = float(self.decision.rows_px[int(self.accepted), 0])
         return Expected(self.estimate, self.rig, self.view, rows_px)
 
-    def _residuals(self) -> RowResiduals | None:
-        """The row differences of the last correspondences, whichever frames are kept; None without an estimate."""
+    @cached_property
+    def _of_rows(self) -> tuple[RowErrors | None, Misfit | None]:
+        """What row differences of the last correspondences show, whichever frames are kept; they themselves, a number
+        for each pixel, are not kept."""
         last = last_matched(self.stages)
         if self.estimate is None or last is None or last.found is None:
-            return None
-        return row_residuals(self.estimate.chart, last.found, self.candidate)
+            return None, None
+        residuals = row_residuals(self.estimate.chart, last.found, self.candidate)
+        return residuals.errors, misfit(residuals, late=self.estimate.is_late)
 
-    @cached_property
+    @property
     def row_errors(self) -> RowErrors | None:
         """Epipolar errors before and after; None if the schedule has no epipolar stage, or it found nothing."""
-        residuals = self._residuals()
-        return None if residuals is None else residuals.errors
+        return self._of_rows[0]
 
-    @cached_property
+    @property
     def misfit(self) -> Misfit | None:
         """What no rig explains of the row differences, by regions; None in the same cases."""
-        residuals = self._residuals()
-        if residuals is None or self.estimate is None:
-            return None
-        return misfit(residuals, late=self.estimate.is_late)
+        return self._of_rows[1]
 
     @cached_property
     def uncertainty(self) -> Uncertainty | None:

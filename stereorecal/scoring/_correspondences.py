@@ -25,7 +25,6 @@ from stereorecal.geometry import (
     rectifying_rotations,
     reread,
     rotation_from_euler,
-    same_camera,
 )
 from stereorecal.matching import AbstractMatcher, Disparity
 from stereorecal.scoring._prepare import ScoringData
@@ -90,9 +89,7 @@ def with_rays_of(rig: StereoRig, found: Correspondences, *, matched_rig: StereoR
     """
 
     def rays(side: str) -> Float[np.ndarray, "k m 3"]:
-        matched_camera, camera = getattr(matched_rig, side), getattr(rig, side)
-        found_rays = np.asarray(getattr(found, side))
-        return found_rays if same_camera(matched_camera, camera) else reread(found_rays, matched_camera, camera)
+        return reread(np.asarray(getattr(found, side)), getattr(matched_rig, side), getattr(rig, side))
 
     return replace(found, left=rays("left"), right=rays("right"))
 
