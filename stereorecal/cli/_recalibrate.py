@@ -35,6 +35,7 @@ from stereorecal.recalibration import (
     sharing,
 )
 from stereorecal.recordings import Scene
+from stereorecal.report.number_text import short_list
 
 SCHEMA = "stereorecal.solution/3"
 _TOGETHER = "; use all new values of a recording together"
@@ -184,9 +185,12 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
 
     console = table_console()
     console.print(repairs_table([repair.as_dict() for repair in repairs], console.width))
-    shared = [repair.solution.intrinsics for repair in repairs if repair.solution and repair.solution.intrinsics]
-    for line in dict.fromkeys(f"{one}{_TOGETHER * one.changed}" for one in shared):  # each once
-        print_lines(line)
+    names: dict[str, list[str]] = {}
+    for repair in repairs:
+        if repair.solution and (found := repair.solution.intrinsics):
+            names.setdefault(f"{found}{_TOGETHER * found.changed}", []).append(repair.name)
+    for line, some in names.items():
+        print_lines(line if len(some) == len(repairs) else f"{short_list(some)}: {line}")
 
 
 def _exit_code(repairs: Sequence[Repair]) -> int:

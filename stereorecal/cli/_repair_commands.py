@@ -25,8 +25,9 @@ RRD = "a recording with pictures, for Rerun's viewer (rerun FILE)"
 @option_group
 class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
     """Repair the calibration of each recording's rig from its images. Recordings with the same intrinsics are of one
-    rig: each gets its own extrinsics, and all share what is found of the intrinsics. A candidate is accepted only if it
-    gains, if it makes rows or depth worse with less than 2 % probability, and if it predicts parts that were left out.
+    rig, unless the images show another: each gets its own extrinsics, and all share what is found of the intrinsics. A
+    candidate is accepted only if it gains, if it makes rows or depth worse with less than 2 % probability, and if it
+    predicts parts that were left out.
 
     Exit code: 0 repaired, or already good; 1 not (the initial calibration stays); 2 bad input, also images that are
     certainly exchanged, upside down or of different scenes; 3 internal failure; 4 cannot tell (too dark, too little

@@ -18,7 +18,7 @@ class Reason(enum.Enum):
     OUT_OF_BUDGET = "the budget ended before a candidate could be judged"
     TOO_LITTLE_TEXTURE = "the images have too little light, texture or grey levels"
     NO_MATCHES = "almost nothing matches, though the images have texture"
-    FRAMES_DISAGREE = "the frames show different rigs"
+    FRAMES_DISAGREE = "the images show different rigs"
     REACH_EDGE = "the rig moved farther than was searched"
     FEWER_MATCHES = "whole regions would no longer match"
     LATE_SHUTTER = "one of the two shutters is late"

@@ -30,14 +30,17 @@ from stereorecal.estimation._estimate import (
     with_free_together as with_free_together,
 )
 from stereorecal.estimation._evidence import Normal as Normal
+from stereorecal.estimation._explanations import NEGLIGIBLE as NEGLIGIBLE
 from stereorecal.estimation._groups import FEWEST_GROUPS as FEWEST_GROUPS, PLACES as PLACES, grouped as grouped
 from stereorecal.estimation._least_squares import (
-    Each as Each,
     Fit as Fit,
     Recording as Recording,
+    agreement as agreement,
+    beside_others as beside_others,
     estimate as estimate,
     fitted as fitted,
     fitted_together as fitted_together,
+    most_probable as most_probable,
 )
 from stereorecal.estimation._linear_groups import normal_of_pair as normal_of_pair, rows_of_groups as rows_of_groups
 from stereorecal.estimation._losses import (

@@ -7,11 +7,10 @@ all others show of that is the prior with which a recording is solved. Their dri
 linear where they were solved last. One after the other takes a step, until all agree.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import add
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -42,7 +41,7 @@ from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
-from stereorecal.estimation._prior_choice import Prior, as_prior, updated
+from stereorecal.estimation._prior_choice import Prior, as_prior, log_evidence, updated
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters, within_field
 from stereorecal.geometry import StereoRig, View
 from stereorecal.scoring import Correspondences
@@ -53,8 +52,6 @@ _SETTLED = 0.05  # standard deviations of θ
 _LIKELY = 1e-3  # of the weight of all hypotheses: one of less is not asked again
 _ROUNDS_TOGETHER, _AGREED = 20, 0.02  # at most; standard deviations of θ, where no recording moves any more
 _LEAST_WEIGHT = 1e-6  # probability: priors below are left out
-
-Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +164,17 @@ class Fit:
     def best(self) -> Explanation:
         """The most probable explanation of the rows, with the nuisance parameters that they have."""
         return best_of(self._without_rows if self.rows is None else _alone(self.rows, self.misfit).several)
+
+    @cached_property
+    def told(self) -> Normal:
+        """What it shows of the calibration's error, the drift integrated: normal, as large as all kinds of drift are on
+        average, by their evidence."""
+        best = self.best
+        of_theta = marginal(best.of_rows, np.diag(best.nuisances.sizes))
+        weights = np.exp(best.log_evidence - np.logaddexp.reduce(best.log_evidence))
+        axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ best.sizes**2)
+        both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
+        return marginal(both, np.diag(sizes))
 
     def beside(self, others: Normal) -> "Fit":
         """The fit after what other recordings tell: a step on, for which outliers are what they are."""
@@ -322,39 +330,37 @@ def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> li
 
 
 @one_blas_thread()
-def fitted_together(
-    recordings: Sequence[Recording],
-    messages: Sequence[Normal] = (),
-    *,
-    each: Each = lambda does, several: [*map(does, several)],
-    nuisances: bool = True,
-) -> tuple[list[Fit], list[Normal]]:
-    """The fit of each recording's rig, from what all of them show; and what each shows of the calibration's error.
-
-    Args:
-        messages: what they showed where they were matched before.
-        each: runs a task for each recording.
-        nuisances: whether what else may be behind their rows is asked; it is not needed to say where to match.
-    """
-    if len(recordings) == 1:
-        return list(each(fitted, recordings)), []
-    others = [_of_others(messages, index) for index in range(len(messages))] or [None] * len(recordings)
-    known = [replace(one, others=told) for one, told in zip(recordings, others, strict=True)]
-    fits = list(each(_most_probable if nuisances else fitted, known))
-    messages = [of_calibration(fit.best) for fit in fits]
+def fitted_together(fits: Sequence[Fit]) -> list[Fit]:
+    """The fit of each recording's rig from what all of them show; from the fits of each by itself, or beside others."""
+    fits, told = list(fits), [fit.told for fit in fits]
     for _ in range(_ROUNDS_TOGETHER):
         moved = []
         for index, fit in enumerate(fits):
-            fits[index] = fit.beside(_of_others(messages, index))
-            messages[index] = of_calibration(fits[index].best)
+            fits[index] = fit.beside(_of_others(told, index))
+            told[index] = fits[index].told
             moved.append((fits[index].best.theta - fit.best.theta) / _deviations(fit.best))
         if np.abs(moved).max() < _AGREED:
             break
-    return [fit.without_nuisances() for fit in fits], messages
+    return [fit.without_nuisances() for fit in fits]
+
+
+def agreement(alone: Sequence[Fit], together: Sequence[Fit]) -> Float[np.ndarray, "r"]:
+    """How much more probable each recording is as one of the others' calibration than as one of its own, nats; each
+    alone, and all fitted together, where those of another calibration have a larger misfit."""
+    told, prior = [fit.told for fit in together], alone[0].recording.prior
+    of_all = log_evidence(prior, reduce(add, told))
+    each = (log_evidence(prior, fit.told) + log_evidence(prior, _of_others(told, i)) for i, fit in enumerate(alone))
+    return of_all - np.array(list(each))
+
+
+def beside_others(recordings: Sequence[Recording], fits: Sequence[Fit]) -> list[Recording]:
+    """Recordings with what the fits of all others tell."""
+    told = [fit.told for fit in fits]
+    return [replace(one, others=_of_others(told, index)) for index, one in enumerate(recordings)]
 
 
 @one_blas_thread()
-def _most_probable(recording: Recording) -> Fit:
+def most_probable(recording: Recording) -> Fit:
     """The fit by the rows of the most probable hypothesis, of which nuisance parameters may be a part."""
     fit = fitted(recording)
     if fit.rows is None:
@@ -370,13 +376,3 @@ def _of_others(messages: Sequence[Normal], index: int) -> Normal:
 
 def _deviations(one: Explanation) -> Float[np.ndarray, "n"]:
     return np.sqrt(np.maximum(np.diag(one.covariances(np.array([one.best]))[0]), 1e-30))
-
-
-def of_calibration(best: Explanation) -> Normal:
-    """The likelihood of the calibration's error under an explanation, the drift integrated: normal, as large as all
-    kinds of drift are on average, by their evidence."""
-    of_theta = marginal(best.of_rows, np.diag(best.nuisances.sizes))
-    weights = np.exp(best.log_evidence - np.logaddexp.reduce(best.log_evidence))
-    axes, sizes = np.eye(len(of_theta.b)), np.sqrt(weights @ best.sizes**2)
-    both = of_theta.of_parameters(np.column_stack([axes, axes[:, : len(DRIFTING)]]))
-    return marginal(both, np.diag(sizes))

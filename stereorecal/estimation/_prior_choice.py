@@ -149,6 +149,15 @@ def recentred_posterior(posterior: Mixture, used: Float[np.ndarray, "n"]) -> Mix
 
 def updated(prior: Mixture, normal: Normal) -> Mixture:
     """Each normal distribution given the likelihood, weighed by its evidence."""
+    return _updated(prior, normal)[0]
+
+
+def log_evidence(prior: Mixture, normal: Normal) -> float:
+    """The logarithm of what the likelihood is on average under the prior."""
+    return _updated(prior, normal)[1]
+
+
+def _updated(prior: Mixture, normal: Normal) -> tuple[Mixture, float]:
     halves, means, logs = [], [], []
     for one, mean, weight in zip(prior.roots, prior.means, prior.weights, strict=True):
         around = normal.around(mean)
@@ -157,8 +166,10 @@ def updated(prior: Mixture, normal: Normal) -> Mixture:
         halves.append(after)
         means.append(mean + after.T @ pull)
         logs.append(np.log(weight) - 0.5 * (around.c - pull @ pull) - np.log(np.diag(lower)).sum())
-    weights = np.exp(np.array(logs) - np.logaddexp.reduce(logs))
-    return Mixture(weights, np.stack(means), np.stack([half.T @ half for half in halves]))
+    evidence = float(np.logaddexp.reduce(logs))
+    return Mixture(
+        np.exp(np.array(logs) - evidence), np.stack(means), np.stack([half.T @ half for half in halves])
+    ), evidence
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,6 @@ import enum
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from functools import partial
 from traceback import format_exception
 from typing import Any, Unpack
 
@@ -66,9 +65,9 @@ def recalibrate_many(
 
     Each recording has extrinsics of its own, as a rig that drifts between missions; where it did not drift, give all
     pairs as one recording. Recordings of one rig share what is found of its intrinsics: once each is repaired, all are
-    estimated together (`Solution.intrinsics` says what came of it). If nothing is said of what is free, those of
-    different rigs are repaired apart. Ranges free the length of the baseline, which all share. Where the joint solution
-    fails, the repairs stand, each with an error that says so.
+    estimated together (`Solution.intrinsics` says what came of it), but for those whose images show other intrinsics.
+    If nothing is said of what is free, those of different calibrations are repaired apart. Ranges free the length of
+    the baseline, which all share. Where the joint solution fails, the repairs stand, each with an error that says so.
 
     A recording that cannot be repaired is an answer with an error, never an exception. Ctrl-C passes; whoever takes
     each answer with `finished` has those that are there by then.
@@ -93,13 +92,9 @@ def recalibrate_many(
     scenes = tuple(one if one.rig is None else replace(one, rig=one.rig.side_by_side()) for one in scenes)
     free = _shared_by(scenes, settings)
     scenes, ranges = sharing(scenes, free, settings.ranges, settings.schedule)
-    if len(scenes) == 1:
-        numbers = {id(pair): number for number, pair in enumerate(scenes[0].pairs)}  # however a pair travels
-        alone = replace(settings, ranges=tuple(replace(one, pair=numbers[id(one.pair)]) for one in ranges))
-    else:
-        alone = replace(settings, free=free.extrinsics if free.shared else free, ranges=())
+    tasks = [(scene, {**options, "ranges": _of_recording(scene, ranges)}) for scene in scenes]
     done: dict[int, Repair] = {}
-    for index, found in run_all(partial(_repaired_or_fault, options=alone.options), scenes, executor):
+    for index, found in run_all(_repaired_or_fault, tasks, executor):
         done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
         if finished is not None:
             finished(index, done[index])
@@ -179,7 +174,7 @@ def _repaired_together(
         found = solve_jointly(recordings, free, each)
     except Exception as error:
         failed = _failed("", error)
-        message = f"the joint solution failed; the separate repairs of the extrinsics are used: {failed.error}"
+        message = f"the joint solution failed; the separate repairs are used: {failed.error}"
         return tuple(
             replace(r, error=r.error or message, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs
@@ -190,8 +185,16 @@ def _repaired_together(
     return tuple(answers)
 
 
-def _repaired_or_fault(scene: Scene, options: Mapping[str, Any]) -> Repair:
-    """Repair one recording, in a worker: whatever goes wrong comes back as text, which always pickles."""
+def _of_recording(scene: Scene, ranges: Sequence[Range]) -> tuple[Range, ...]:
+    """The ranges of its pairs, by their numbers: however a pair travels."""
+    numbers = {id(pair): number for number, pair in enumerate(scene.pairs)}
+    return tuple(replace(one, pair=numbers[id(one.pair)]) for one in ranges if id(one.pair) in numbers)
+
+
+def _repaired_or_fault(task: tuple[Scene, Mapping[str, Any]]) -> Repair:
+    """The repair of one recording with its options, in a worker: whatever goes wrong comes back as text, which always
+    pickles."""
+    scene, options = task
     try:
         if scene.rig is None:
             raise InputError("the scene has no calibration; give one to start from.")

@@ -4,18 +4,19 @@ From repairs of the extrinsics to one estimate of all parameters: recordings are
 each solved beside the others, matched again and solved again; then one decision is taken for all.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from stereorecal.decision import ENOUGH, Decision, Reason, Seen, decide_together, reason_of
 from stereorecal.estimation import (
+    NEGLIGIBLE,
     NO_RANGES,
     NO_WINDOWS,
-    Each,
     Earlier,
     Estimate,
     Fit,
@@ -24,8 +25,12 @@ from stereorecal.estimation import (
     Recording,
     SavedPrior,
     Windows,
+    agreement,
     as_prior,
+    beside_others,
+    fitted,
     fitted_together,
+    most_probable,
     rig_parameters,
     with_free_together,
 )
@@ -42,7 +47,9 @@ from stereorecal.recordings import Pair, Range
 from stereorecal.scoring import Correspondences, ScoringData, pyramid, with_rays_of
 from stereorecal.scoring.host import Score, correspondences, counts_by_tile
 
-_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES)
+_UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES, Reason.FRAMES_DISAGREE)
+
+Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,12 +119,11 @@ class RepairedRecording:
         estimate = self.repair.estimate
         return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.used)
 
-    def usable(self, *, intrinsics_free: bool) -> bool:
-        """Whether it can take part. Frames may disagree by intrinsics that are free; that is judged at the end."""
-        found, reason = self.repair.found, self.repair.reason
-        if reason in _UNUSABLE or (reason is Reason.FRAMES_DISAGREE and not intrinsics_free):
-            return False
-        return found is not None and found.found >= ENOUGH.matches
+    @property
+    def usable(self) -> bool:
+        """Whether it can take part."""
+        found = self.repair.found
+        return self.repair.reason not in _UNUSABLE and found is not None and found.found >= ENOUGH.matches
 
     def theta_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
         """Where a rig lies, counted from the initial one."""
@@ -156,8 +162,8 @@ class Member:
 
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
-    """The joint estimate of recordings: fitted, matched again, weighed; and the decision on it; `each` runs a task for
-    each recording."""
+    """The joint estimate of recordings, without those that show another calibration: fitted, matched again, weighed;
+    and the decision on it. None, where those are too many to say which they are; `each` runs a task for each."""
     ranges = (NO_RANGES,) * len(recordings)
     if any(r.ranges for r in recordings):
         ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
@@ -166,7 +172,10 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
     ]
     tolerances = recordings[0].repair.settings.tolerances
-    fits, messages = fitted_together(estimated_from, each=each, nuisances=False)
+    kept, fits = _of_one_calibration(each(fitted, estimated_from))
+    if not kept:
+        return []
+    recordings, estimated_from = [recordings[index] for index in kept], [estimated_from[index] for index in kept]
     estimates = [fit.alone.judged_by(tolerances.matters) for fit in fits]
     likely = with_free_together(estimates, free.names)
     rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
@@ -175,11 +184,24 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
         enough = found.found >= ENOUGH.matches
         read = with_rays_of(r.repair.initial, found, matched_rig=rig) if enough else r.found
         estimated_from[index] = replace(estimated_from[index], found=read, start=r.theta_of(rig))
-    fits, _ = fitted_together(estimated_from, messages, each=each)
+    fits = fitted_together(each(most_probable, beside_others(estimated_from, fits)))
     estimates = [one.judged_by(tolerances.matters) for one in each(Fit.weighed, fits)]
     decisions = decide_together(estimates, free.names, tolerances)
     several = zip(recordings, estimated_from, estimates, decisions, strict=True)
     return [Member(r, data.found, estimated, decision) for r, data, estimated, decision in several]
+
+
+def _of_one_calibration(alone: Sequence[Fit]) -> tuple[list[int], list[Fit]]:
+    """The fits together of those that show one calibration, and their numbers, one more left out at a time; none, where
+    too many differ to say which of them do."""
+    kept = list(range(len(alone)))
+    while len(kept) >= (1.0 - MOST_EXCLUDED) * len(alone):
+        some = [alone[index] for index in kept]
+        together = fitted_together(some)
+        if (likelier := agreement(some, together)).min() > -NEGLIGIBLE:
+            return kept, together
+        del kept[int(likelier.argmin())]
+    return [], []
 
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[Mixture]:
@@ -198,21 +220,26 @@ def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[M
 
 
 def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> tuple[Solution, ...]:
-    """The repairs with what the recordings share freed as well, or, where that is not taken, as they were; `each` runs
-    a task for each recording."""
-    part = [recording for recording in recordings if recording.usable(intrinsics_free=bool(free.intrinsics))]
-    if not part:
-        return tuple(_unsolved(recording, free) for recording in recordings)
-    members = joint_estimate(part, free, each)
-    answers = _answers(members, free, each)
-    intrinsics = _intrinsics(members, answers, free) if free.intrinsics else None
-    results = iter(_solutions(members, answers, intrinsics, free))
-    return tuple(
-        next(results)
-        if any(r is one for one in part)
-        else replace(r.repair, intrinsics=intrinsics and intrinsics.not_applied(r.repair.reason), ranges=_unmatched(r))
-        for r in recordings
-    )
+    """The repairs with what the recordings share estimated together, or, where that is not taken, as they were; `each`
+    runs a task for each recording."""
+    usable = [recording for recording in recordings if recording.usable]
+    if len(usable) < 2:
+        return tuple(recording.repair for recording in recordings)
+    members = joint_estimate(usable, free, each)
+    answers = dict(zip((id(member.recording) for member in members), _answers(members, free, each), strict=True))
+    of_another = {id(recording) for recording in usable} - set(answers)
+    shared, length = _shared(members, answers, free), _measured_length(members, answers, free)
+    found = []
+    for recording in recordings:
+        answer, own = answers.get(id(recording)), recording.repair
+        if answer is not None and answer.accepted:
+            found.append(replace(answer, intrinsics=shared))
+            continue
+        if answer is not None and length is not None and own.reason.healthy and not recording.ranges:
+            own = _scaled(own, answer, length)
+        why = Reason.FRAMES_DISAGREE if id(recording) in of_another else (answer or own).reason
+        found.append(replace(own, intrinsics=_apart(own.intrinsics, shared, why)))
+    return tuple(found)
 
 
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
@@ -235,7 +262,6 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
             estimate=estimated,
             decision=member.decision,
             ranges=member.ranges(rig, reason),
-            disagreeing=repair.disagreeing if reason is Reason.FRAMES_DISAGREE else (),
             settings=replace(repair.settings, free=free),
             prior_use=repair.prior_use and replace(repair.prior_use, other_images=tuple(chain(*of_others))),
         )
@@ -243,62 +269,42 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
     return answers
 
 
-def _intrinsics(members: Sequence[Member], answers: Sequence[Solution], free: Parameters) -> Intrinsics:
-    """The shared parameters, and whether they are taken."""
-    taken = any(one.accepted for one in answers)
+def _shared(members: Sequence[Member], answers: Mapping[int, Solution], free: Parameters) -> Intrinsics | None:
+    """The shared parameters, and whether any recording takes them; None, where no recordings have any."""
+    if not members:
+        return None
+    first, taken = members[0], any(one.accepted for one in answers.values())
     outcome = IntrinsicsOutcome.REFINED if taken else IntrinsicsOutcome.REFUSED
-    theta, refused = members[0].decision.theta, None if taken else answers[0].reason
-    return intrinsics_of(members[0].estimate, theta, free.shared, outcome, refused)
+    refused = None if taken else answers[id(first.recording)].reason
+    return intrinsics_of(first.estimate, first.decision.theta, free.shared, outcome, refused)
 
 
-def _solutions(
-    members: Sequence[Member], answers: Sequence[Solution], intrinsics: Intrinsics | None, free: Parameters
-) -> list[Solution]:
-    """What was found together of each recording, or what it has alone, with no more than the length of the baseline
-    that the ranges of others tell."""
-    baseline_measured = BASELINE in free.names and any(
-        answer.accepted and (one.estimate.matched_ranges.agree(answer.rig) or one.recording.windows.measured)
-        for answer, one in zip(answers, members, strict=True)
-    )
-    found = []
-    for member, answer in zip(members, answers, strict=True):
-        if answer.accepted:
-            found.append(replace(answer, intrinsics=intrinsics))
-            continue
-        own = member.recording.repair
-        if baseline_measured and own.reason.healthy and not member.estimate.matched_ranges:
-            own = _scaled(own, answer)
-        own_intrinsics = intrinsics and intrinsics.not_applied(answer.reason)
-        found.append(replace(own, intrinsics=own_intrinsics, ranges=member.ranges(own.rig, answer.reason)))
-    return found
+def _apart(own: Intrinsics | None, shared: Intrinsics | None, why: Reason) -> Intrinsics | None:
+    """What is said of intrinsics where the shared ones are not taken: its own, if it has some."""
+    if own is not None:
+        return replace(own, outcome=IntrinsicsOutcome.APART, refused=why)
+    return shared and shared.not_applied(why)
 
 
-def _scaled(solution: Solution, found: Solution) -> Solution:
+def _measured_length(members: Sequence[Member], answers: Mapping[int, Solution], free: Parameters) -> float | None:
+    """How many times as long as given the baseline is, by ranges or motion; None, where nothing tells."""
+    for member in members if BASELINE in free.names else ():
+        answer = answers[id(member.recording)]
+        measured = member.estimate.matched_ranges.agree(answer.rig) or member.recording.windows.measured
+        if answer.accepted and measured:
+            return float(answer.candidate.extrinsics[3] / answer.initial.extrinsics[3])
+    return None
+
+
+def _scaled(own: Solution, found: Solution, length: float) -> Solution:
     """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
     are the same."""
-    extrinsics = np.array(solution.rig.extrinsics, float)
-    before, after = (abs(float(rig.extrinsics[3])) for rig in (found.initial, found.candidate))
-    extrinsics[3:] *= after / before  # what only a change of the length moves
+    extrinsics = np.array(own.rig.extrinsics, float)
+    extrinsics[3:] *= length  # what only a change of the length moves
     return replace(
-        solution,
+        own,
         estimate=found.estimate,
-        candidate=solution.rig.with_extrinsics(extrinsics),
+        candidate=own.rig.with_extrinsics(extrinsics),
         reason=Reason.IMPROVED,
-        settings=replace(solution.settings, free=found.settings.free),
+        settings=replace(own.settings, free=found.settings.free),
     )
-
-
-def _unmatched(recording: RepairedRecording) -> RangesSeen | None:
-    """What became of the ranges of a recording that took no part."""
-    return RangesSeen(len(recording.ranges), 0, 0) if recording.ranges else None
-
-
-def _unsolved(recording: RepairedRecording, free: Parameters) -> Solution:
-    """The repair of a recording where nothing that is shared could be solved for."""
-    repair, intrinsics = recording.repair, None
-    if free.intrinsics:
-        parameters = [one for one in free.of(repair.initial, repair.settings.reach) if one.name in free.shared]
-        names, units = tuple(one.name for one in parameters), tuple(one.unit for one in parameters)
-        missing = np.full(len(parameters), np.nan)
-        intrinsics = Intrinsics(IntrinsicsOutcome.NOT_SOLVED, names, units, missing, missing, names)
-    return replace(repair, intrinsics=intrinsics, ranges=_unmatched(recording))

@@ -96,9 +96,9 @@ class IntrinsicsOutcome(enum.Enum):
     """What became of freed intrinsics; the value is the message."""
 
     REFINED = "the intrinsics were refined"
+    APART = "the intrinsics were refined by this recording alone, without the others"
     NOT_HERE = "the intrinsics were refined with other recordings, but this one does without"
     REFUSED = "the intrinsics stay as given"
-    NOT_SOLVED = "the intrinsics stay: too little of the images matches"
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ class Intrinsics:
     @property
     def taken(self) -> bool:
         """True if the calibration to use has them."""
-        return self.outcome is IntrinsicsOutcome.REFINED
+        return self.outcome in (IntrinsicsOutcome.REFINED, IntrinsicsOutcome.APART)
 
     @property
     def changed(self) -> bool:

@@ -7,7 +7,16 @@ from operator import add
 import numpy as np
 import pytest
 
-from stereorecal.estimation import Estimate, Recording, estimate, fitted, fitted_together
+from stereorecal.estimation import (
+    Estimate,
+    Recording,
+    agreement,
+    beside_others,
+    estimate,
+    fitted,
+    fitted_together,
+    most_probable,
+)
 
 DRIFTS = np.array([[0.3, 0.2, -0.4, 0.2, -0.3], [-0.2, 0.1, 0.3, 0.0, 0.2], [0.0, 0.0, 0.0, 0.0, 0.0]])
 
@@ -28,8 +37,8 @@ def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
 
 def estimates(recordings: list[Recording]) -> list[Estimate]:
     """As repairs have them: fitted to say where to match, and, matched again, weighed."""
-    _, messages = fitted_together(recordings, nuisances=False)
-    return [fit.weighed() for fit in fitted_together(recordings, messages)[0]]
+    fits = fitted_together([fitted(one) for one in recordings])
+    return [fit.weighed() for fit in fitted_together([most_probable(one) for one in beside_others(recordings, fits)])]
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +48,6 @@ def together(recordings):
 
 def sigmas(one) -> np.ndarray:
     return np.sqrt(np.diag(one.posterior.covariance))
-
-
-def test_one_recording_is_as_alone(recordings, prior):
-    (one,), alone = estimates(recordings[:1]), estimate(recordings[0].found, recordings[0].rig, prior)
-    np.testing.assert_allclose(one.theta, alone.theta, atol=1e-12)
-    np.testing.assert_allclose(one.intervals, alone.intervals, atol=1e-12)
 
 
 def test_each_has_its_own_drift_and_what_is_common_is_better_known(recordings, together, prior, truths):
@@ -63,9 +66,9 @@ def test_their_order_does_not_matter(recordings, together):
 
 def test_they_have_settled(recordings, together):
     """What the others show moves none of them any more: a step to another θ changes what each shows."""
-    fits, messages = fitted_together(recordings)
+    fits = fitted_together([most_probable(one) for one in recordings])
     for index, (fit, one) in enumerate(zip(fits, together, strict=True)):
-        others = reduce(add, messages[:index] + messages[index + 1 :])
+        others = reduce(add, [other.told for other in fits[:index] + fits[index + 1 :]])
         assert (np.abs(fit.beside(others).best.theta - fit.best.theta) < 0.05 * sigmas(one)).all()
     alone = [fitted(one) for one in recordings]
     assert any(
@@ -95,3 +98,19 @@ def test_one_in_which_nothing_matches_says_nothing(recordings):
     alone = fitted(empty).weighed()
     assert np.median(sigmas(blind)[6:] / sigmas(alone)[6:]) < 0.9
     assert (sigmas(blind)[6:] ** 2 < 1.01 * blind.prior_variance[6:]).all()
+
+
+def test_whether_they_are_of_one_calibration(recordings, rig, chart, seen, prior):
+    """One error of the intrinsics is more probable than several; with that of another rig, far less."""
+
+    def together(several: list[Recording]) -> np.ndarray:
+        alone = [fitted(one) for one in several]
+        return agreement(alone, fitted_together(alone))
+
+    assert together(recordings).min() > 2.0
+    off = {"left.f": 0.5, "left.k1": 0.02, "right.cy": 2.0, "right.k1": -0.02}  # percent, pixels
+    other = np.array([off.get(name, 0.0) for name in chart.names])
+    stranger = Recording(seen(rig, chart.rig_at(other), 7, cells=700), rig, prior)
+    likelier = together([*recordings, stranger])
+    assert likelier.argmin() == len(recordings)
+    assert likelier[-1] < -12.0

@@ -48,6 +48,21 @@ def test_each_its_own_extrinsics_on_any_executor(given_wrong):
 
 
 @pytest.mark.slow
+def test_another_rig_with_the_same_calibration_takes_no_part(given_wrong):
+    """A fleet's calibration file is no proof: what is not of one rig is repaired as it would be alone."""
+    other = wrong({"f": -0.003, "k1": 0.03}, {"f": 0.005, "cy": 2.0, "k1": 0.02})
+    stranger = replace(sr.synthetic.render("harbour", 4, rig=other), rig=WRONG)
+    *others, last = (repair.solution for repair in sr.recalibrate_many([*given_wrong[:3], stranger]))
+    assert [one.intrinsics.outcome for one in others] == [IntrinsicsOutcome.REFINED] * 3
+    assert max(over_the_view(one.rig) for one in others) < 0.4 * over_the_view(WRONG)
+    assert last.intrinsics.outcome is IntrinsicsOutcome.APART
+    alone = sr.recalibrate(WRONG, stranger.pairs)
+    np.testing.assert_array_equal(last.rig.extrinsics, alone.rig.extrinsics)
+    two = [repair.solution for repair in sr.recalibrate_many([given_wrong[0], stranger])]
+    assert [one.intrinsics.outcome for one in two] == [IntrinsicsOutcome.APART] * 2
+
+
+@pytest.mark.slow
 def test_fog_takes_no_part(given_wrong):
     noise = np.random.default_rng(0)
     left, right = (noise.normal(128, 0.5, SIZE[::-1]).round() for _ in "lr")
