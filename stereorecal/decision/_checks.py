@@ -54,7 +54,7 @@ _ADVICE = {
     Reason.OUT_OF_BUDGET: "Give a larger budget.",
     Reason.TOO_LITTLE_TEXTURE: "Take a pair with more light and texture; of interlaced images take every second row.",
     Reason.NO_MATCHES: "Give a larger reach, or images that show more.",
-    Reason.FRAMES_DISAGREE: "Take them at rest, or check the synchronisation of the cameras.",
+    Reason.FRAMES_DISAGREE: "Give one pair, if the rig moved; else take them at rest, or check the synchronisation.",
     Reason.REACH_EDGE: "Give a larger reach, or another pair, if something moved between the exposures.",
     Reason.FEWER_MATCHES: "Take another pair; something moved between the exposures, or a lens does not fit its model.",
     Reason.LATE_SHUTTER: "Trigger both cameras at once, or take frames at rest.",
