@@ -173,15 +173,6 @@ def test_ffmpeg_says_nothing_itself(tmp_path):
     assert (answer.stdout, answer.stderr) == ("refused\n", "")
 
 
-def test_times_with_a_fraction_are_seconds(tmp_path: Path):
-    """However many digits follow the point."""
-    left = [f"1403715273.{fraction}" for fraction in (262142, 312142, 362142)]
-    right = [f"1403715273.{fraction}" for fraction in (263142, 332142, 363142)]
-    recorded = open_pairs(*folders(tmp_path, left, right), tolerance=0.005)
-    assert [pair.time for pair in recorded.pairs] == pytest.approx([float(left[0]), float(left[2])], abs=1e-6)
-    assert recorded.unpaired == (f"{left[1]}.png", f"{right[1]}.png")
-
-
 @pytest.mark.parametrize("name", ["{}", "cam_{}"])
 @pytest.mark.parametrize("start", ["1403715273262142976", "1403715273.5"])
 def test_times_that_differ_a_little_pair_without_tolerance(tmp_path: Path, name: str, start: str):

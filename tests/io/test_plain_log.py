@@ -69,10 +69,6 @@ def test_one_sequence_of_several(folder: Path, mission: Mission, calibrations, m
         assert len(found.pairs) == len(mission.pairs)
 
 
-def test_the_first_pairs_only(folder: Path):
-    assert [pair.name for pair in load_log(folder, limit=2).missions[0].pairs] == ["000.png", "001.png"]
-
-
 @pytest.mark.parametrize(
     ("name", "calibration"),
     [("2020-05-01", "2020-05-01"), ("2020-12-31-x", "2020-05-01"), ("2022-x", "2021-01-01"), ("2019-01-01-x", None)],

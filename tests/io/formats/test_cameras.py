@@ -66,13 +66,6 @@ def test_cameras_that_a_file_has_not(tmp_path: Path, name: str, cameras, said: s
     refused(lambda: load_rig(paths, unit=SAMPLES[name].unit, cameras=cameras), said)
 
 
-@pytest.mark.parametrize("sample", SAMPLES.values(), ids=SAMPLES)
-def test_naming_the_usual_cameras_changes_nothing(tmp_path: Path, sample):
-    paths = sample.write(tmp_path)
-    named = load_rig(paths, unit=sample.unit, size=sample.size, cameras=("left", "right"))
-    assert_same(named, sample.load(paths))
-
-
 def chain_of_four(key: str | None) -> str:
     """Four cameras side by side, cam3 outermost on the left, with poses on an IMU besides if `key` says so."""
     content = {}

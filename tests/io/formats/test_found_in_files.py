@@ -262,14 +262,6 @@ def test_a_calib_json_with_info_of_its_own(tmp_path: Path):
 # --- poses on an IMU ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["kalibr on imu", "kalibr to imu"])
-def test_kalibr_without_a_chain(tmp_path: Path, name: str):
-    rig = load_rig(SAMPLES[name].write(tmp_path))
-    aligned = ("0.001]\n  - [0.0, 0.0, 1.0, -0.002]", "0.0]\n  - [0.0, 0.0, 1.0, 0.0]")
-    usual = load_rig(SAMPLES["kalibr"].changed(aligned).write(tmp_path))
-    np.testing.assert_allclose(rig.extrinsics, usual.extrinsics, rtol=0, atol=1e-15)
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
