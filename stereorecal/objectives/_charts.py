@@ -47,10 +47,6 @@ class Chart:
         free = list(self.free)
         return ((extrinsics - self.centre) / np.where(self.half_width == 0, 1.0, self.half_width))[..., free]
 
-    def inside(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
-        """The point of the box that is nearest to the extrinsics, coordinate by coordinate."""
-        return np.clip(self.coordinates(extrinsics), -1.0, 1.0)
-
     def with_unit_baseline(self) -> "Chart":
         """The same chart with translations in units of the baseline, which is how scores see them."""
         unit = np.array([1.0, 1.0, 1.0, *[np.linalg.norm(self.centre[3:])] * 3])

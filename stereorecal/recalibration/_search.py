@@ -14,14 +14,7 @@ from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._mismatch import mismatch_of
 from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stages import (
-    Cost,
-    StageRun,
-    last_matched,
-    remaining,
-    run_stage,
-    started,
-)
+from stereorecal.recalibration._stages import Cost, StageRun, last_matched, remaining, run_stage, started
 from stereorecal.scoring.host import survey
 from stereorecal.strategies import Budget, Status
 
@@ -88,9 +81,9 @@ def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tupl
         if len(schedule.stages) > 1 and measured:
             epipolar = stage.score is ScoreKind.EPIPOLAR
             yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.settings.reach.degrees))
-            surveyed = survey(case.images, done.end_extrinsics, yaw_error, aligned=True)
+            surveyed = survey(case.images, np.asarray(rig.extrinsics), yaw_error, aligned=True)
             done = replace(done, survey_cost=surveyed.cost)
-            case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_error))
+            case = replace(case, matcher=surveyed.with_range(settings.matcher, yaw_error))
             # The decision matches under the initial rig too, which may need more disparities than the rig found.
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
         stages.append(done)
