@@ -107,7 +107,8 @@ def _rolling(rows: LinearGroups) -> Iterator[Confounder]:
     rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a confounder is
     fitted anew."""
     chart = rows.model.chart
-    right, nuisances = chart.rig.right, _nuisances([MOVED, _ACROSS], _ROLLING / len(_TAKEN_TOGETHER))
+    right = chart.rig.right
+    nuisances = Nuisances(np.array([MOVED, _ACROSS]), float(np.log(_ROLLING / len(_TAKEN_TOGETHER))))
     down = right.project(rows.groups.right)[:, 1:] / right.size[1]
     # By a pixel of the right image, down and across, as lenses bend it.
     moved = -rows.jacobian[:, [chart.names.index(f"right.{centre}") for centre in ("cy", "cx")]]
@@ -117,11 +118,7 @@ def _rolling(rows: LinearGroups) -> Iterator[Confounder]:
 
 def _late() -> Confounder:
     """One image is late and its camera has moved: a drift of another size."""
-    return Confounder(_nuisances(_LATE_SIZES, _LATE), lambda rows: rows.jacobian[:, :_DRIFTING])
-
-
-def _nuisances(sizes: Sequence[float] | Float[np.ndarray, "q"], probability: float) -> Nuisances:
-    return Nuisances(np.array(sizes), float(np.log(probability)))
+    return Confounder(Nuisances(_LATE_SIZES, float(np.log(_LATE))), lambda rows: rows.jacobian[:, :_DRIFTING])
 
 
 def _regions(rows: LinearGroups, best: Explanation) -> Iterator[Confounder]:

@@ -265,11 +265,6 @@ class Readings:
         return self._read[key]
 
     @cached_property
-    def slopes(self) -> Float[np.ndarray, "2 p n"]:
-        """The slopes by what the truth differs by, with the opposite sign."""
-        return np.stack([np.concatenate(self.near.rows), np.concatenate(self.near.nearness)])
-
-    @cached_property
     def true(self) -> StereoRig:
         """The rig that is taken for the true one."""
         return self.chart.rig_at(self.at)

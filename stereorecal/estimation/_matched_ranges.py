@@ -91,7 +91,8 @@ class MatchedRanges:
         rig = chart.rig_at(theta)
         residuals, jacobian = self.residuals(rig), self._jacobian(chart, theta)
         apart = _of_likely_length(residuals, jacobian[:, chart.names.index(BASELINE)])
-        grown = 1.0 + (apart / self._scale(apart)) ** 2
+        # From afar, where all are wrong, those that agree keep their say.
+        grown = 1.0 + (apart / max(_FAR, 2.0 * float(np.median(np.abs(apart))))) ** 2
         at_zero, jacobian = (residuals - jacobian @ theta) / grown, jacobian / grown[:, None]
         density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
@@ -123,11 +124,6 @@ class MatchedRanges:
             return False
         bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
         return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
-
-    @staticmethod
-    def _scale(residuals: Float[np.ndarray, "b"]) -> float:
-        """The distance at which residuals lose their say; from afar, where all are wrong, those that agree keep it."""
-        return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
 
 
 def _of_likely_length(residuals: Float[np.ndarray, "b"], slopes: Float[np.ndarray, "b"]) -> Float[np.ndarray, "b"]:

@@ -34,10 +34,9 @@ class Mixture(Travels):
     covariances: Float[np.ndarray, "m n n"]
 
     @classmethod
-    def around_given(cls, covariances: Float[np.ndarray, "m n n"]) -> "Mixture":
-        """As probable each, with the given rig as the most probable one."""
-        number, n, _ = covariances.shape
-        return cls(np.full(number, 1.0 / number), np.zeros((number, n)), covariances)
+    def single(cls, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]) -> "Mixture":
+        """One normal distribution."""
+        return cls(np.ones(1), mean[None], covariance[None])
 
     @cached_property
     def mean(self) -> Float[np.ndarray, "n"]:
@@ -125,7 +124,7 @@ def merged(posterior: Mixture, most: int) -> Mixture:
     if len(w) <= most:
         return posterior
     if most == 1:
-        return Mixture(np.ones(1), posterior.mean[None], posterior.covariance[None])
+        return Mixture.single(posterior.mean, posterior.covariance)
     white = _whitening(posterior.covariance)
     shapes = (white @ covariances @ white.T).reshape(len(w), -1) / np.sqrt(2.0)
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)
