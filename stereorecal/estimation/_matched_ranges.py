@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._rig_parameters import moved_by_extrinsics, pose_slopes, rays_by_lens
+from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import StereoRig, rectifying_rotations, rectifying_slopes
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
@@ -59,7 +59,7 @@ class MatchedRanges:
         (direction, right, length), near = self._rays(rig), self._nearness
         seen = direction @ rig.rotation.T + near[:, None] * rig.translation
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
-        outer, *by_pose = pose_slopes(chart, rig)
+        outer, *by_pose = chart.pose_slopes(rig)
         turned = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), *by_pose)[:, 1].swapaxes(1, 2)
 
         def column(points: Float[np.ndarray, "b 3"], moved: Float[np.ndarray, "m b 3"]) -> Float[np.ndarray, "m b"]:

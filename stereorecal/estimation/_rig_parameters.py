@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, euler_slopes, pixel_slopes, ray_slopes
+from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, pixel_slopes, ray_slopes
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
 from stereorecal.scoring import Correspondences, with_rays_of
 
@@ -71,18 +71,8 @@ def rays_by_lens(
 
 
 def _by_lens(chart: RigChart, side: str, points: Float[np.ndarray, "*c 3"], slopes: Callable):
-    own = [index for index, name in enumerate(chart.names) if name.startswith(f"{side}.")]
-    moved = slopes([chart.names[index].split(".")[1] for index in own])
-    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * moved
-
-
-def pose_slopes(
-    chart: RigChart, rig: StereoRig
-) -> tuple[list[int], Float[np.ndarray, "m 3 3"], Float[np.ndarray, "m 3"]]:
-    """Where the m extrinsics are in θ, and the derivatives of R and T by them, at a rig of the chart."""
-    outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
-    return outer, np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1), by_shift
+    own, kinds = chart.lenses[side]
+    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * slopes(kinds)
 
 
 def moved_by_extrinsics(
@@ -90,7 +80,7 @@ def moved_by_extrinsics(
 ) -> tuple[list[int], Float[np.ndarray, "m *c 3"]]:
     """Where the m extrinsics are in θ, and the derivatives by them of where the right camera of a rig of the chart has
     points: at R x + share T."""
-    outer, turns, shifts = pose_slopes(chart, rig)
+    outer, turns, shifts = chart.pose_slopes(rig)
     turned = (points.reshape(-1, 3) @ turns.swapaxes(1, 2)).reshape(len(outer), *points.shape)
     shares = np.broadcast_to(share, points.shape[:-1])[..., None]
     return outer, turned + shares * shifts.reshape(-1, *[1] * (points.ndim - 1), 3)
