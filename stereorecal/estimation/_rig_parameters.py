@@ -103,14 +103,11 @@ def within_field(
     not wide have no such end."""
     if not chart.rig.is_wide:
         return move
+    counts = np.asarray(found.weight) > 0
     for _ in range(_HALVINGS):
-        if chart.stands_at(theta + move) and _has_rays(found, chart, theta + move):
-            return move
+        if chart.stands_at(theta + move):
+            read = with_rays_of(chart.rig_at(theta + move), found, matched_rig=chart.rig)
+            if all(np.isfinite(np.asarray(rays)[counts]).all() for rays in (read.left, read.right)):
+                return move
         move = 0.5 * move
     return np.zeros_like(move)
-
-
-def _has_rays(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> bool:
-    read = with_rays_of(chart.rig_at(theta), found, matched_rig=chart.rig)
-    counts = np.asarray(found.weight) > 0
-    return all(bool(np.isfinite(np.asarray(rays)[counts]).all()) for rays in (read.left, read.right))

@@ -169,18 +169,13 @@ def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
     return Misfit(frame, place, *medians, cause=Cause.LATE if late else _cause(place, medians[1]))
 
 
-def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
-    """The centres of tiles, from -1 to 1 over the image."""
-    row, column = np.divmod(place, TILES[0])
-    return (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1
-
-
 def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
     """The effect beside those of a rotation that explains at least half of the misfit, if there is one; the simpler one
     where it does nearly as well."""
     if after.size < TILES_OF_A_FRAME // 4:
         return Cause.REGIONS
-    x, y = _centres(place)
+    row, column = np.divmod(place, TILES[0])
+    x, y = (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1  # centres of tiles, the image being -1 to 1
     rotations = [np.ones_like(x), x, x * y, y * y]  # pitch, roll, yaw: what they may leave of themselves
     unexplained = max(_unexplained(after, rotations), 1e-12)
     of_rows = 1.0 - _unexplained(after, [*rotations, y]) / unexplained
