@@ -109,12 +109,9 @@ def rays_read(
     used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"]
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
     """Rays at depth 1 that the cameras of `used` give to the pixels in which those of `true` see points."""
-
-    def read(seen: Float[np.ndarray, "p 3"], true_camera: Camera, used_camera: Camera) -> Float[np.ndarray, "p 3"]:
-        return reread(seen / seen[:, 2:], true_camera, used_camera)
-
     right = points @ true.rotation.T + true.translation
-    return read(points, true.left, used.left), read(right, true.right, used.right)
+    left, right = points / points[:, 2:], right / right[:, 2:]
+    return reread(left, true.left, used.left), reread(right, true.right, used.right)
 
 
 def readings_of_rays(
