@@ -120,8 +120,6 @@ class MatchedRanges:
 
     def fit_better(self, before: StereoRig, after: StereoRig) -> bool:
         """Whether most of them agree with a rig, and much better than with another one."""
-        if not self:
-            return False
         bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
         return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
 

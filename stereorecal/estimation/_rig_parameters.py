@@ -8,7 +8,6 @@ Lens terms that a calibration did not fit are in the model too: a lens whose rad
 decentering does not grow as p1 and p2 say, is read wrongly towards the corners, and there a yaw would pay for it.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -59,20 +58,18 @@ def pixels_by_lens(
     chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
 ) -> tuple[list[int], Float[np.ndarray, "p *c 2"]]:
     """Where the p intrinsics of a camera are in θ, and the derivatives by them of pixels of points in its frame."""
-    return _by_lens(chart, side, points, lambda names: pixel_slopes(getattr(rig, side), points, names)[1])
+    own, kinds = chart.lenses[side]
+    moved = pixel_slopes(getattr(rig, side), points, kinds)[1]
+    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * moved
 
 
 def rays_by_lens(
     chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
 ) -> tuple[list[int], Float[np.ndarray, "p *c 3"]]:
     """The same of the rays at depth 1 that a camera gives to pixels which stay."""
-    own, moved = _by_lens(chart, side, points, lambda names: ray_slopes(getattr(rig, side), points, names))
-    return own, np.concatenate([moved, np.zeros_like(moved[..., :1])], axis=-1)
-
-
-def _by_lens(chart: RigChart, side: str, points: Float[np.ndarray, "*c 3"], slopes: Callable):
     own, kinds = chart.lenses[side]
-    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * slopes(kinds)
+    moved = chart.half_width[own].reshape(-1, *[1] * points.ndim) * ray_slopes(getattr(rig, side), points, kinds)
+    return own, np.concatenate([moved, np.zeros_like(moved[..., :1])], axis=-1)
 
 
 def moved_by_extrinsics(

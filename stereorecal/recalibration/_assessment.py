@@ -84,7 +84,6 @@ def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
 def assessed(
     case: Case,
     stages: tuple[StageRun, ...],
-    end_rig: StereoRig,
     cost: Cost,
     began: float,
     *,
@@ -93,8 +92,7 @@ def assessed(
     """The solution that the last matches of some stages come to; None if they are too few.
 
     Args:
-        stages: that were run.
-        end_rig: where they ended; it has the cameras of the case's rig.
+        stages: that were run; they ended at a rig with the cameras of the case's rig.
         cost: of what came before the stages.
         began: when the clock was started.
         conclusive: None also where a search would see more: a rig that is far off matches little, and by chance.
@@ -102,7 +100,7 @@ def assessed(
     run = last_matched(stages)
     if run is None or run.found is None or (shown := _seen(case, run.found)).few:
         return None
-    estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, end_rig)
+    estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, stages[-1].ended)
     free, reach = case.settings.free, case.settings.reach
     decision = decide(estimated, free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)

@@ -36,10 +36,9 @@ def solution_of_search(
     status, message = _ending(stages)
     if cut := cut or any(stage.cut for stage in stages):
         status, message = Status.BUDGET, Status.BUDGET.value
-    end_rig = stages[-1].ended if stages else case.rig
-    if not cut and (found := assessed(case, stages, end_rig, cost, began)) is not None:
+    if not cut and (found := assessed(case, stages, cost, began)) is not None:
         return replace(found, status=status, message=message)
-    run = last_matched(stages)
+    run, end_rig = last_matched(stages), stages[-1].ended if stages else case.rig
     tiles, mismatch = counts(case, end_rig), None
     before, after = tiles.sum(axis=(1, 2)).tolist()
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
