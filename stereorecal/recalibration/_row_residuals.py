@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._arrays import json_data
+from stereorecal._arrays import group_medians, json_data
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart, differences_at
 from stereorecal.scoring import TILES, Correspondences
@@ -64,11 +64,8 @@ class RowResiduals:
 
 def tile_medians(differences: Float[np.ndarray, "m"], tile: Int[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
     """The median |difference| in each tile."""
-    size = np.abs(differences)
-    size = size[np.lexsort((size, tile))]
-    count = np.unique(tile, return_counts=True)[1]
-    first = np.cumsum(count) - count
-    return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
+    _, number, counts = np.unique(tile, return_inverse=True, return_counts=True)
+    return group_medians(np.abs(differences), number, counts)
 
 
 def places_of(found: Correspondences) -> Int[np.ndarray, "p"]:
@@ -155,18 +152,13 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
 
 def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
     """The misfit of a solution; a late shutter is its cause, if there is one."""
-    tiles, counts = np.unique(found.tile, return_counts=True)
-    regions = []
-    for tile, number in zip(tiles, counts, strict=True):
-        if number >= _FEWEST:
-            in_tile = found.tile == tile
-            before, after = (float(np.median(r[in_tile])) for r in (found.start_residual, found.residual))
-            spread = float(np.median(np.abs(found.residual[in_tile] - after)))
-            error = _OF_A_MEDIAN * spread / float(number * found.independent) ** 0.5
-            regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
-    frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
-    frame, place = frame.astype(int), place.astype(int)
-    return Misfit(frame, place, *medians, cause=Cause.LATE if late else _cause(place, medians[1]))
+    tiles, number, counts = np.unique(found.tile, return_inverse=True, return_counts=True)
+    before, after = (group_medians(rows, number, counts) for rows in (found.start_residual, found.residual))
+    spread = group_medians(np.abs(found.residual - after[number]), number, counts)
+    error, enough = _OF_A_MEDIAN * spread / np.sqrt(counts * found.independent), counts >= _FEWEST
+    (frame, place), after = np.divmod(tiles[enough], TILES_OF_A_FRAME), after[enough]
+    cause = Cause.LATE if late else _cause(place, after)
+    return Misfit(frame, place, before[enough], after, error[enough], cause)
 
 
 def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
