@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
+from stereorecal.estimation._mixture import remembered
 from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import (
     PINHOLE,
@@ -250,25 +251,20 @@ class Readings:
     view: View | None
     near: Consequences
 
+    @remembered  # where a search ends, the decision begins
     def of(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 p"]:
-        """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used. Read once: where a search
-        ends, the decision begins."""
-        if (key := used.tobytes()) not in self._read:
-            rig = self.chart.rig_at(used)
-            kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
-            rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
-            self._read[key] = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
-            self._read[key].flags.writeable = False
-        return self._read[key]
+        """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used; read-only."""
+        rig = self.chart.rig_at(used)
+        kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
+        rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
+        found = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
+        found.flags.writeable = False
+        return found
 
     @cached_property
     def true(self) -> StereoRig:
         """The rig that is taken for the true one."""
         return self.chart.rig_at(self.at)
-
-    @cached_property
-    def _read(self) -> dict[bytes, Float[np.ndarray, "2 p"]]:
-        return {}
 
     @cached_property
     def _points(self) -> Float[np.ndarray, "p 3"]:
