@@ -16,13 +16,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import Explanation, Normal, Nuisances, marginal
-from stereorecal.estimation._explanations import (
-    NEGLIGIBLE,
-    Hypothesis,
-    best_of,
-    explained_by,
-    hypothesis_near,
-)
+from stereorecal.estimation._explanations import NEGLIGIBLE, Hypothesis, best_of, explained_by, hypothesis_near
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
 from stereorecal.estimation._outlines import MOVED, outlines

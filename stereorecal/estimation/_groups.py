@@ -13,14 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import group_medians
-from stereorecal.geometry import (
-    PINHOLE,
-    StereoRig,
-    projection,
-    rectifying_rotations,
-    reread,
-    with_unit_baseline,
-)
+from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, reread, with_unit_baseline
 from stereorecal.objectives import SIDES, RigChart, differences_at, linearised
 from stereorecal.scoring import Correspondences
 

@@ -30,14 +30,7 @@ from stereorecal.estimation._explanations import (
 )
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
 from stereorecal.estimation._late_shutter import Delay, delay_of, hypothesis_with_delay
-from stereorecal.estimation._linear_groups import (
-    COMMON,
-    DEVIATIONS,
-    LinearGroups,
-    Model,
-    OtherRig,
-    other_rigs,
-)
+from stereorecal.estimation._linear_groups import COMMON, DEVIATIONS, LinearGroups, Model, OtherRig, other_rigs
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows

@@ -14,13 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import InputError
-from stereorecal.estimation._consequences import (
-    Consequences,
-    Readings,
-    consequences,
-    nearness_of,
-    within_lens,
-)
+from stereorecal.estimation._consequences import Consequences, Readings, consequences, nearness_of, within_lens
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING

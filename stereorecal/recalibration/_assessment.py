@@ -10,15 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.decision import ENOUGH, Reason, Seen, decide, is_sparse, reason_of
-from stereorecal.estimation import (
-    NO_RANGES,
-    Estimate,
-    Fit,
-    Recording,
-    as_prior,
-    fitted,
-    rig_parameters,
-)
+from stereorecal.estimation import NO_RANGES, Estimate, Fit, Recording, as_prior, fitted, rig_parameters
 from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach
 from stereorecal.recalibration._case import Case
