@@ -165,8 +165,10 @@ class Fit:
             return Fit(recording, None, self.misfit)
         found = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best
         recording = replace(recording, start=self._within_field(found.theta))
-        nuisances = found.nuisance_means[found.best]
-        return Fit(recording, _linear(self.rows, recording.model, recording.start, nuisances, self.misfit), self.misfit)
+        theta, nuisances = recording.start, found.nuisance_means[found.best]
+        rows = recording.model.linear(self.rows.groups, theta, self.rows.likelihoods)
+        rows = rows.beside(self.rows.nuisances, self.rows.jacobian[:, len(theta) :])  # they do what they did
+        return Fit(recording, rows.robust(sum(self.misfit), np.concatenate([theta, nuisances])), self.misfit)
 
     def without_nuisances(self) -> "Fit":
         """The fit of θ alone near the same rig, with a misfit of its own, and with what else is measured there."""
@@ -261,19 +263,6 @@ def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Flo
     evidence, (which, _) = np.array([evidence_of([one]) for one in several]), recording.likely
     weights = np.exp(evidence - np.logaddexp.reduce(evidence))
     return weights @ np.stack([np.diag(recording.prior.covariances[which[one.prior]]) for one in several])
-
-
-def _linear(
-    rows: LinearGroups,
-    model: Model,
-    theta: Float[np.ndarray, "n"],
-    nuisances: Float[np.ndarray, "q"],
-    misfit: tuple[float, float],
-) -> LinearGroups:
-    """The rows of the same groups, linear near another θ; to first order, nuisance parameters do what they did."""
-    near = model.linear(rows.groups, theta, rows.likelihoods)
-    near = near.beside(rows.nuisances, rows.jacobian[:, len(theta) :])
-    return near.robust(sum(misfit), np.concatenate([theta, nuisances]))
 
 
 def _other_rigs(

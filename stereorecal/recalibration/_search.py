@@ -12,7 +12,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._assessment import assessed, counts, solution_of
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._mismatch import mismatch_of
-from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import Cost, StageRun, last_matched, remaining, run_stage, started
 from stereorecal.scoring.host import survey
@@ -106,18 +106,11 @@ def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it. The case has a disparity range, and a schedule whose
     last stage has rows."""
-    began, schedule = time.perf_counter(), case.settings.schedule
+    began = time.perf_counter()
     if at.done == 0:
         return Progress(started(case)[1], 1)
-    stages = _rounds(schedule)
-    stage = stages[at.done - 1]
-    done = run_stage(case, stage, at.rig, Budget(), _SEED)
-    if at.done < len(stages):
+    rounds = [replace(stage, rounds=1) for stage in case.settings.schedule.stages for _ in range(stage.rounds)]
+    done = run_stage(case, rounds[at.done - 1], at.rig, Budget(), _SEED)
+    if at.done < len(rounds):
         return Progress(done.ended, at.done + 1)
     return solution_of_search(case, (done,), Cost(), began)
-
-
-def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
-    """The stages, those on the rows cut into their rounds."""
-    numbers = [(one, one.rounds if one.score is ScoreKind.EPIPOLAR else 1) for one in schedule.stages]
-    return tuple(replace(stage, rounds=1) for stage, number in numbers for _ in range(number))
