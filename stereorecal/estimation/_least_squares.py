@@ -167,7 +167,8 @@ class Fit:
         recording = replace(recording, start=self._within_field(found.theta))
         theta, nuisances = recording.start, found.nuisance_means[found.best]
         rows = recording.model.linear(self.rows.groups, theta, self.rows.likelihoods)
-        rows = rows.beside(self.rows.nuisances, self.rows.jacobian[:, len(theta) :])  # they do what they did
+        # To first order, nuisance parameters do what they did.
+        rows = rows.beside(self.rows.nuisances, self.rows.jacobian[:, len(theta) :])
         return Fit(recording, rows.robust(sum(self.misfit), np.concatenate([theta, nuisances])), self.misfit)
 
     def without_nuisances(self) -> "Fit":

@@ -244,7 +244,8 @@ def _products(
 
 def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
     """The likelihood of θ, the motion integrated; and the covariance of the translation were θ known."""
-    pull, a, of_motion, wide = total[0, 1:], total[1:, 1:], total[-MOVES:, -MOVES:], _wide(chart) ** -0.5
+    pull, a, of_motion = total[0, 1:], total[1:, 1:], total[-MOVES:, -MOVES:]
+    wide = _wide(chart) ** -0.5
     covariance = np.linalg.inv(of_motion + np.diag(_wide(chart)))[3:, 3:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
     alone = marginal(Normal(a, -pull, _explained_fraction(total)), np.diag(wide))

@@ -70,14 +70,16 @@ def match_ranges(
     as_taken = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
     pixels = [turned_pixels(some, rig.sizes_taken[0], rig.turns[0]) for some in as_taken]
     partners = host.match_pixels(data, rig, matcher, pixels)
-    left, right = np.concatenate(pixels), np.concatenate([some.pixels for some in partners])
+    left = np.concatenate(pixels)
+    right = np.concatenate([some.pixels for some in partners])
     every = [one for some in by_frame for one in some]
     rays = np.asarray(rig.left.rays(left))
     along_axis = np.array([one.along == "axis" for one in every])
     slant = np.where(along_axis, np.linalg.norm(rays, axis=1) / rays[:, 2], 1.0)  # metres of a ray per metre given
     metres = slant * np.array([one.metres for one in every], float)
     sigma = slant * np.array([0.01 * one.metres if one.sigma is None else one.sigma for one in every], float)
-    matching, found = np.concatenate([some.deviation for some in partners]), np.isfinite(right).all(axis=-1)
+    matching = np.concatenate([some.deviation for some in partners])
+    found = np.isfinite(right).all(axis=-1)
     return MatchedRanges(*(part[found] for part in (left, right, metres, sigma, matching)))
 
 

@@ -155,10 +155,11 @@ def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
     tiles, number, counts = np.unique(found.tile, return_inverse=True, return_counts=True)
     before, after = (group_medians(rows, number, counts) for rows in (found.start_residual, found.residual))
     spread = group_medians(np.abs(found.residual - after[number]), number, counts)
-    error, enough = _OF_A_MEDIAN * spread / np.sqrt(counts * found.independent), counts >= _FEWEST
-    (frame, place), after = np.divmod(tiles[enough], TILES_OF_A_FRAME), after[enough]
-    cause = Cause.LATE if late else _cause(place, after)
-    return Misfit(frame, place, before[enough], after, error[enough], cause)
+    error = _OF_A_MEDIAN * spread / np.sqrt(counts * found.independent)
+    enough = counts >= _FEWEST
+    frame, place = np.divmod(tiles[enough], TILES_OF_A_FRAME)
+    cause = Cause.LATE if late else _cause(place, after[enough])
+    return Misfit(frame, place, before[enough], after[enough], error[enough], cause)
 
 
 def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:

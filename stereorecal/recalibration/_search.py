@@ -38,7 +38,8 @@ def solution_of_search(
         status, message = Status.BUDGET, Status.BUDGET.value
     if not cut and (found := assessed(case, stages, cost, began)) is not None:
         return replace(found, status=status, message=message)
-    run, end_rig = last_matched(stages), stages[-1].ended if stages else case.rig
+    run = last_matched(stages)
+    end_rig = stages[-1].ended if stages else case.rig
     tiles, mismatch = counts(case, end_rig), None
     before, after = tiles.sum(axis=(1, 2)).tolist()
     if cut or run is not None:  # the count alone hardly sees a wrong yaw

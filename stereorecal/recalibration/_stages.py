@@ -191,7 +191,8 @@ def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, see
     options = {"scale": scale, "rows": stage.rows, "frames": stage.frames, "budget": budget}
     if case.free.shared:
         chart = reach_chart(case.rig, reach, case.free)
-        objective, at = rig_count_objective(case.images, case.matcher, chart, **options), chart.coordinates_of(start)
+        objective = rig_count_objective(case.images, case.matcher, chart, **options)
+        at = chart.coordinates_of(start)
     else:
         objective = count_objective(case.images, case.matcher, reach, free=case.free.axes, **options)
         chart = objective.images.chart
