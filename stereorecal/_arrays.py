@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
 
 from stereorecal._errors import InputError
 
@@ -100,6 +100,14 @@ def central_differences(
     """The derivatives of a function of n numbers, to second order in the step."""
     steps = step * np.eye(len(at))
     return np.stack([(function(at + one) - function(at - one)) / (2.0 * step) for one in steps], axis=-1)
+
+
+def group_medians(
+    values: Float[np.ndarray, "m"], number: Int[np.ndarray, "m"], counts: Int[np.ndarray, "g"]
+) -> Float[np.ndarray, "g"]:
+    """The median of the values of each group, by the number of the group of each value, and how many each group has."""
+    ordered, first = values[np.lexsort((values, number))], np.cumsum(counts) - counts
+    return 0.5 * (ordered[first + (counts - 1) // 2] + ordered[first + counts // 2])
 
 
 def json_data(value: Any) -> Any:

@@ -140,7 +140,7 @@ def with_scaled_boards(prior: Mixture, chart: RigChart) -> Mixture:
 
 def exact_prior(chart: RigChart) -> Mixture:
     """Nothing is wrong but what has drifted: the paper's assumption."""
-    return Mixture.around_given(np.zeros((1, chart.dim, chart.dim)))
+    return Mixture.single(np.zeros(chart.dim), np.zeros((chart.dim, chart.dim)))
 
 
 def physical_prior(chart: RigChart, squares: float = SQUARES) -> Mixture:
@@ -148,7 +148,7 @@ def physical_prior(chart: RigChart, squares: float = SQUARES) -> Mixture:
     same boards must not count again as a simulated calibration. Their squares have lengths of this standard deviation,
     percent."""
     of_squares = np.array([squares * (name == BASELINE) for name in chart.names])
-    return Mixture.around_given(np.diag(widest(chart) ** 2 + of_squares**2)[None])
+    return Mixture.single(np.zeros(chart.dim), np.diag(widest(chart) ** 2 + of_squares**2))
 
 
 def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
@@ -156,13 +156,12 @@ def calibration_covariances(chart: RigChart) -> Float[np.ndarray, "j n n"]:
     physical = np.diag(1.0 / widest(chart) ** 2)
     noise = _CORNER_NOISE * chart.rig.left.size[0] / _WIDTH
     scale, of_squares = widest(chart), np.diag([SQUARES**2 * (name == BASELINE) for name in chart.names])
-    found = []
-    boards = [_boards(chart.rig, views) for views in _KINDS]
+    found, boards = [], [_boards(chart.rig, views) for views in _KINDS]
     of_boards = _information(chart, np.concatenate(boards))  # of all kinds at once
-    ends = np.cumsum([len(some) for some in boards])[:-1]
-    for information in (part.sum(axis=0) for part in np.split(of_boards, ends)):
+    for of_kind in np.split(of_boards, np.cumsum([len(some) for some in boards])[:-1]):
         for kappa in KAPPAS:
-            inverse = np.linalg.inv(scale[:, None] * (information / (kappa * noise) ** 2 + physical) * scale)
+            information = of_kind.sum(axis=0) / (kappa * noise) ** 2 + physical
+            inverse = np.linalg.inv(scale[:, None] * information * scale)
             found.append(scale[:, None] * inverse * scale + of_squares)
     return np.stack(found)
 
@@ -177,7 +176,7 @@ def widest(chart: RigChart) -> Float[np.ndarray, "n"]:
         elif parameter.unit == "deg":
             found.append(_WIDEST_ANGLE)
         else:
-            found.append(_WIDEST_LENGTH if parameter.name == "baseline" else _WIDEST_SHIFT)
+            found.append(_WIDEST_LENGTH if parameter.name == BASELINE else _WIDEST_SHIFT)
     return np.array(found)
 
 

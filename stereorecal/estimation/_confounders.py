@@ -16,13 +16,7 @@ from jaxtyping import Float
 
 from stereorecal.estimation._calibration_prior import drift_sizes
 from stereorecal.estimation._evidence import Explanation, Normal, Nuisances, marginal
-from stereorecal.estimation._explanations import (
-    NEGLIGIBLE,
-    Hypothesis,
-    best_of,
-    explained_by,
-    hypothesis_near,
-)
+from stereorecal.estimation._explanations import NEGLIGIBLE, Hypothesis, best_of, explained_by, hypothesis_near
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
 from stereorecal.estimation._outlines import MOVED, outlines
@@ -107,7 +101,8 @@ def _rolling(rows: LinearGroups) -> Iterator[Confounder]:
     rows by as much; a drift does. Derivatives are those near the rig that was fitted alone, also when a confounder is
     fitted anew."""
     chart = rows.model.chart
-    right, nuisances = chart.rig.right, _nuisances([MOVED, _ACROSS], _ROLLING / len(_TAKEN_TOGETHER))
+    right = chart.rig.right
+    nuisances = Nuisances(np.array([MOVED, _ACROSS]), float(np.log(_ROLLING / len(_TAKEN_TOGETHER))))
     down = right.project(rows.groups.right)[:, 1:] / right.size[1]
     # By a pixel of the right image, down and across, as lenses bend it.
     moved = -rows.jacobian[:, [chart.names.index(f"right.{centre}") for centre in ("cy", "cx")]]
@@ -117,11 +112,7 @@ def _rolling(rows: LinearGroups) -> Iterator[Confounder]:
 
 def _late() -> Confounder:
     """One image is late and its camera has moved: a drift of another size."""
-    return Confounder(_nuisances(_LATE_SIZES, _LATE), lambda rows: rows.jacobian[:, :_DRIFTING])
-
-
-def _nuisances(sizes: Sequence[float] | Float[np.ndarray, "q"], probability: float) -> Nuisances:
-    return Nuisances(np.array(sizes), float(np.log(probability)))
+    return Confounder(Nuisances(_LATE_SIZES, float(np.log(_LATE))), lambda rows: rows.jacobian[:, :_DRIFTING])
 
 
 def _regions(rows: LinearGroups, best: Explanation) -> Iterator[Confounder]:

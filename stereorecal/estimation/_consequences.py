@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Inexact
 
+from stereorecal.estimation._mixture import remembered
 from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import (
     PINHOLE,
@@ -109,12 +110,9 @@ def rays_read(
     used: StereoRig, true: StereoRig, points: Float[np.ndarray, "p 3"]
 ) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
     """Rays at depth 1 that the cameras of `used` give to the pixels in which those of `true` see points."""
-
-    def read(seen: Float[np.ndarray, "p 3"], true_camera: Camera, used_camera: Camera) -> Float[np.ndarray, "p 3"]:
-        return reread(seen / seen[:, 2:], true_camera, used_camera)
-
     right = points @ true.rotation.T + true.translation
-    return read(points, true.left, used.left), read(right, true.right, used.right)
+    left, right = points / points[:, 2:], right / right[:, 2:]
+    return reread(left, true.left, used.left), reread(right, true.right, used.right)
 
 
 def readings_of_rays(
@@ -253,30 +251,20 @@ class Readings:
     view: View | None
     near: Consequences
 
+    @remembered  # where a search ends, the decision begins
     def of(self, used: Float[np.ndarray, "n"]) -> Float[np.ndarray, "2 p"]:
-        """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used. Read once: where a search
-        ends, the decision begins."""
-        if (key := used.tobytes()) not in self._read:
-            rig = self.chart.rig_at(used)
-            kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
-            rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
-            self._read[key] = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
-            self._read[key].flags.writeable = False
-        return self._read[key]
-
-    @cached_property
-    def slopes(self) -> Float[np.ndarray, "2 p n"]:
-        """The slopes by what the truth differs by, with the opposite sign."""
-        return np.stack([np.concatenate(self.near.rows), np.concatenate(self.near.nearness)])
+        """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used; read-only."""
+        rig = self.chart.rig_at(used)
+        kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
+        rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
+        found = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
+        found.flags.writeable = False
+        return found
 
     @cached_property
     def true(self) -> StereoRig:
         """The rig that is taken for the true one."""
         return self.chart.rig_at(self.at)
-
-    @cached_property
-    def _read(self) -> dict[bytes, Float[np.ndarray, "2 p"]]:
-        return {}
 
     @cached_property
     def _points(self) -> Float[np.ndarray, "p 3"]:

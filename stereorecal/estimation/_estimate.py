@@ -31,7 +31,7 @@ from stereorecal.estimation._losses import (
     points_shown,
 )
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture, Travels, median_and_interval, merged
+from stereorecal.estimation._mixture import Mixture, Travels, median_and_interval, merged, remembered
 from stereorecal.estimation._motion import NO_WINDOWS, Window, Windows
 from stereorecal.estimation._one_thread import one_blas_thread
 from stereorecal.estimation._rig_parameters import DRIFTING
@@ -191,19 +191,13 @@ class Estimate(Travels):
         """θ of rigs that are drawn from the posterior; always the same ones."""
         return self.posterior.samples(self.samples)
 
+    @remembered
     @one_blas_thread()
     def losses(self, used: Float[np.ndarray, "n"]) -> Losses:
         """What the rig at θ = used loses, for each of some rigs drawn from the posterior; always the same."""
-        if (key := used.tobytes()) not in self._losses_of:
-            # Of a rig without errors, if each sample is the true one. A million: not kept, for results are.
-            away, slopes = (one.astype(np.float32) for one in (self._samples - self.theta, self._errors.slopes))
-            of_samples = away @ slopes.T
-            self._losses_of[key] = self._errors.losses(self._errors.of(used), of_samples)
-        return self._losses_of[key]
-
-    @cached_property
-    def _losses_of(self) -> dict[bytes, Losses]:
-        return {}
+        # Of a rig without errors, if each sample is the true one. A million: not kept, for results are.
+        away, slopes = (one.astype(np.float32) for one in (self._samples - self.theta, self._errors.slopes))
+        return self._errors.losses(self._errors.of(used), away @ slopes.T)
 
     def rows_seen(self, used: Float[np.ndarray, "n"]) -> tuple[Float[np.ndarray, "p"], Float[np.ndarray, "p"]]:
         """Epipolar errors [pixels] of the rig at θ = used, if the one at the posterior's mean is true, at points that
@@ -264,16 +258,11 @@ class Estimate(Travels):
         """What a small change of θ moves, as the loss counts it."""
         return float(self._errors.weights @ np.abs(self._errors.slopes @ change))
 
+    @remembered
     def _readings(self, distances: tuple[float, ...]) -> Readings:
         """The readings at distances, if the rig at the posterior's mean is true."""
-        if distances not in self._readings_at:
-            near = consequences(self.chart, self.theta, distances, self.view)
-            self._readings_at[distances] = Readings(self.chart, self.theta, self.view, near)
-        return self._readings_at[distances]
-
-    @cached_property
-    def _readings_at(self) -> dict[tuple[float, ...], Readings]:
-        return {}
+        near = consequences(self.chart, self.theta, distances, self.view)
+        return Readings(self.chart, self.theta, self.view, near)
 
     @one_blas_thread()
     def depth_error_percent(

@@ -53,13 +53,9 @@ def hypothesis_near(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothes
     found = explanations(rows, range(len(rows.model.prior.roots)), [misfit])
     common = neighbours(misfit[1], COMMON) if len(rows.frames) > 1 else (misfit[1],)
     beside = [one for one in product(neighbours(misfit[0], DEVIATIONS), common) if one != misfit]
-    return Hypothesis.of(rows, found + explanations(rows, with_a_say(found), beside))
-
-
-def with_a_say(several: Sequence[Explanation]) -> list[int]:
-    """Which of the calibration's covariances are not negligible."""
-    least = best_of(several).most - NEGLIGIBLE
-    return sorted({one.prior for one in several if one.most > least})
+    least = best_of(found).most - NEGLIGIBLE
+    with_a_say = sorted({one.prior for one in found if one.most > least})
+    return Hypothesis.of(rows, found + explanations(rows, with_a_say, beside))
 
 
 def explanations(rows: LinearGroups, which: Sequence[int], misfits: Sequence[tuple[float, float]]) -> list[Explanation]:

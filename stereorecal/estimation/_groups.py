@@ -12,14 +12,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.geometry import (
-    PINHOLE,
-    StereoRig,
-    projection,
-    rectifying_rotations,
-    reread,
-    with_unit_baseline,
-)
+from stereorecal._arrays import group_medians
+from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, reread, with_unit_baseline
 from stereorecal.objectives import SIDES, RigChart, differences_at, linearised
 from stereorecal.scoring import Correspondences
 
@@ -128,8 +122,8 @@ def grouped(
     key = np.ravel_multi_index((first[seen_in], places, np.searchsorted(cuts, disparity)), parts)
     keys, number, counts = np.unique(key, return_inverse=True, return_counts=True)
     frame, place, _ = np.unravel_index(keys, parts)
-    apart = np.abs(rows - _group_medians(rows, number, counts)[number])
-    spread = 1.4826 * _group_medians(apart, number, counts) + _LEAST_SPREAD
+    apart = np.abs(rows - group_medians(rows, number, counts)[number])
+    spread = 1.4826 * group_medians(apart, number, counts) + _LEAST_SPREAD
     inliers = apart < _FAR_OFF * spread[number]
 
     def mean(values: Float[np.ndarray, "m"]) -> Float[np.ndarray, "g"]:
@@ -240,11 +234,3 @@ def places_of(pixels: Float[np.ndarray, "m 2"], size: tuple[int, int]) -> Int[np
     share = pixels / np.array(size)
     column, row = (np.clip((share[:, axis] * PLACES[axis]).astype(int), 0, PLACES[axis] - 1) for axis in (0, 1))
     return row * PLACES[0] + column
-
-
-def _group_medians(
-    values: Float[np.ndarray, "m"], number: Int[np.ndarray, "m"], counts: Int[np.ndarray, "g"]
-) -> Float[np.ndarray, "g"]:
-    """The median of the values of each group, whose numbers are `number`."""
-    ordered, first = values[np.lexsort((values, number))], np.cumsum(counts) - counts
-    return 0.5 * (ordered[first + (counts - 1) // 2] + ordered[first + counts // 2])

@@ -29,14 +29,7 @@ from stereorecal.estimation._explanations import (
 )
 from stereorecal.estimation._groups import FEWEST_GROUPS, any_same, first_of_same, grouped
 from stereorecal.estimation._late_shutter import Delay, delay_of, hypothesis_with_delay
-from stereorecal.estimation._linear_groups import (
-    COMMON,
-    DEVIATIONS,
-    LinearGroups,
-    Model,
-    OtherRig,
-    other_rigs,
-)
+from stereorecal.estimation._linear_groups import COMMON, DEVIATIONS, LinearGroups, Model, OtherRig, other_rigs
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
@@ -61,13 +54,14 @@ class Recording:
     Attributes:
         rig: those of several recordings have the same cameras.
         prior: those of several recordings tell of the same error, and none of the others' images.
+        start: θ at which the fit begins, and, of one that is fitted, at which its rows are linear.
         others: what the images of other recordings tell of that error.
     """
 
     found: Correspondences
     rig: StereoRig
     prior: Mixture
-    start: Float[np.ndarray, "n"] | None = None
+    start: Float[np.ndarray, "n"]
     ranges: MatchedRanges = NO_RANGES
     windows: Windows = NO_WINDOWS
     view: View | None = None
@@ -87,11 +81,6 @@ class Recording:
     def model(self) -> Model:
         """What is known besides its rows."""
         return Model(rig_parameters(self.rig), self.likely[1], self.ranges, self.windows)
-
-    @property
-    def begun(self) -> Float[np.ndarray, "n"]:
-        """θ to begin at."""
-        return np.zeros(self.model.chart.dim) if self.start is None else self.start
 
 
 @one_blas_thread()
@@ -117,8 +106,9 @@ def estimate(
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """
-    known = as_prior(prior, rig_parameters(rig))
-    return fitted(Recording(found, rig, known, start, ranges, windows, view)).weighed()
+    chart = rig_parameters(rig)
+    start = np.zeros(chart.dim) if start is None else start
+    return fitted(Recording(found, rig, as_prior(prior, chart), start, ranges, windows, view)).weighed()
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +116,7 @@ class Fit:
     """Rows near the most probable θ, for a prior and a misfit that are the evidence's best.
 
     Attributes:
-        recording: that it is of; it begins where the rows are linear.
+        recording: that it is of; it starts where the rows are linear.
         rows: linear near the most probable θ; None, where there are too few. Nuisance parameters may follow θ.
         misfit: the most probable one.
     """
@@ -183,24 +173,27 @@ class Fit:
             return Fit(recording, None, self.misfit)
         found = Fit(recording, replace(self.rows, model=recording.model), self.misfit).best
         recording = replace(recording, start=self._within_field(found.theta))
-        nuisances = found.nuisance_means[found.best]
-        return Fit(recording, _linear(self.rows, recording.model, recording.begun, nuisances, self.misfit), self.misfit)
+        theta, nuisances = recording.start, found.nuisance_means[found.best]
+        rows = recording.model.linear(self.rows.groups, theta, self.rows.likelihoods)
+        # To first order, nuisance parameters do what they did.
+        rows = rows.beside(self.rows.nuisances, self.rows.jacobian[:, len(theta) :])
+        return Fit(recording, rows.robust(sum(self.misfit), np.concatenate([theta, nuisances])), self.misfit)
 
     def without_nuisances(self) -> "Fit":
         """The fit of θ alone near the same rig, with a misfit of its own, and with what else is measured there."""
         if self.rows is None:
             return self
         best, recording = self.best, replace(self.recording, start=self._within_field(self.best.theta))
-        rows = recording.model.linear(self.rows.groups, recording.begun)
+        rows = recording.model.linear(self.rows.groups, recording.start)
         for _ in range(2):  # those that err alone have less say the second time
-            rows, best = _robust(rows, best, recording.begun)
+            rows, best = _robust(rows, best, recording.start)
         return Fit(recording, rows, best.misfit)
 
     def _within_field(self, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
         """θ, or as far towards it from where the rows are linear as the lenses have rays."""
         recording = self.recording
-        return recording.begun + within_field(
-            recording.found, recording.model.chart, recording.begun, theta - recording.begun
+        return recording.start + within_field(
+            recording.found, recording.model.chart, recording.start, theta - recording.start
         )
 
     def _mixed(
@@ -238,36 +231,17 @@ class Fit:
     def _without_rows(self) -> list[Explanation]:
         """What the prior, ranges and windows alone tell of θ."""
         model, flat = self.recording.model, {(0.0, 0.0): Normal.flat(self.recording.model.chart.dim)}
-        return explained_by(model, flat, model.likelihoods(self.recording.begun), range(len(model.prior.roots)))
+        return explained_by(model, flat, model.likelihoods(self.recording.start), range(len(model.prior.roots)))
 
 
 @one_blas_thread()
 def fitted(recording: Recording) -> Fit:
     """The fit of a recording: a prior and a misfit for a round are the evidence's best."""
-    rows, misfit, theta = _settled(recording.found, recording.model, recording.begun)
-    return Fit(replace(recording, start=theta), rows, misfit)
-
-
-def _alone(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothesis:
-    return Hypothesis.of(rows, explanations(rows, range(len(rows.model.prior.roots)), [misfit]))
-
-
-def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Float[np.ndarray, "n"]:
-    """The variance of the calibration's error before any image was seen, by its covariances' weights after it."""
-    evidence, (which, _) = np.array([evidence_of([one]) for one in several]), recording.likely
-    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
-    return weights @ np.stack([np.diag(recording.prior.covariances[which[one.prior]]) for one in several])
-
-
-def _settled(
-    found: Correspondences, model: Model, theta: Float[np.ndarray, "n"]
-) -> tuple[LinearGroups | None, tuple[float, float], Float[np.ndarray, "n"]]:
-    """Rows, linear near the most probable θ, the most probable misfit, and where the rows are linear; no rows, where
-    there are too few. It begins at `theta`."""
+    found, model, theta = recording.found, recording.model, recording.start
     chart, misfit, which = model.chart, (DEVIATIONS[2], 0.0), len(model.prior.roots) // 2
     groups = grouped(found, chart, theta)
     if len(groups) < FEWEST_GROUPS:
-        return None, misfit, theta
+        return Fit(recording, None, misfit)
     first = first_of_same(groups)
     if any_same(first):
         groups = grouped(found, chart, theta, first)
@@ -286,20 +260,18 @@ def _settled(
             groups = grouped(found, chart, theta, first)
         rows = model.linear(groups, theta, None if number < _REGROUPED else rows.likelihoods)
         rows = rows.robust(sum(misfit), theta)
-    return rows, misfit, theta
+    return Fit(replace(recording, start=theta), rows, misfit)
 
 
-def _linear(
-    rows: LinearGroups,
-    model: Model,
-    theta: Float[np.ndarray, "n"],
-    nuisances: Float[np.ndarray, "q"],
-    misfit: tuple[float, float],
-) -> LinearGroups:
-    """The rows of the same groups, linear near another θ; to first order, nuisance parameters do what they did."""
-    near = model.linear(rows.groups, theta, rows.likelihoods)
-    near = near.beside(rows.nuisances, rows.jacobian[:, len(theta) :])
-    return near.robust(sum(misfit), np.concatenate([theta, nuisances]))
+def _alone(rows: LinearGroups, misfit: tuple[float, float]) -> Hypothesis:
+    return Hypothesis.of(rows, explanations(rows, range(len(rows.model.prior.roots)), [misfit]))
+
+
+def _prior_variance(several: Sequence[Explanation], recording: Recording) -> Float[np.ndarray, "n"]:
+    """The variance of the calibration's error before any image was seen, by its covariances' weights after it."""
+    evidence, (which, _) = np.array([evidence_of([one]) for one in several]), recording.likely
+    weights = np.exp(evidence - np.logaddexp.reduce(evidence))
+    return weights @ np.stack([np.diag(recording.prior.covariances[which[one.prior]]) for one in several])
 
 
 def _other_rigs(

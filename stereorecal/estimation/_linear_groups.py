@@ -18,7 +18,7 @@ from jaxtyping import Bool, Float, Int
 from stereorecal.estimation._evidence import ALONE, Normal, Nuisances, integrated, marginal, normal_of
 from stereorecal.estimation._groups import FEWEST_GROUPS, PLACES, Groups, grouped
 from stereorecal.estimation._matched_ranges import NO_RANGES, MatchedRanges
-from stereorecal.estimation._mixture import Mixture, Travels, root
+from stereorecal.estimation._mixture import Mixture, Travels, remembered, root
 from stereorecal.estimation._motion import NO_WINDOWS, Windows
 from stereorecal.estimation._rig_parameters import DRIFTING
 from stereorecal.objectives import RigChart
@@ -147,22 +147,15 @@ class LinearGroups(Travels):
         """The rows at θ."""
         return self.at_zero + self.jacobian @ theta
 
+    @remembered
     def normal(self, misfit: tuple[float, float]) -> Normal:
         """The likelihood of θ under a misfit: deviations of the field of each frame, and of the one that all have in
         common."""
-        if misfit not in self._normals:
-            own, common = misfit
-            if common:
-                beside_field = self._beside_common_field.normal((own, 0.0))
-                self._normals[misfit] = marginal(beside_field, common * _root_of_field())
-            else:
-                each = (integrated(alone, own * cross, own**2 * field) for alone, cross, field in self._of_frames)
-                self._normals[misfit] = reduce(add, each)
-        return self._normals[misfit]
-
-    @cached_property
-    def _normals(self) -> dict[tuple[float, float], Normal]:
-        return {}
+        own, common = misfit
+        if common:
+            return marginal(self._beside_common_field.normal((own, 0.0)), common * _root_of_field())
+        each = (integrated(alone, own * cross, own**2 * field) for alone, cross, field in self._of_frames)
+        return reduce(add, each)
 
     @cached_property
     def _beside_common_field(self) -> "LinearGroups":

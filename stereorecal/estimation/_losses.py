@@ -14,13 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal._errors import InputError
-from stereorecal.estimation._consequences import (
-    Consequences,
-    Readings,
-    consequences,
-    nearness_of,
-    within_lens,
-)
+from stereorecal.estimation._consequences import Consequences, Readings, consequences, nearness_of, within_lens
 from stereorecal.estimation._groups import PLACES, Groups
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING
@@ -76,13 +70,13 @@ class Errors:
 
     @cached_property
     def slopes(self) -> Float[np.ndarray, "q n"]:
-        """Slopes of rows, then of depth."""
-        slopes = self.readings.slopes
-        return slopes.reshape(-1, slopes.shape[-1]) / self._units[:, None]
+        """Slopes of rows, then of depth, by what the truth differs by, with the opposite sign."""
+        near = self.readings.near
+        return np.ascontiguousarray(np.concatenate([*near.rows, *near.nearness])) / self._units[:, None]
 
     @cached_property
     def _units(self) -> Float[np.ndarray, "q"]:
-        return np.repeat([self.matters.rows_px, 0.01 * self.matters.depth_points], self.readings.slopes.shape[1])
+        return np.repeat([self.matters.rows_px, 0.01 * self.matters.depth_points], len(self.even))
 
     @cached_property
     def even(self) -> Float[np.ndarray, "p"]:

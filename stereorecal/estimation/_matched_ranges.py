@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from stereorecal.estimation._evidence import Normal
-from stereorecal.estimation._rig_parameters import moved_by_extrinsics, pose_slopes, rays_by_lens
+from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
 from stereorecal.geometry import StereoRig, rectifying_rotations, rectifying_slopes
 from stereorecal.objectives import BASELINE, SIDES, RigChart
 
@@ -59,7 +59,7 @@ class MatchedRanges:
         (direction, right, length), near = self._rays(rig), self._nearness
         seen = direction @ rig.rotation.T + near[:, None] * rig.translation
         _, to_right = rectifying_rotations(rig.rotation, rig.translation)
-        outer, *by_pose = pose_slopes(chart, rig)
+        outer, *by_pose = chart.pose_slopes(rig)
         turned = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), *by_pose)[:, 1].swapaxes(1, 2)
 
         def column(points: Float[np.ndarray, "b 3"], moved: Float[np.ndarray, "m b 3"]) -> Float[np.ndarray, "m b"]:
@@ -91,7 +91,8 @@ class MatchedRanges:
         rig = chart.rig_at(theta)
         residuals, jacobian = self.residuals(rig), self._jacobian(chart, theta)
         apart = _of_likely_length(residuals, jacobian[:, chart.names.index(BASELINE)])
-        grown = 1.0 + (apart / self._scale(apart)) ** 2
+        # From afar, where all are wrong, those that agree keep their say.
+        grown = 1.0 + (apart / max(_FAR, 2.0 * float(np.median(np.abs(apart))))) ** 2
         at_zero, jacobian = (residuals - jacobian @ theta) / grown, jacobian / grown[:, None]
         density = grown * self.deviations(rig) * np.sqrt(2.0 * np.pi) / (_ANYWHERE * rig.right.size[0])
         c = float(at_zero @ at_zero + 2.0 * np.log(density).sum())
@@ -119,15 +120,8 @@ class MatchedRanges:
 
     def fit_better(self, before: StereoRig, after: StereoRig) -> bool:
         """Whether most of them agree with a rig, and much better than with another one."""
-        if not self:
-            return False
         bounded = [float(np.minimum(self.residuals(rig) ** 2, _FAR**2).sum()) for rig in (before, after)]
         return bounded[0] - bounded[1] > _FAR**2 and self.agree(after)
-
-    @staticmethod
-    def _scale(residuals: Float[np.ndarray, "b"]) -> float:
-        """The distance at which residuals lose their say; from afar, where all are wrong, those that agree keep it."""
-        return max(_FAR, 2.0 * float(np.median(np.abs(residuals))))
 
 
 def _of_likely_length(residuals: Float[np.ndarray, "b"], slopes: Float[np.ndarray, "b"]) -> Float[np.ndarray, "b"]:

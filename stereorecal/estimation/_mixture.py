@@ -1,8 +1,9 @@
 """What is known of θ, before images and after them: a mixture of normal distributions, one for each explanation."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -11,12 +12,28 @@ _SINGULAR = 1e-12  # of the largest eigenvalue
 _ROUNDING = 1e-12  # of the squares whose difference is taken
 _NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 
+Method = TypeVar("Method", bound=Callable[..., Any])
+
 
 class Travels:
     """A dataclass that is pickled by its fields alone: what is derived stays behind."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}  # pyright: ignore[reportArgumentType]
+
+
+def remembered(method: Method) -> Method:
+    """A method of one argument that is asked the same again and again: what it gave is kept beside the fields."""
+
+    @wraps(method)
+    def remembering(self: Any, asked: Any) -> Any:
+        given = vars(self).setdefault(f"_given_by_{method.__name__}", {})
+        key = asked.tobytes() if isinstance(asked, np.ndarray) else asked
+        if key not in given:
+            given[key] = method(self, asked)
+        return given[key]
+
+    return cast(Method, remembering)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +51,9 @@ class Mixture(Travels):
     covariances: Float[np.ndarray, "m n n"]
 
     @classmethod
-    def around_given(cls, covariances: Float[np.ndarray, "m n n"]) -> "Mixture":
-        """As probable each, with the given rig as the most probable one."""
-        number, n, _ = covariances.shape
-        return cls(np.full(number, 1.0 / number), np.zeros((number, n)), covariances)
+    def single(cls, mean: Float[np.ndarray, "n"], covariance: Float[np.ndarray, "n n"]) -> "Mixture":
+        """One normal distribution."""
+        return cls(np.ones(1), mean[None], covariance[None])
 
     @cached_property
     def mean(self) -> Float[np.ndarray, "n"]:
@@ -125,7 +141,7 @@ def merged(posterior: Mixture, most: int) -> Mixture:
     if len(w) <= most:
         return posterior
     if most == 1:
-        return Mixture(np.ones(1), posterior.mean[None], posterior.covariance[None])
+        return Mixture.single(posterior.mean, posterior.covariance)
     white = _whitening(posterior.covariance)
     shapes = (white @ covariances @ white.T).reshape(len(w), -1) / np.sqrt(2.0)
     features = np.concatenate([(means - posterior.mean) @ white.T, shapes], axis=1)

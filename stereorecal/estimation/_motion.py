@@ -244,12 +244,13 @@ def _products(
 
 def _normal(total: Float[np.ndarray, "c c"], chart: RigChart) -> tuple[Normal, Float[np.ndarray, "3 3"]]:
     """The likelihood of θ, the motion integrated; and the covariance of the translation were θ known."""
-    n = chart.dim
-    pull, a = total[0, 1:], total[1:, 1:]
+    pull, a, of_motion = total[0, 1:], total[1:, 1:], total[-MOVES:, -MOVES:]
+    wide = _wide(chart) ** -0.5
+    covariance = np.linalg.inv(of_motion + np.diag(_wide(chart)))[3:, 3:]
     # Of the m numbers of all tracks, those count that θ or the motion change.
-    covariance = np.linalg.inv(a[n:, n:] + np.diag(_wide(chart)))[3:, 3:]
-    alone = marginal(Normal(a, -pull, _explained_fraction(total)), np.diag(_wide(chart) ** -0.5))
-    return Normal(alone.a, alone.b, alone.c - _log_volume(a[n:, n:], chart)), covariance
+    alone = marginal(Normal(a, -pull, _explained_fraction(total)), np.diag(wide))
+    log_volume = np.linalg.slogdet(np.eye(MOVES) + wide[:, None] * of_motion * wide)[1]  # of a motion that could be any
+    return Normal(alone.a, alone.b, alone.c - float(log_volume)), covariance
 
 
 def _of_way(motion: Motion, way: tuple[float, float], n: int) -> Float[np.ndarray, "c c"]:
@@ -288,12 +289,6 @@ def _explained_fraction(total: Float[np.ndarray, "c c"]) -> float:
     scale = np.sqrt(np.maximum(np.diag(total)[1:], 1e-300))
     pull = total[0, 1:] / scale
     return float(pull @ np.linalg.lstsq(total[1:, 1:] / scale / scale[:, None], pull, rcond=1e-12)[0])
-
-
-def _log_volume(of_motion: Float[np.ndarray, "6 6"], chart: RigChart) -> float:
-    """What `without` adds for a motion that could be any."""
-    wide = _wide(chart) ** -0.5
-    return float(np.linalg.slogdet(np.eye(MOVES) + wide[:, None] * of_motion * wide)[1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -144,7 +144,7 @@ def recentred_posterior(posterior: Mixture, used: Float[np.ndarray, "n"]) -> Mix
     """What a posterior says of changes from the rig at θ = used: one normal distribution, since six hold the truth no
     more often (two repairs in turn of 180 simulated rigs)."""
     covariance = 0.5 * (posterior.covariance + posterior.covariance.T)
-    return Mixture(np.ones(1), (posterior.mean - used)[None], covariance[None])
+    return Mixture.single(posterior.mean - used, covariance)
 
 
 def updated(prior: Mixture, normal: Normal) -> Mixture:
@@ -256,7 +256,7 @@ def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
         where = [chart.names.index(name) for name in prior.names]
         covariance, mean = np.zeros((chart.dim, chart.dim)), np.zeros(chart.dim)
         covariance[np.ix_(where, where)], mean[where] = prior.covariance, prior.mean
-        return Mixture(np.ones(1), mean[None], covariance[None])
+        return Mixture.single(mean, covariance)
     return with_deviations(calibration_prior(chart), chart, prior)
 
 
@@ -292,9 +292,9 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
             f'prior is a {type(prior).__name__}; give "saved", "default", "exact", standard deviations by name such as '
             '{"left.f": 0.2} (percent), an sr.CalibrationCovariance, or the prior of a solution.'
         )
-    names = list(prior) if isinstance(prior, Mapping) else list(prior.names)
-    for name in names if chart is not None else ():
-        checked_choice(name, list(chart.names) if chart is not None else [], "parameter")
+    if chart is not None:
+        for name in prior if isinstance(prior, Mapping) else prior.names:
+            checked_choice(name, list(chart.names), "parameter")
     for name, sigma in prior.items() if isinstance(prior, Mapping) else ():
         number = isinstance(sigma, Real) and not isinstance(sigma, bool)
         if not (number and np.isfinite(sigma) and sigma > 0.0):

@@ -8,13 +8,12 @@ Lens terms that a calibration did not fit are in the model too: a lens whose rad
 decentering does not grow as p1 and p2 say, is read wrongly towards the corners, and there a yaw would pay for it.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, euler_slopes, pixel_slopes, ray_slopes
+from stereorecal.geometry import OF_MATRIX, Camera, StereoRig, pixel_slopes, ray_slopes
 from stereorecal.objectives import EXTRINSICS, SIDES, Parameters, Reach, RigChart
 from stereorecal.scoring import Correspondences, with_rays_of
 
@@ -59,30 +58,18 @@ def pixels_by_lens(
     chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
 ) -> tuple[list[int], Float[np.ndarray, "p *c 2"]]:
     """Where the p intrinsics of a camera are in θ, and the derivatives by them of pixels of points in its frame."""
-    return _by_lens(chart, side, points, lambda names: pixel_slopes(getattr(rig, side), points, names)[1])
+    own, kinds = chart.lenses[side]
+    moved = pixel_slopes(getattr(rig, side), points, kinds)[1]
+    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * moved
 
 
 def rays_by_lens(
     chart: RigChart, rig: StereoRig, side: str, points: Float[np.ndarray, "*c 3"]
 ) -> tuple[list[int], Float[np.ndarray, "p *c 3"]]:
     """The same of the rays at depth 1 that a camera gives to pixels which stay."""
-    own, moved = _by_lens(chart, side, points, lambda names: ray_slopes(getattr(rig, side), points, names))
+    own, kinds = chart.lenses[side]
+    moved = chart.half_width[own].reshape(-1, *[1] * points.ndim) * ray_slopes(getattr(rig, side), points, kinds)
     return own, np.concatenate([moved, np.zeros_like(moved[..., :1])], axis=-1)
-
-
-def _by_lens(chart: RigChart, side: str, points: Float[np.ndarray, "*c 3"], slopes: Callable):
-    own = [index for index, name in enumerate(chart.names) if name.startswith(f"{side}.")]
-    moved = slopes([chart.names[index].split(".")[1] for index in own])
-    return own, chart.half_width[own].reshape(-1, *[1] * points.ndim) * moved
-
-
-def pose_slopes(
-    chart: RigChart, rig: StereoRig
-) -> tuple[list[int], Float[np.ndarray, "m 3 3"], Float[np.ndarray, "m 3"]]:
-    """Where the m extrinsics are in θ, and the derivatives of R and T by them, at a rig of the chart."""
-    outer = [index for index, name in enumerate(chart.names) if "." not in name]
-    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
-    return outer, np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1), by_shift
 
 
 def moved_by_extrinsics(
@@ -90,7 +77,7 @@ def moved_by_extrinsics(
 ) -> tuple[list[int], Float[np.ndarray, "m *c 3"]]:
     """Where the m extrinsics are in θ, and the derivatives by them of where the right camera of a rig of the chart has
     points: at R x + share T."""
-    outer, turns, shifts = pose_slopes(chart, rig)
+    outer, turns, shifts = chart.pose_slopes(rig)
     turned = (points.reshape(-1, 3) @ turns.swapaxes(1, 2)).reshape(len(outer), *points.shape)
     shares = np.broadcast_to(share, points.shape[:-1])[..., None]
     return outer, turned + shares * shifts.reshape(-1, *[1] * (points.ndim - 1), 3)
@@ -113,14 +100,11 @@ def within_field(
     not wide have no such end."""
     if not chart.rig.is_wide:
         return move
+    counts = np.asarray(found.weight) > 0
     for _ in range(_HALVINGS):
-        if chart.stands_at(theta + move) and _has_rays(found, chart, theta + move):
-            return move
+        if chart.stands_at(theta + move):
+            read = with_rays_of(chart.rig_at(theta + move), found, matched_rig=chart.rig)
+            if all(np.isfinite(np.asarray(rays)[counts]).all() for rays in (read.left, read.right)):
+                return move
         move = 0.5 * move
     return np.zeros_like(move)
-
-
-def _has_rays(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> bool:
-    read = with_rays_of(chart.rig_at(theta), found, matched_rig=chart.rig)
-    counts = np.asarray(found.weight) > 0
-    return all(bool(np.isfinite(np.asarray(rays)[counts]).all()) for rays in (read.left, read.right))

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, namespace, product, register_pytree
 from stereorecal._errors import InputError
-from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera
+from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera, euler_slopes
 from stereorecal.objectives._parameters import BASELINE, EXTRINSICS, SIDES, Parameter, Parameters, Reach
 
 # Standard deviations of the prior in half of the box: twice the reach, which is three of them. The prior holds the
@@ -46,10 +46,6 @@ class Chart:
         """Extrinsics to coordinates of the box (free parameters only), beyond [-1, 1] where they lie outside of it."""
         free = list(self.free)
         return ((extrinsics - self.centre) / np.where(self.half_width == 0, 1.0, self.half_width))[..., free]
-
-    def inside(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:
-        """The point of the box that is nearest to the extrinsics, coordinate by coordinate."""
-        return np.clip(self.coordinates(extrinsics), -1.0, 1.0)
 
     def with_unit_baseline(self) -> "Chart":
         """The same chart with translations in units of the baseline, which is how scores see them."""
@@ -111,14 +107,22 @@ class RigChart:
                 found[index, 3:] = width / float(self.rig.baseline) * start[3:]
         return found
 
-    def intrinsics(self, z: Float[np.ndarray, "n"]) -> dict[str, dict[str, float]]:
-        """Changes of each camera's intrinsics at a point of the box, as `changed_camera` takes them."""
-        changes: dict[str, dict[str, float]] = {side: {} for side in SIDES}
-        for parameter, change in zip(self.parameters, (self.half_width * z).tolist(), strict=True):
-            if "." in parameter.name:
-                side, name = parameter.name.split(".")
-                changes[side][name] = change
-        return changes
+    def pose_slopes(self, rig: StereoRig) -> tuple[list[int], Float[np.ndarray, "m 3 3"], Float[np.ndarray, "m 3"]]:
+        """Where the m numbers of the pose are in z, and the derivatives of R and T by them, at a rig of the chart."""
+        outer = [index for index, name in enumerate(self.names) if "." not in name]
+        by_angles, by_shift = np.split(self.extrinsic_slopes[outer], 2, axis=1)
+        return outer, np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics)[:3]), 1), by_shift
+
+    @cached_property
+    def lenses(self) -> dict[str, tuple[list[int], list[str]]]:
+        """Where the intrinsics of each camera are in z, and what they are called there, such as "k1"."""
+        found = {side: ([], []) for side in SIDES}
+        for index, name in enumerate(self.names):
+            if "." in name:
+                side, kind = name.split(".")
+                found[side][0].append(index)
+                found[side][1].append(kind)
+        return found
 
     def rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
         """The rig at a point of the box. The last one is kept: it is asked for again and again."""
@@ -132,12 +136,12 @@ class RigChart:
         return [None]
 
     def _rig_at(self, z: Float[np.ndarray, "n"]) -> StereoRig:
-        changes, rig = self.intrinsics(z), self.rig.with_extrinsics(self.extrinsics(z))
-        if not any(change for side in changes.values() for change in side.values()):
-            return rig
-        return replace(
-            rig, left=changed_camera(rig.left, changes["left"]), right=changed_camera(rig.right, changes["right"])
-        )
+        change, cameras = self.half_width * z, {}
+        for side, (own, kinds) in self.lenses.items():
+            if change[own].any():
+                changes = dict(zip(kinds, change[own].tolist(), strict=True))
+                cameras[side] = changed_camera(getattr(self.rig, side), changes)
+        return replace(self.rig, extrinsics=self.extrinsics(z), **cameras)
 
     def stands_at(self, z: Float[np.ndarray, "n"]) -> bool:
         """Whether a valid rig lies at a point, which may be far outside of the box."""
@@ -150,11 +154,9 @@ class RigChart:
     def coordinates_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
         """The point of the box at which a rig lies, of those that `rig_at` gives."""
         found = self.coordinates(np.asarray(rig.extrinsics))
-        changes = {side: camera_changes(getattr(self.rig, side), getattr(rig, side)) for side in SIDES}
-        for index, (parameter, width) in enumerate(zip(self.parameters, self.half_width, strict=True)):
-            if "." in parameter.name:
-                side, name = parameter.name.split(".")
-                found[index] = changes[side][name] / width
+        for side, (own, kinds) in self.lenses.items():
+            changes = camera_changes(getattr(self.rig, side), getattr(rig, side))
+            found[own] = [changes[kind] for kind in kinds] / self.half_width[own]
         return found
 
     def coordinates(self, extrinsics: Float[np.ndarray, "6"]) -> Float[np.ndarray, "n"]:

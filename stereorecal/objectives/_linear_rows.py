@@ -8,7 +8,6 @@ from jaxtyping import Float
 from stereorecal._arrays import AnyArray, register_pytree
 from stereorecal.geometry import (
     Projection,
-    euler_slopes,
     projection,
     ray_slopes,
     rectifying_rotations,
@@ -49,11 +48,9 @@ def linearised(
     """
     rig = chart.rig_at(z)
     found = with_rays_of(rig, found, matched_rig=chart.rig)
-    outer = [index for index, name in enumerate(chart.names) if "." not in name]
+    outer, *by_pose = chart.pose_slopes(rig)
     rotations = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
-    by_angles, by_shift = np.split(chart.extrinsic_slopes[outer], 2, axis=1)
-    by_rotation = np.tensordot(by_angles, euler_slopes(np.asarray(rig.extrinsics[:3])), 1)
-    slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), by_rotation, by_shift)
+    slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), *by_pose)
     shape = np.shape(found.weight)
     jacobian, rows, of_view = np.zeros((z.size, *shape)), np.zeros(shape), projection(found.projection)
     for side, sign in enumerate((1.0, -1.0)):
@@ -61,9 +58,9 @@ def linearised(
         row, by_rotation = _rectified_rows(of_view, rays, rotations[side], slopes[:, side])
         rows += sign * row
         jacobian[outer] += sign * by_rotation
-        own = [index for index, name in enumerate(chart.names) if name.startswith(SIDES[side])]
+        own, kinds = chart.lenses[SIDES[side]]
         if own:
-            moved = ray_slopes(camera, rays, [chart.names[index].split(".")[1] for index in own])
+            moved = ray_slopes(camera, rays, kinds)
             jacobian[own] = sign * _by_rays(of_view, rays, rotations[side], moved) * chart.half_width[own, None, None]
     focal = float(found.focal)
     return focal * rows, focal * jacobian

@@ -140,7 +140,7 @@ class Parameters:
         """
         if not self.axes:
             raise InputError("no extrinsics are free; free them as well, since every drift moves them.")
-        return Parameters(tuple(name for name in self.names if name in EXTRINSICS), self.priors)
+        return Parameters(self.axes, self.priors)
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -156,11 +156,6 @@ class Parameters:
     def intrinsics(self) -> tuple[str, ...]:
         """The intrinsics among them."""
         return tuple(name for name in self.names if "." in name)
-
-    @property
-    def without_intrinsics(self) -> "Parameters":
-        """The others, with their priors."""
-        return Parameters(tuple(name for name in self.names if "." not in name), self.priors)
 
     def also(self, *names: str) -> "Parameters":
         """The parameters with these free as well."""

@@ -34,7 +34,7 @@ def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -
         logs = np.log(weights) - 0.5 * (log_volumes + np.linalg.slogdet(ways)[1] - np.sum(pulls * (mean + moves), 1))
         every = Mixture(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
         mean, covariance = every.mean, every.covariance
-    return Mixture(np.ones(1), mean[None], covariance[None])
+    return Mixture.single(mean, covariance)
 
 
 def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False) -> Float[np.ndarray, "n n"]:

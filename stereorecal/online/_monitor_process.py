@@ -82,8 +82,8 @@ class MonitorProcess:
             kept, config = load(keep, None if isinstance(rig, State) else rig), state.config
             state = kept.configured(replace(config, repair=config.repair and kept.config.repair))
         # Not forked: JAX has threads, and a copy of a process without them hangs.
-        ours, theirs = multiprocessing.get_context("spawn").Pipe()
         context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
         self._process = context.Process(
             target=_worker, args=(theirs, state.alone(), keep, keep_every, nice, seconds, share), daemon=True
         )

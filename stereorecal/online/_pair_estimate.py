@@ -5,7 +5,7 @@ at which distances, its matches cover.
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.decision import ENOUGH
+from stereorecal.decision import ENOUGH, Seen
 from stereorecal.estimation import Normal, nearness_of, normal_of_pair
 from stereorecal.geometry import StereoRig, View, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
@@ -39,7 +39,7 @@ def look(
     """
     data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
     found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
-    if found.found < ENOUGH.matches or found.covered < ENOUGH.covered or len(places_of(found)) < ENOUGH.places:
+    if Seen(matches=found.found, covered=found.covered, places=len(places_of(found))).few:
         return None
     solved = normal_of_pair(found, chart, theta, known.theta, known.of_theta)
     if solved is None or (

@@ -17,13 +17,7 @@ from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._pair_estimate import covered_by, look, row_error
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State, known_matcher
-from stereorecal.online._switching import (
-    begun,
-    continued,
-    decided,
-    followed,
-    switched,
-)
+from stereorecal.online._switching import begun, continued, decided, followed, switched
 from stereorecal.recalibration import Schedule
 from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
 from stereorecal.scoring import image_quality, is_coarse, pyramid

@@ -4,24 +4,15 @@ check. The same for one look at the images through a calibration, and for the en
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal.decision import ENOUGH, Reason, Seen, decide, is_sparse, reason_of
-from stereorecal.estimation import (
-    NO_RANGES,
-    Estimate,
-    Fit,
-    MatchedRanges,
-    Recording,
-    as_prior,
-    fitted,
-    rig_parameters,
-)
+from stereorecal.estimation import NO_RANGES, Estimate, Fit, Recording, as_prior, fitted, rig_parameters
 from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
-from stereorecal.objectives import Reach, RigChart
+from stereorecal.objectives import Reach
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._mismatch import mismatch_of
@@ -85,7 +76,6 @@ def unmatched(found: Correspondences, pairs: Sequence[Pair]) -> tuple[int, ...]:
 def assessed(
     case: Case,
     stages: tuple[StageRun, ...],
-    end_rig: StereoRig,
     cost: Cost,
     began: float,
     *,
@@ -94,8 +84,7 @@ def assessed(
     """The solution that the last matches of some stages come to; None if they are too few.
 
     Args:
-        stages: that were run.
-        end_rig: where they ended; it has the cameras of the case's rig.
+        stages: that were run; they ended at a rig with the cameras of the case's rig.
         cost: of what came before the stages.
         began: when the clock was started.
         conclusive: None also where a search would see more: a rig that is far off matches little, and by chance.
@@ -103,7 +92,7 @@ def assessed(
     run = last_matched(stages)
     if run is None or run.found is None or (shown := _seen(case, run.found)).few:
         return None
-    estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, end_rig)
+    estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, stages[-1].ended)
     free, reach = case.settings.free, case.settings.reach
     decision = decide(estimated, free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
@@ -140,29 +129,19 @@ def assessed(
     )
 
 
-class _Estimated(NamedTuple):
-    """What the matches of all frames say together.
+def _estimated(
+    case: Case, run: StageRun, found: Correspondences, end_rig: StereoRig
+) -> tuple[Estimate, Correspondences, tuple[int, ...], bool, float]:
+    """The estimate of the matches of a stage, which are made again under what loses least until that moves no rows.
 
-    Attributes:
-        estimate: of the rig that they show.
-        found: of all frames, matched under a rig near that.
-        excluded: numbers of the frames that show another rig than the others.
-        disagree: whether these are too many to say which are wrong; then the estimate rests on all.
-        matching_cost: units that matching again took.
+    Returns:
+        The estimate; the matches that it rests on, of all frames; the numbers of the frames that show another rig than
+        the others; whether these are too many to say which are wrong, so that the estimate rests on all; and the units
+        that matching again took.
     """
-
-    estimate: Estimate
-    found: Correspondences
-    excluded: tuple[int, ...]
-    disagree: bool
-    matching_cost: float
-
-
-def _estimated(case: Case, run: StageRun, found: Correspondences, end_rig: StereoRig) -> _Estimated:
-    """The estimate of the matches of a stage, made again under what loses least until that moves no rows."""
-    chart, fewer, again = rig_parameters(case.rig), len(found.weight) < len(case.images.pairs), 0
-    at = chart.coordinates_of(end_rig)
-    found = _matched(case, run, chart, at) if fewer else found
+    data, chart, again = case.images.at(run.scale), rig_parameters(case.rig), 0
+    at, fewer = chart.coordinates_of(end_rig), len(found.weight) < len(case.images.pairs)
+    found = matched(data, chart, at, case.matcher) if fewer else found
     fit_of, weighed = _fitter(case, found, end_rig), False
     excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
     while True:
@@ -171,14 +150,13 @@ def _estimated(case: Case, run: StageRun, found: Correspondences, end_rig: Stere
         likely = at if last else estimated.with_free(case.settings.free.names)
         anew = None
         if not last and rows_moved(found, chart, at, likely) >= SETTLED:
-            anew = _matched(case, run, chart, likely)
+            anew = matched(data, chart, likely, case.matcher)
             again += 1
         if anew is not None and anew.covered >= (1.0 - ENOUGH.lost) * found.covered:
             found, at, weighed = anew, likely, False
             excluded, disagree, fit = _without_other_rigs(case, found, at, fit_of)
         elif weighed or last:
-            cost = (again + fewer) * case.images.at(run.scale).cost
-            return _Estimated(estimated, found, tuple(sorted(excluded)), disagree, cost)
+            return estimated, found, tuple(sorted(excluded)), disagree, (again + fewer) * data.cost
         else:
             weighed = True
 
@@ -278,6 +256,7 @@ def with_candidate(
     frames_disagree: bool,
 ) -> Seen:
     """What images show, with what their matches say of a candidate."""
+    turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(estimated.chart.rig.extrinsics))
     return replace(
         seen,
         matches=found.found,
@@ -288,19 +267,8 @@ def with_candidate(
         misfit_px=max(estimated.misfit),
         lens_change=estimated.lens_change,
         lost=share_lost(tiles),
-        away=_turned_by(estimated.chart.rig, candidate, reach),
+        away=float(np.abs(turned[[0, 2]]).max() / reach.degrees),  # in pitch and roll, which rows tell
     )
-
-
-def _turned_by(initial: StereoRig, candidate: StereoRig, reach: Reach) -> float:
-    """How far a candidate is turned in pitch and roll, which rows tell, in reaches."""
-    turned = np.degrees(np.asarray(candidate.extrinsics) - np.asarray(initial.extrinsics))[[0, 2]]
-    return float(np.abs(turned).max() / reach.degrees)
-
-
-def _matched(case: Case, run: StageRun, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Correspondences:
-    """The correspondences under a candidate, of all frames: a stage may look at fewer."""
-    return matched(case.images.at(run.scale), chart, theta, case.matcher)
 
 
 def _fitter(case: Case, first: Correspondences, end_rig: StereoRig) -> _Fitter:
@@ -311,23 +279,17 @@ def _fitter(case: Case, first: Correspondences, end_rig: StereoRig) -> _Fitter:
         end_rig: under which these were matched.
     """
     tracks, prior = windows_of(case, first), as_prior(case.prior, rig_parameters(case.rig))
+    data, pairs = case.images.at(float(first.scale)), case.images.pairs
 
     def fit_of(found: Correspondences, without: Sequence[int], start: Float[np.ndarray, "n"]) -> Fit:
-        ranges = _matched_ranges(case, first, end_rig, without)
+        away = [pairs[frame] for frame in without]
+        of_others = [one for one in case.ranges if not any(one.pair is pair for pair in away)]
+        ranges = match_ranges(data, end_rig, case.matcher, pairs, of_others) if of_others else NO_RANGES
         windows = without_frames(case, tracks, without)
         used = without_frames_of(found, without)
         return fitted(Recording(used, case.rig, prior, start, ranges, windows, case.images.view))
 
     return fit_of
-
-
-def _matched_ranges(case: Case, found: Correspondences, end_rig: StereoRig, excluded: Sequence[int]) -> MatchedRanges:
-    """The ranges of a case that have a sure match beside correspondences, without those of some frames."""
-    away = [case.images.pairs[frame] for frame in excluded]
-    ranges = [one for one in case.ranges if not any(one.pair is pair for pair in away)]
-    if not ranges:
-        return NO_RANGES
-    return match_ranges(case.images.at(float(found.scale)), end_rig, case.matcher, case.images.pairs, ranges)
 
 
 def _without_other_rigs(

@@ -2,7 +2,7 @@
 looked at, and which of them follow each other."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise, starmap
 
 from stereorecal.estimation import EXACT, Prior
@@ -86,15 +86,6 @@ class Case:
         """The box of epipolar residuals, with the prior."""
         return row_chart(self.rig, self.settings.reach, self.free)
 
-    @property
-    def of_extrinsics(self) -> "Case":
-        """The same case with nothing but the extrinsics free."""
-        return replace(self, free=self.free.extrinsics)
-
     def scale_of(self, stage: Stage) -> float:
         """The image scale at which a stage works."""
         return stage.scale_for(self.rig.left.size)
-
-    def with_matcher(self, matcher: AbstractMatcher) -> "Case":
-        """The same case with another matcher."""
-        return replace(self, matcher=matcher)

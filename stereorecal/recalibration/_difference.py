@@ -27,7 +27,6 @@ from stereorecal.geometry import (
     checked_rig,
     rectifying_rotations,
     reread,
-    same_camera,
     same_cameras,
 )
 from stereorecal.report.number_text import change, distance, offset
@@ -77,20 +76,18 @@ def row_errors_of(
     to_left, to_right = rectifying_rotations(used.rotation, used.translation)
     in_view = np.meshgrid(columns, rows)
     rays = np.asarray(view.directions(*in_view, 0)) @ to_left
-    true = _reread(_nan_outside_image(rays, used.left), used.left, better.left)
+    true = _reread(rays, used.left, better.left)
     row_errors = []
     for baselines in distances:
         from_right = true @ better.rotation.T + better.translation / (baselines * float(better.baseline))
-        read = _reread(_nan_outside_image(from_right, better.right), better.right, used.right) @ to_right.T
+        read = _reread(from_right, better.right, used.right) @ to_right.T
         row_errors.append(in_view[1] - view.pixels(_at_depth_1(read), 1)[1])
     return np.stack(row_errors)
 
 
 def _reread(rays: Float[AnyArray, "*n 3"], true: Camera, read: Camera) -> Float[np.ndarray, "*n 3"]:
-    """Where `read` takes points to lie that `true` sees along `rays`: the rays themselves if the cameras are equal."""
-    if same_camera(true, read):
-        return np.asarray(rays)
-    return _within_lens(reread(_at_depth_1(rays), true, read), read)
+    """Where `read` takes points to lie that `true` sees along `rays`, at depth 1; NaN where they miss its image."""
+    return _within_lens(reread(_nan_outside_image(rays, true), true, read), read)
 
 
 def _nan_outside_image(rays: Float[AnyArray, "*n 3"], camera: Camera) -> Float[np.ndarray, "*n 3"]:

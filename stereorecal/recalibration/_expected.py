@@ -1,7 +1,7 @@
 """What those who use a calibration have to expect of it: the epipolar error over the view, and errors of depth."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -96,10 +96,7 @@ class DepthError:
     @property
     def metres(self) -> Interval:
         """The same in metres."""
-        per_percent = 0.01 * self.distance
-        return Interval(
-            per_percent * self.percent.value, per_percent * self.percent.low, per_percent * self.percent.high
-        )
+        return Interval(*(0.01 * self.distance * percent for percent in astuple(self.percent)))
 
     @property
     def significant(self) -> bool:

@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal._errors import InputError
 from stereorecal.decision import Reason
-from stereorecal.estimation import NO_RANGES, MatchedRanges
+from stereorecal.estimation import MatchedRanges
 from stereorecal.geometry import StereoRig, turned_pixels, turned_size
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import BASELINE, Parameters
@@ -68,43 +67,29 @@ def match_ranges(
 ) -> MatchedRanges:
     """The resolved ranges of these pairs, matched under `rig`; those without a sure match are left out."""
     by_frame = [[one for one in ranges if one.pair is pair] for pair in pairs]
-    pixels = [_turned(rig, np.array([one.left_pixel for one in some], float).reshape(-1, 2)) for some in by_frame]
+    as_taken = [np.array([one.left_pixel for one in some], float).reshape(-1, 2) for some in by_frame]
+    pixels = [turned_pixels(some, rig.sizes_taken[0], rig.turns[0]) for some in as_taken]
     partners = host.match_pixels(data, rig, matcher, pixels)
-    right = np.concatenate([NO_RANGES.right, *(some.pixels for some in partners)])
+    left = np.concatenate(pixels)
+    right = np.concatenate([some.pixels for some in partners])
     every = [one for some in by_frame for one in some]
-    slant = np.array([_slant(rig, one) for one in every])
+    rays = np.asarray(rig.left.rays(left))
+    along_axis = np.array([one.along == "axis" for one in every])
+    slant = np.where(along_axis, np.linalg.norm(rays, axis=1) / rays[:, 2], 1.0)  # metres of a ray per metre given
     metres = slant * np.array([one.metres for one in every], float)
     sigma = slant * np.array([0.01 * one.metres if one.sigma is None else one.sigma for one in every], float)
+    matching = np.concatenate([some.deviation for some in partners])
     found = np.isfinite(right).all(axis=-1)
-    return MatchedRanges(
-        np.concatenate([NO_RANGES.left, *pixels])[found],
-        right[found],
-        metres[found],
-        sigma[found],
-        np.concatenate([NO_RANGES.matching, *(some.deviation for some in partners)])[found],
-    )
+    return MatchedRanges(*(part[found] for part in (left, right, metres, sigma, matching)))
 
 
-def _slant(rig: StereoRig, one: Range) -> float:
-    """Metres along the ray for each metre that is given."""
-    ray = np.asarray(rig.left.rays(_turned(rig, np.array([one.left_pixel], float))))[0]
-    return float(np.linalg.norm(ray) / ray[2]) if one.along == "axis" else 1.0
-
-
-def _turned(rig: StereoRig, pixels: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
-    """Pixels of left images as they were taken, in those that are matched."""
-    return turned_pixels(pixels, rig.sizes_taken[0], rig.turns[0])
-
-
-def resolved_ranges(
-    ranges: Range | Sequence[Range], recordings: Sequence[tuple[str, Sequence[Pair]]]
-) -> tuple[Range, ...]:
+def resolved_ranges(ranges: Sequence[Range], recordings: Sequence[tuple[str, Sequence[Pair]]]) -> tuple[Range, ...]:
     """The ranges, each with the pair that it means, of recordings with names and pairs.
 
     Raises:
         InputError: names a range that belongs to no pair, to several, or to no pixel of it.
     """
-    return tuple(_resolved(one, recordings) for one in as_ranges(ranges))
+    return tuple(_resolved(one, recordings) for one in ranges)
 
 
 def as_ranges(ranges: Range | Sequence[Range] | None) -> tuple[Range, ...]:
@@ -145,6 +130,6 @@ def _resolved(one: Range, recordings: Sequence[tuple[str, Sequence[Pair]]]) -> R
     return replace(one, pair=pair)
 
 
-def with_ranges(free: Parameters, ranges: Range | Sequence[Range], odometer: Odometer | None = None) -> Parameters:
+def with_ranges(free: Parameters, ranges: Sequence[Range], odometer: Odometer | None) -> Parameters:
     """What is free where there are ranges, or distances travelled: the length of the baseline as well."""
-    return free.also(BASELINE) if as_ranges(ranges) or odometer is not None else free
+    return free.also(BASELINE) if ranges or odometer is not None else free

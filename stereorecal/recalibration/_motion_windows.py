@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import NO_WINDOWS, Estimate, Prior, Windows, far_enough, is_exact
+from stereorecal.estimation import Estimate, Prior, Windows, far_enough, is_exact
 from stereorecal.recalibration._case import Case, a_moment_after, soon_after
 from stereorecal.recordings import LONGEST_GAP, Odometer, Pair, share_of
 from stereorecal.scoring import Correspondences
@@ -81,11 +81,10 @@ def _next(pairs: Sequence[Pair], at: int) -> int | None:
 def windows_of(case: Case, found: Correspondences) -> dict[tuple[int, int], Any]:
     """The tracks of the windows of a case, by the numbers of their pairs. Partners of corners are looked for beside
     matches, whose rays the cameras of the case's rig give."""
-    pairs = case.images.pairs
+    pairs, radius = case.images.pairs, match_radius(found, case.rig)
     matches = {frame: Matches.of(found, case.rig, frame) for window in case.windows for frame in window}
-    radius = match_radius(found, case.rig)
-    found_again = {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), radius) for a, b in case.windows}
-    return {(a, b): replace(one, readout=share_of(pairs[a], pairs[b])) for (a, b), one in found_again.items()}
+    tracks = {(a, b): tracked(pairs[a], pairs[b], (matches[a], matches[b]), radius) for a, b in case.windows}
+    return {(a, b): replace(one, readout=share_of(pairs[a], pairs[b])) for (a, b), one in tracks.items()}
 
 
 def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Sequence[int]) -> Windows:
@@ -95,23 +94,20 @@ def without_frames(case: Case, tracks: dict[tuple[int, int], Any], excluded: Seq
     seconds = [second - first for first, second in times if first is not None and second is not None]
     if len(seconds) < len(used_windows) or min(seconds, default=1.0) <= 0.0:
         seconds = [1.0] * len(used_windows)
-    if not used_windows:
-        return NO_WINDOWS
-    return Windows(
-        tuple(tracks[window] for window in used_windows), tuple(used_windows), tuple(seconds), _ways(case, used_windows)
-    )
+    used_tracks = tuple(tracks[window] for window in used_windows)
+    return Windows(used_tracks, tuple(used_windows), tuple(seconds), _ways(case, used_windows))
 
 
 def _ways(case: Case, used_windows: Sequence[tuple[int, int]]) -> tuple[tuple[float, float] | None, ...]:
     """How far the rig travelled in windows. An odometer errs alike in all of them, but for noise: together they say
     no more than it knows."""
-    ways = _travelled(case.settings.odometer, case.images.pairs, used_windows) if case.settings.odometer else []
+    odometer = case.settings.odometer
+    if odometer is None:
+        return ()
+    ways = _travelled(odometer, case.images.pairs, used_windows)
     metres = [None if way is None or not far_enough(way, case.rig) else way for way in ways]
     known = sum(some is not None for some in metres)
-    if case.settings.odometer is None or not known:
-        return ()
-    deviation = case.settings.odometer.deviation
-    return tuple(None if some is None else (some, deviation(some, known) + _LEAST_WAY) for some in metres)
+    return tuple(None if some is None else (some, odometer.deviation(some, known) + _LEAST_WAY) for some in metres)
 
 
 def _travelled(odometer: Odometer, pairs: Sequence[Pair], windows: Sequence[tuple[int, int]]) -> list[float | None]:

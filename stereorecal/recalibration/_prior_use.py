@@ -28,10 +28,6 @@ from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
 from stereorecal.recordings import Pair
 
-AGAIN, GIVEN = "saved, without these pairs", "given"
-
-NO_SAVED = "no prior is saved with this calibration; leave prior= (--prior) out."
-
 
 @dataclass(frozen=True, eq=False)
 class PriorUse:
@@ -95,11 +91,11 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, learns: bo
     if prior is None or (isinstance(prior, str) and prior == SAVED):
         found, note = saved_with(rig)
         if found is None and prior == SAVED:
-            raise InputError(note or NO_SAVED)
+            raise InputError(note or "no prior is saved with this calibration; leave prior= (--prior) out.")
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
         return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every, prior)
-    return PriorUse(DEFAULT if prior == DEFAULT else GIVEN, prior, images, every, note=note)
+    return PriorUse(DEFAULT if prior == DEFAULT else "given", prior, images, every, note=note)
 
 
 def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse:
@@ -111,7 +107,7 @@ def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse
     numbers = () if before is None else _fresh(images, before.images)
     if not numbers:
         raise InputError("all of these pairs were used by earlier repairs of this rig; give others.")
-    return PriorUse(AGAIN, before, images, numbers, saved)
+    return PriorUse("saved, without these pairs", before, images, numbers, saved)
 
 
 def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:

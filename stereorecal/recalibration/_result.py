@@ -12,19 +12,13 @@ from stereorecal.decision import Criterion, Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import EXTRINSICS, row_chart
+from stereorecal.objectives import EXTRINSICS
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import DepthError, Expected, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._row_residuals import (
-    TILES_OF_A_FRAME,
-    Misfit,
-    RowErrors,
-    misfit,
-    row_residuals,
-)
+from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, Misfit, RowErrors, misfit, row_residuals
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, last_matched, path_of
 from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty, uncertainty_of
@@ -285,8 +279,8 @@ class AbstractResult:
         others; None in the same cases."""
         if self.estimate is None:
             return None
-        free, reach = self.settings.free.without_intrinsics, self.settings.reach
-        return uncertainty_of(self.estimate, self.candidate, row_chart(self.initial, reach, free))
+        free = self.settings.free.of(self.initial, self.settings.reach)
+        return uncertainty_of(self.estimate, self.candidate, [one for one in free if "." not in one.name])
 
     @property
     def found(self) -> Correspondences | None:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal._arrays import json_data
+from stereorecal._arrays import group_medians, json_data
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import RigChart, differences_at
 from stereorecal.scoring import TILES, Correspondences
@@ -64,11 +64,8 @@ class RowResiduals:
 
 def tile_medians(differences: Float[np.ndarray, "m"], tile: Int[np.ndarray, "m"]) -> Float[np.ndarray, "t"]:
     """The median |difference| in each tile."""
-    size = np.abs(differences)
-    size = size[np.lexsort((size, tile))]
-    count = np.unique(tile, return_counts=True)[1]
-    first = np.cumsum(count) - count
-    return 0.5 * (size[first + (count - 1) // 2] + size[first + count // 2])
+    _, number, counts = np.unique(tile, return_inverse=True, return_counts=True)
+    return group_medians(np.abs(differences), number, counts)
 
 
 def places_of(found: Correspondences) -> Int[np.ndarray, "p"]:
@@ -155,24 +152,14 @@ def _beyond_noise(medians: Float[np.ndarray, "r"], error: Float[np.ndarray, "r"]
 
 def misfit(found: RowResiduals, *, late: bool = False) -> Misfit:
     """The misfit of a solution; a late shutter is its cause, if there is one."""
-    tiles, counts = np.unique(found.tile, return_counts=True)
-    regions = []
-    for tile, number in zip(tiles, counts, strict=True):
-        if number >= _FEWEST:
-            in_tile = found.tile == tile
-            before, after = (float(np.median(r[in_tile])) for r in (found.start_residual, found.residual))
-            spread = float(np.median(np.abs(found.residual[in_tile] - after)))
-            error = _OF_A_MEDIAN * spread / float(number * found.independent) ** 0.5
-            regions.append((*divmod(int(tile), TILES_OF_A_FRAME), before, after, error))
-    frame, place, *medians = np.array(regions, float).reshape(-1, 5).T
-    frame, place = frame.astype(int), place.astype(int)
-    return Misfit(frame, place, *medians, cause=Cause.LATE if late else _cause(place, medians[1]))
-
-
-def _centres(place: Int[np.ndarray, "r"]) -> tuple[Float[np.ndarray, "r"], Float[np.ndarray, "r"]]:
-    """The centres of tiles, from -1 to 1 over the image."""
-    row, column = np.divmod(place, TILES[0])
-    return (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1
+    tiles, number, counts = np.unique(found.tile, return_inverse=True, return_counts=True)
+    before, after = (group_medians(rows, number, counts) for rows in (found.start_residual, found.residual))
+    spread = group_medians(np.abs(found.residual - after[number]), number, counts)
+    error = _OF_A_MEDIAN * spread / np.sqrt(counts * found.independent)
+    enough = counts >= _FEWEST
+    frame, place = np.divmod(tiles[enough], TILES_OF_A_FRAME)
+    cause = Cause.LATE if late else _cause(place, after[enough])
+    return Misfit(frame, place, before[enough], after[enough], error[enough], cause)
 
 
 def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
@@ -180,7 +167,8 @@ def _cause(place: Int[np.ndarray, "r"], after: Float[np.ndarray, "r"]) -> Cause:
     where it does nearly as well."""
     if after.size < TILES_OF_A_FRAME // 4:
         return Cause.REGIONS
-    x, y = _centres(place)
+    row, column = np.divmod(place, TILES[0])
+    x, y = (2 * column + 1) / TILES[0] - 1, (2 * row + 1) / TILES[1] - 1  # centres of tiles, the image being -1 to 1
     rotations = [np.ones_like(x), x, x * y, y * y]  # pitch, roll, yaw: what they may leave of themselves
     unexplained = max(_unexplained(after, rotations), 1e-12)
     of_rows = 1.0 - _unexplained(after, [*rotations, y]) / unexplained

@@ -62,7 +62,10 @@ class Stage:
 
     def scale_for(self, size: tuple[int, int]) -> float:
         """The scale at which images of `size` (width, height) are looked at."""
-        return self.scale if self.pixels is None else _within(self.pixels, self.scale, size)
+        if self.pixels is None:
+            return self.scale
+        lowest, highest = ((bound / (size[0] * size[1])) ** 0.5 for bound in self.pixels)
+        return min(1.0, max(lowest, min(self.scale, highest)))
 
 
 HALF = Stage(None, 0.5, ScoreKind.EPIPOLAR, rounds=2, pixels=_STEPPING_STONE)  # from degrees to a tenth of a pixel
@@ -137,12 +140,6 @@ def watching_scale(size: tuple[int, int]) -> float:
     """The scale of the last stage but one of the default schedule, for images of `size` (width, height): half, as a
     rule."""
     return HALF.scale_for(size)
-
-
-def _within(pixels: tuple[int, int], scale: float, size: tuple[int, int]) -> float:
-    """The scale, bent so that an image of `size` has at least and at most so many pixels, but not above 1."""
-    lowest, highest = ((bound / (size[0] * size[1])) ** 0.5 for bound in pixels)
-    return min(1.0, max(lowest, min(scale, highest)))
 
 
 def as_schedule(schedule: Any) -> Schedule:

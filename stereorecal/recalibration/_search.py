@@ -12,16 +12,9 @@ from stereorecal.geometry import StereoRig
 from stereorecal.recalibration._assessment import assessed, counts, solution_of
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._mismatch import mismatch_of
-from stereorecal.recalibration._schedule import Schedule, ScoreKind, Stage
+from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stages import (
-    Cost,
-    StageRun,
-    last_matched,
-    remaining,
-    run_stage,
-    started,
-)
+from stereorecal.recalibration._stages import Cost, StageRun, last_matched, remaining, run_stage, started
 from stereorecal.scoring.host import survey
 from stereorecal.strategies import Budget, Status
 
@@ -43,10 +36,10 @@ def solution_of_search(
     status, message = _ending(stages)
     if cut := cut or any(stage.cut for stage in stages):
         status, message = Status.BUDGET, Status.BUDGET.value
-    end_rig = stages[-1].ended if stages else case.rig
-    if not cut and (found := assessed(case, stages, end_rig, cost, began)) is not None:
+    if not cut and (found := assessed(case, stages, cost, began)) is not None:
         return replace(found, status=status, message=message)
     run = last_matched(stages)
+    end_rig = stages[-1].ended if stages else case.rig
     tiles, mismatch = counts(case, end_rig), None
     before, after = tiles.sum(axis=(1, 2)).tolist()
     if cut or run is not None:  # the count alone hardly sees a wrong yaw
@@ -88,9 +81,9 @@ def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tupl
         if len(schedule.stages) > 1 and measured:
             epipolar = stage.score is ScoreKind.EPIPOLAR
             yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.settings.reach.degrees))
-            surveyed = survey(case.images, done.end_extrinsics, yaw_error, aligned=True)
+            surveyed = survey(case.images, np.asarray(rig.extrinsics), yaw_error, aligned=True)
             done = replace(done, survey_cost=surveyed.cost)
-            case = case.with_matcher(surveyed.with_range(settings.matcher, yaw_error))
+            case = replace(case, matcher=surveyed.with_range(settings.matcher, yaw_error))
             # The decision matches under the initial rig too, which may need more disparities than the rig found.
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)
         stages.append(done)
@@ -114,18 +107,11 @@ def next_slice(case: Case, at: Progress) -> Progress | Solution:
     """One slice more: first the survey, then a stage on the count, or one round of a stage on the rows, each begun
     where the one before it ended; the last one is judged with it. The case has a disparity range, and a schedule whose
     last stage has rows."""
-    began, schedule = time.perf_counter(), case.settings.schedule
+    began = time.perf_counter()
     if at.done == 0:
         return Progress(started(case)[1], 1)
-    stages = _rounds(schedule)
-    stage = stages[at.done - 1]
-    done = run_stage(case, stage, at.rig, Budget(), _SEED)
-    if at.done < len(stages):
+    rounds = [replace(stage, rounds=1) for stage in case.settings.schedule.stages for _ in range(stage.rounds)]
+    done = run_stage(case, rounds[at.done - 1], at.rig, Budget(), _SEED)
+    if at.done < len(rounds):
         return Progress(done.ended, at.done + 1)
     return solution_of_search(case, (done,), Cost(), began)
-
-
-def _rounds(schedule: Schedule) -> tuple[Stage, ...]:
-    """The stages, those on the rows cut into their rounds."""
-    numbers = [(one, one.rounds if one.score is ScoreKind.EPIPOLAR else 1) for one in schedule.stages]
-    return tuple(replace(stage, rounds=1) for stage, number in numbers for _ in range(number))

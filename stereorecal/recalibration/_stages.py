@@ -7,7 +7,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -35,8 +34,6 @@ from stereorecal.strategies import Budget, Run, Status, run_strategy
 _REWEIGHTED = 3  # times that the rows of one match are fitted: groups that err alone, and outliers, follow the fit
 _LOOKED = 3  # times that a look may match at its finest scale until it settles, at least
 SETTLED = 0.02  # pixels, mean change of the row differences: rigs as near match the same
-
-Extrinsics = Float[np.ndarray, "6"]  # pitch, yaw, roll [rad], x, y, z [m]; float64
 
 
 @dataclass(frozen=True)
@@ -117,11 +114,6 @@ class StageRun:
         return self.found is not None and self.found.found >= ENOUGH.matches
 
     @property
-    def end_extrinsics(self) -> Extrinsics:
-        """(6,) extrinsics [rad, m] where it ended."""
-        return np.asarray(self.ended.extrinsics)
-
-    @property
     def search_cost(self) -> float:
         """Units that the strategy spent."""
         return sum(run.trace.total_cost for run in self.runs)
@@ -150,7 +142,7 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     if settings.schedule.survey or case.matcher.num_disparities is None:
         radians = float(np.radians(settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
-        case, cost = case.with_matcher(surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
+        case, cost = replace(case, matcher=surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
         moved = {AXES[axis] for axis in np.flatnonzero(surveyed.offset)}
         if settings.schedule.survey and moved and moved <= set(case.free.axes):  # a part of an offset is no start
             start = case.rig.with_extrinsics(np.asarray(case.rig.extrinsics, float) + surveyed.offset)
@@ -171,7 +163,7 @@ def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) 
     Returns:
         The last stage, as if it had begun at the start, and the cost.
     """
-    case, runs = case.of_extrinsics, []
+    case, runs = replace(case, free=case.free.extrinsics), []
     finest = replace(stages[-1], rounds=max(stages[-1].rounds, _LOOKED))
     coarser = [stage for stage in stages[:-1] if case.scale_of(stage) < case.scale_of(finest)]  # small images have none
     for stage in (*coarser, finest):
@@ -193,27 +185,21 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
     return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
 
 
-def _options(case: Case, stage: Stage, budget: Budget) -> dict[str, Any]:
-    return {"scale": case.scale_of(stage), "rows": stage.rows, "frames": stage.frames, "budget": budget}
-
-
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
     """Run a stage on the count over the free extrinsics, or, where more is free, over all of that."""
+    scale, reach = case.scale_of(stage), case.settings.reach
+    options = {"scale": scale, "rows": stage.rows, "frames": stage.frames, "budget": budget}
     if case.free.shared:
-        chart = reach_chart(case.rig, case.settings.reach, case.free)
-        objective = rig_count_objective(case.images, case.matcher, chart, **_options(case, stage, budget))
-        at, rig_at = np.clip(chart.coordinates_of(start), -1.0, 1.0), chart.rig_at
+        chart = reach_chart(case.rig, reach, case.free)
+        objective = rig_count_objective(case.images, case.matcher, chart, **options)
+        at = chart.coordinates_of(start)
     else:
-        options = _options(case, stage, budget)
-        objective = count_objective(case.images, case.matcher, case.settings.reach, free=case.free.axes, **options)
+        objective = count_objective(case.images, case.matcher, reach, free=case.free.axes, **options)
         chart = objective.images.chart
-        at = chart.inside(np.asarray(start.extrinsics))
-
-        def rig_at(z: Float[np.ndarray, "n"]) -> StereoRig:
-            return case.rig.with_extrinsics(chart.extrinsics(z))
-
-    run = run_strategy(as_strategy(stage.strategy), objective, at, seed)
-    return StageRun(stage, case.scale_of(stage), start, rig_at(run.best), (run,), _climb(run, chart))
+        at = chart.coordinates(np.asarray(start.extrinsics))
+    run = run_strategy(as_strategy(stage.strategy), objective, np.clip(at, -1.0, 1.0), seed)
+    ended = chart.rig_at(run.best) if case.free.shared else case.rig.with_extrinsics(chart.extrinsics(run.best))
+    return StageRun(stage, scale, start, ended, (run,), _climb(run, chart))
 
 
 def _climb(run: Run, chart: Chart | RigChart) -> tuple[Waypoint, ...]:
@@ -308,7 +294,7 @@ def path_of(initial: StereoRig, before: float, stages: Sequence[StageRun]) -> tu
         found.append(Waypoint(spent, np.asarray(stage.began.extrinsics)))
         found += [replace(one, cost=spent + one.cost) for one in stage.path]
         spent += stage.cost
-        found.append(Waypoint(spent, stage.end_extrinsics))
+        found.append(Waypoint(spent, np.asarray(stage.ended.extrinsics)))
         spent += stage.survey_cost
     moves = [after for before, after in pairwise(found) if np.any(before.extrinsics != after.extrinsics)]
     return (found[0], *moves)

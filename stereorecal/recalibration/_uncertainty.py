@@ -12,7 +12,7 @@ from stereorecal._arrays import json_data
 from stereorecal.decision import Reason
 from stereorecal.estimation import Estimate
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import RigChart
+from stereorecal.objectives import Parameter
 
 NORMAL_95 = 1.96
 _PART = 0.3  # of a unit direction: an axis with less is not named
@@ -68,13 +68,14 @@ def uncertainty(
     return Uncertainty(names, posterior + np.outer(offset, offset), observed, weak)
 
 
-def uncertainty_of(estimated: Estimate, candidate: StereoRig, chart: RigChart) -> Uncertainty:
-    """The uncertainty of the parameters of a chart, around a candidate and marginal over all others: mean squares of
-    what the truth may differ by."""
-    where = [estimated.names.index(name) for name in chart.names]
+def uncertainty_of(estimated: Estimate, candidate: StereoRig, parameters: Sequence[Parameter]) -> Uncertainty:
+    """The uncertainty of some parameters, around a candidate and marginal over all others: mean squares of what the
+    truth may differ by."""
+    names, drift = tuple(one.name for one in parameters), np.array([one.sigma for one in parameters])
+    where = [estimated.names.index(name) for name in names]
     offset = (estimated.theta - estimated.chart.coordinates_of(candidate))[where]
     spread = estimated.posterior.covariance[np.ix_(where, where)]
-    return uncertainty(chart.names, spread, offset, chart.prior * chart.units, estimated.prior_variance[where])
+    return uncertainty(names, spread, offset, drift, estimated.prior_variance[where])
 
 
 def directions(covariance: Float[np.ndarray, "n n"], free: tuple[str, ...]) -> tuple[str, ...]:

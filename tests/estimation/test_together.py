@@ -31,7 +31,8 @@ def truths(chart, prior) -> np.ndarray:
 @pytest.fixture(scope="module")
 def recordings(rig, chart, seen, truths, prior) -> list[Recording]:
     return [
-        Recording(seen(rig, chart.rig_at(theta), index, cells=700), rig, prior) for index, theta in enumerate(truths)
+        Recording(seen(rig, chart.rig_at(theta), index, cells=700), rig, prior, np.zeros(chart.dim))
+        for index, theta in enumerate(truths)
     ]
 
 

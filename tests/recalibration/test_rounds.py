@@ -41,7 +41,7 @@ def staged(scene):
         settings = replace(settings, free=settings.free.extrinsics, prior="exact")
         case, start, _ = started(prepared(off, given.pairs, settings))
         [stage] = run_schedule(case, start, time.perf_counter())[1]
-        error = np.degrees(stage.end_extrinsics - np.asarray(given.rig.extrinsics))
+        error = np.degrees(np.asarray(stage.ended.extrinsics) - np.asarray(given.rig.extrinsics))
         return stage, np.abs(error[[AXES.index("pitch"), AXES.index("roll")]])
 
     return run
@@ -62,7 +62,7 @@ def test_it_ends_once_it_has_settled(staged, solver):
 
 def test_a_strategy_ends_where_the_fit_does(staged):
     by_fit, by_strategy = staged()[0], staged(Going())[0]
-    np.testing.assert_allclose(by_fit.end_extrinsics, by_strategy.end_extrinsics, atol=1e-9)
+    np.testing.assert_allclose(by_fit.ended.extrinsics, by_strategy.ended.extrinsics, atol=1e-9)
 
 
 @pytest.mark.slow(after=1)
