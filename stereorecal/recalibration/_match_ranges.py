@@ -75,7 +75,8 @@ def match_ranges(
     every = [one for some in by_frame for one in some]
     rays = np.asarray(rig.left.rays(left))
     along_axis = np.array([one.along == "axis" for one in every])
-    slant = np.where(along_axis, np.linalg.norm(rays, axis=1) / rays[:, 2], 1.0)  # metres of a ray per metre given
+    slant = np.ones(len(rays))  # metres of a ray per metre given
+    np.divide(np.linalg.norm(rays, axis=1), rays[:, 2], out=slant, where=along_axis)
     metres = slant * np.array([one.metres for one in every], float)
     sigma = slant * np.array([0.01 * one.metres if one.sigma is None else one.sigma for one in every], float)
     matching = np.concatenate([some.deviation for some in partners])
