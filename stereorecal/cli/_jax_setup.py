@@ -44,7 +44,7 @@ def use_compile_cache() -> str | None:
     return None
 
 
-def check_platform() -> None:
+def set_up_platform() -> None:
     """Refuse a platform that `JAX_PLATFORMS` names and this machine, or this installation of JAX, does not have. Of a
     GPU's memory a process takes what it needs, and not most of it at once: workers share it."""
     os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")

@@ -38,7 +38,7 @@ def _run(options: CommonOptions) -> int:
         jax_setup = import_module("stereorecal.cli._jax_setup")
         trouble = jax_setup.use_compile_cache()
         if (options.verb, getattr(options, "action", None)) not in _WITHOUT_PROGRAMS:
-            jax_setup.check_platform()
+            jax_setup.set_up_platform()
             if trouble:
                 say(trouble)
         with _warnings_as_lines(), interruptible():

@@ -112,7 +112,7 @@ SHARES = """
 import os, jax
 from stereorecal.cli import _jax_setup
 jax.devices = lambda: print(os.environ["XLA_PYTHON_CLIENT_PREALLOCATE"])  # the memory is taken then
-_jax_setup.check_platform()
+_jax_setup.set_up_platform()
 """
 
 
