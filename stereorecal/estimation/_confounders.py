@@ -3,19 +3,21 @@
 Twenty parameters explain half of an image that moved better than five do, and a field of small errors that stay
 together lets them. What belongs to no rig has a cause: a region that moved, a shutter that rolled, an image that is
 late. Each is a few parameters beside θ; where one wins, the rig solved beside it is the answer, and where it ties with
-the rig alone the posterior has both. With several frames, a region that all of them have in common, as behind glass:
-what moves in one of them is outvoted by the others.
+the rig alone the posterior has both. With several frames, a region that all of them have in common, as behind glass, or
+another one in each.
 """
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from itertools import pairwise
+from operator import add
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float, Int
 
 from stereorecal.estimation._calibration_prior import drift_sizes
-from stereorecal.estimation._evidence import Explanation, Normal, Nuisances, marginal
+from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisances, marginal
 from stereorecal.estimation._explanations import NEGLIGIBLE, Hypothesis, best_of, explained_by, hypothesis_near
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
@@ -31,6 +33,9 @@ _TAKEN_TOGETHER = (0.0, 0.5, 1.0)  # rows of two images, as shares of their heig
 # unlike a drift, which turns rather than shifts.
 _LATE_SIZES = np.array([0.3, 0.3, 0.3, 20.0, 20.0])
 _DRIFTING = len(DRIFTING)
+_SEARCHED = (USUAL, 0.0)  # the misfit under which regions of single frames are searched
+
+_Region = tuple[Int[np.ndarray, "g"], Bool[np.ndarray, "p"], float]  # groups, places, log of its probability
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,17 +121,58 @@ def _late() -> Confounder:
 
 
 def _regions(rows: LinearGroups, best: Explanation) -> Iterator[Confounder]:
-    """Parts of the view that moved as a whole, in all frames by as much, searched under the drift that the rig alone
-    has, and without any."""
+    """Parts of the view that moved as a whole: in all frames by as much, searched under the drift that the rig alone
+    has, and without any; or in each another one."""
+    sizes, nothing = drift_sizes()[0], Normal.flat(rows.jacobian.shape[1])
+    drifts, misfit = {tuple(sizes[best.best]), tuple(sizes[0])}, (USUAL, best.misfit[1])
+    offsets = [_offsets(rows, misfit, best, np.array(drift), nothing) for drift in drifts]
+    for _, label, log_prior in outlines(offsets, _present(rows)):
+        yield _moved([(np.arange(len(rows.groups)), label, log_prior)], rows)
+    if len(rows.frames) > 1 and (own := _regions_of_frames(rows, best, sizes[best.best])):
+        yield _moved(own, rows)
+
+
+def _regions_of_frames(rows: LinearGroups, best: Explanation, drift: Float[np.ndarray, "5"]) -> list[_Region]:
+    """The region of each frame that gains by one, beside what the other frames tell with theirs."""
+    frames = [rows.of(np.isin(np.arange(len(rows.groups)), frame)) for frame in rows.frames]
+    told, found = [alone.normal(_SEARCHED) for alone in frames], {}
+    of_all = reduce(add, told)
+    for index, alone in list(enumerate(frames)) * 2:  # the first ones anew, beside what moved in the last ones
+        others, told[index] = of_all - told[index], alone.normal(_SEARCHED)
+        found.pop(index, None)
+        offsets = _offsets(alone, _SEARCHED, best, drift, others)
+        for log_evidence, label, log_prior in outlines([offsets], _present(alone))[:1]:
+            if log_evidence + np.log(_REGION) > 0.0:
+                found[index] = rows.frames[index], label, log_prior
+                beside = alone.beside(ALONE, label[alone.groups.place][:, None].astype(float))
+                told[index] = marginal(beside.normal(_SEARCHED), np.array([[MOVED]]))
+        of_all = others + told[index]
+    return list(found.values())
+
+
+def _moved(regions: Sequence[_Region], rows: LinearGroups) -> Confounder:
+    """Regions that moved, each by itself."""
+    columns = np.zeros((len(rows.groups), len(regions)))
+    for column, (which, label, _) in zip(columns.T, regions, strict=True):
+        column[which] = label[rows.groups.place[which]]
+    log_prior = sum(float(np.log(_REGION)) + log_prior for *_, log_prior in regions)
+    return Confounder(Nuisances(np.full(len(regions), MOVED), log_prior), lambda _: columns)
+
+
+def _offsets(
+    rows: LinearGroups,
+    misfit: tuple[float, float],
+    best: Explanation,
+    drift: Float[np.ndarray, "5"],
+    others: Normal,
+) -> Normal:
+    """The likelihood of an offset of each place, θ integrated under a drift of these sizes, of which others tell."""
     prior, n, places = rows.model.prior, rows.jacobian.shape[1], np.eye(PLACES[0] * PLACES[1])[rows.groups.place]
-    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal((USUAL, best.misfit[1]))
-    of_both = whole.around(prior.means[best.prior])
-    of_places, sizes = of_both.of(np.r_[n : len(of_both.b), :n]), drift_sizes()[0]
-    offsets = [
-        marginal(of_places, np.column_stack([prior.roots[best.prior], np.eye(n, _DRIFTING) * drift]))
-        for drift in {tuple(sizes[best.best]), tuple(sizes[0])}
-    ]
-    for label, log_prior in outlines(offsets, np.any(places, axis=0)):
-        columns = label[rows.groups.place][:, None].astype(float)
-        nuisances = Nuisances(np.array([MOVED]), float(np.log(_REGION)) + log_prior)
-        yield Confounder(nuisances, lambda _, columns=columns: columns)
+    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(misfit)
+    of_both = (whole + others.with_nuisance(places.shape[1])).around(prior.means[best.prior])
+    of_places = of_both.of(np.r_[n : len(of_both.b), :n])
+    return marginal(of_places, np.column_stack([prior.roots[best.prior], np.eye(n, _DRIFTING) * drift]))
+
+
+def _present(rows: LinearGroups) -> Bool[np.ndarray, "p"]:
+    return np.isin(np.arange(PLACES[0] * PLACES[1]), rows.groups.place)

@@ -25,19 +25,21 @@ _ALIKE = 0.1  # of the places: outlines that differ by less are one
 _KEPT = 2  # outlines: a region, and its rival
 
 
-def outlines(several: Iterable[Normal], present: Bool[np.ndarray, "p"]) -> list[tuple[Bool[np.ndarray, "p"], float]]:
-    """The most probable outlines that differ, what moved on the one side or on the other, and the logarithm of the
-    prior probability of each: rows alone cannot tell which side of an outline stood still; by likelihoods of offsets
-    under priors of θ, of the places that have rows."""
+def outlines(
+    several: Iterable[Normal], present: Bool[np.ndarray, "p"]
+) -> list[tuple[float, Bool[np.ndarray, "p"], float]]:
+    """The log evidence of the most probable outlines that differ, what moved on the one side or on the other, and the
+    logarithm of the prior probability of each: rows alone cannot tell which side of an outline stood still; by
+    likelihoods of offsets under priors of θ, of the places that have rows."""
     found = sorted((one for offsets in several for one in _searched(offsets, present)), key=lambda one: -one[0])
     chosen = []
-    for _, log_prior, label in found:
-        difference = [(label != one)[present].mean() for one, _ in chosen]
+    for log_evidence, log_prior, label in found:
+        difference = [(label != one)[present].mean() for *_, one in chosen]
         if all(_ALIKE < share < 1.0 - _ALIKE for share in difference):
-            chosen.append((label, log_prior))
+            chosen.append((log_evidence, log_prior, label))
     return [
-        (side, log_prior + _RARER * float(np.log1p(-side.sum() / present.sum())))
-        for label, log_prior in chosen[:_KEPT]
+        (log_evidence, side, log_prior + _RARER * float(np.log1p(-side.sum() / present.sum())))
+        for log_evidence, log_prior, label in chosen[:_KEPT]
         for side in (label, present & ~label)
     ]
 

@@ -1,4 +1,4 @@
-"""What moves rows and is no rig: shutters that roll in one camera, and regions that all frames have in common."""
+"""What moves rows and is no rig: shutters that roll in one camera, and regions of all frames or of each."""
 
 from dataclasses import replace
 
@@ -57,4 +57,20 @@ def test_a_region_common_to_all_frames_does_not_vote_for_the_rig(rig, chart, see
     sigmas = np.sqrt(np.diag(known.posterior.covariance))
     assert (np.abs(known.theta - truth)[:5] < 3.5 * sigmas[:5]).all()
     assert abs(known.theta[2] - truth[2]) < 0.02  # a roll is what the region looks like
+    assert decide(known, EXTRINSICS).verdict is (Verdict.REPAIR if drift else Verdict.GOOD)
+
+
+@pytest.mark.parametrize("drift", [0.0, 1.0])
+def test_what_moved_in_each_frame_does_not_vote_for_the_rig(rig, chart, seen, drift):
+    """A ship in one, a wave in another: each has its own offset, and frames in which nothing moved have none."""
+    truth = drift * np.r_[0.3, 0.2, -0.4, 0.2, -0.3, np.zeros(chart.dim - 5)]
+    found = seen(rig, chart.rig_at(truth), frames=3)
+    (x, y, _), right = np.moveaxis(found.left, -1, 0), np.array(found.right)
+    for frame, (rows, region) in enumerate([(1.5, (x > 0.1) & (y > -0.1)), (-1.2, x < -0.2)]):
+        right[frame, ..., 1] += np.float32(rows / 500) * region[frame]
+    known = estimate(replace(found, right=right), rig)
+    assert beside(known) == {2}
+    sigmas = np.sqrt(np.diag(known.posterior.covariance))
+    assert (np.abs(known.theta - truth)[:5] < 3.5 * sigmas[:5]).all()
+    assert sum(known.misfit) < 0.1
     assert decide(known, EXTRINSICS).verdict is (Verdict.REPAIR if drift else Verdict.GOOD)

@@ -111,7 +111,7 @@ def test_whether_they_are_of_one_calibration(recordings, rig, chart, seen, prior
     assert together(recordings).min() > 2.0
     off = {"left.f": 0.5, "left.k1": 0.02, "right.cy": 2.0, "right.k1": -0.02}  # percent, pixels
     other = np.array([off.get(name, 0.0) for name in chart.names])
-    stranger = Recording(seen(rig, chart.rig_at(other), 7, cells=700), rig, prior)
+    stranger = Recording(seen(rig, chart.rig_at(other), 7, cells=700), rig, prior, np.zeros(chart.dim))
     likelier = together([*recordings, stranger])
     assert likelier.argmin() == len(recordings)
     assert likelier[-1] < -12.0
