@@ -1,6 +1,6 @@
 """Is a good rig ever replaced by a bad one, where five parameters cannot explain the images? Prints two tables.
 
-    python tests/benchmarks/misfit.py [--draws N] [--only NAME,…] [--unseen | --new] [--record FOLDER]
+    python tests/benchmarks/misfit.py [--draws N] [--only NAME,…] [--unseen | --new] [--frames N] [--record FOLDER]
     python tests/benchmarks/misfit.py --turning
 
 Rendered and real scenes are spoiled in many ways, half of which the model explains (noise, blur, exposure, JPEG from 20
@@ -11,6 +11,8 @@ consensus of repairs of the clean images). Harmful: accepted, and an epipolar er
 brackets: 0.02), or the median |error of depth| by more than a percentage point. Missed: in need, rows worse than 0.2
 px, and not accepted. Kinds that parameters of the model explain, so that no image can tell them from a rig, are printed
 by themselves and not counted; so are late images, which show the rig from another pose.
+
+With --frames: several frames of a rendered rig, each of another place and spoiled by another draw.
 
 With --turning: what no single frame can tell, a late right image on a rig that only turns, which is another pose of the
 right camera, exactly.
@@ -64,8 +66,15 @@ class Row:
     depth_worse: float
 
 
-def scenes() -> Iterator[tuple[Scene, Scene | None]]:
-    """Clean scenes, and with them the same with a late right image where the rig moves."""
+def scenes(frames: int) -> Iterator[tuple[Scene, Scene | None]]:
+    """Clean scenes, and with them the same with a late right image where the rig moves; or rendered ones of several
+    frames, each of another place."""
+    for number, (kind, seed) in enumerate(RENDERED if frames > 1 else ()):
+        others = [sr.synthetic.render(MOVING[(number + i) % len(MOVING)], seed + 10 * i) for i in range(1, frames)]
+        first = sr.synthetic.render(kind, seed)
+        yield replace(first, pairs=(*first.pairs, *(one.pairs[0] for one in others))), None
+    if frames > 1:
+        return
     for kind, seed in RENDERED:
         whole = sr.synthetic.render(kind, seed, frames=2)
         first, second = whole.pairs
@@ -131,7 +140,7 @@ def judged(scene: Scene, given: Scene, case: str, judge: ByTrueRig, options: arg
 def repaired(options: argparse.Namespace) -> Iterator[Row]:
     """All scenes, spoiled in all ways."""
     kinds = KINDS[options.kind]
-    for clean, late in scenes():
+    for clean, late in scenes(options.frames):
         judge = None
         for case in (*kinds, *([LATE] if late is not None and options.kind == "seen" else [])):
             if not among(f"{clean.name} {case}", words(options.only)):
@@ -153,6 +162,7 @@ def main() -> None:
     kind = parser.add_mutually_exclusive_group()
     for name, what in (("unseen", "kinds that no rule was chosen on"), ("new", "ten more such")):
         kind.add_argument(f"--{name}", dest="kind", action="store_const", const=name, default="seen", help=what)
+    parser.add_argument("--frames", type=int, default=1, help="of each scene, spoiled each by itself; rendered ones")
     parser.add_argument("--turning", action="store_true", help="late on a rig that only turns, and nothing else")
     parser.add_argument("--record", type=Path, help="a folder for replay.py")
     options = parser.parse_args()

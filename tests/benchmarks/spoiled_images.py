@@ -14,11 +14,14 @@ Spoil = Callable[[np.ndarray, np.ndarray, np.random.Generator], Images]
 
 
 def spoiled(scene: sr.Scene, spoil: Spoil, case: str) -> sr.Scene:
-    """The scene of one pair with spoiled images, of whole grey levels."""
-    (pair,), draw = scene.pairs, np.random.default_rng([zlib.crc32(case.encode()), 0])
-    images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
-    left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
-    return replace(scene, pairs=(sr.Pair(left, right, pair.name),))
+    """The scene with spoiled images, of whole grey levels; each pair by a draw of its own."""
+    pairs = []
+    for number, pair in enumerate(scene.pairs):
+        draw = np.random.default_rng([zlib.crc32(case.encode()), number])
+        images = spoil(np.asarray(pair.left, float), np.asarray(pair.right, float), draw)
+        left, right = (np.clip(np.round(image), 0, 255).astype(np.float32) for image in images)
+        pairs.append(sr.Pair(left, right, pair.name))
+    return replace(scene, pairs=tuple(pairs))
 
 
 def grid(image: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
