@@ -192,15 +192,16 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
 
 
 def _of_one_calibration(alone: Sequence[Fit]) -> tuple[list[int], list[Fit]]:
-    """The fits together of those that show one calibration, and their numbers, one more left out at a time; none, where
-    too many differ to say which of them do."""
+    """The fits together of those that show one calibration, and their numbers, without what agrees least, one by one
+    (of many, a few at a time), until all agree; none, where too many differ to say which of them do."""
     kept = list(range(len(alone)))
-    while len(kept) >= (1.0 - MOST_EXCLUDED) * len(alone):
+    while len(kept) >= max((1.0 - MOST_EXCLUDED) * len(alone), 2):
         some = [alone[index] for index in kept]
         together = fitted_together(some)
-        if (likelier := agreement(some, together)).min() > -NEGLIGIBLE:
+        likelier = agreement(some, together)
+        if likelier.min() > -NEGLIGIBLE:
             return kept, together
-        del kept[int(likelier.argmin())]
+        kept = [kept[place] for place in sorted(np.argsort(likelier)[max(1, len(kept) // 16) :])]
     return [], []
 
 

@@ -48,7 +48,7 @@ def test_a_rectangle_that_moved_is_found(index):
     if not 12 <= min(label.sum(), N - label.sum()) <= N // 2:
         return
     offsets = Normal(100.0 * np.eye(N), 100.0 * 1.0 * label, 0.0)
-    (found, _), *_ = outlines([offsets], np.ones(N, bool))
+    (_, found, _), *_ = outlines([offsets], np.ones(N, bool))
     assert (found == label).all() or (found == ~label).all()
 
 
@@ -59,7 +59,7 @@ def test_either_side_of_an_outline_may_have_moved(wide):
     still = np.eye(N) - 1.0 / N  # an offset of all places is the rig's
     offsets = Normal(100.0 * still, 100.0 * still @ left, 0.0)
     found = outlines([offsets], np.ones(N, bool))
-    prior = {label.tobytes(): log_prior for label, log_prior in found}
+    prior = {label.tobytes(): log_prior for _, label, log_prior in found}
     assert len(prior) == len(found)
     smaller, larger = sorted([left, ~left], key=np.sum)
     assert prior[smaller.tobytes()] >= prior[larger.tobytes()]
