@@ -108,8 +108,7 @@ def _recalibrated_all(
 
 
 def _page_settings(options: RecalibrateOptions, settings: Settings) -> dict[str, Any]:
-    """What a page says of the settings beside what its solution knows: a repair of extrinsics may know nothing of what
-    was solved for afterwards."""
+    """What a page says of the settings in the words of the command, beside what its solution knows."""
     names = "everything" if settings.free.everything else ", ".join(settings.free.names)
     output = {} if options.output is None else {"output": options.output}
     return {"free": names, "ranges": options.ranges or "none", **output}

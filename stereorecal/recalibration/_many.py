@@ -149,7 +149,7 @@ def _repaired_together(
     ranges: Sequence[Range],
     executor: Executor | None,
 ) -> tuple[Repair, ...]:
-    """Finished repairs with what they share freed as well; those that failed stay as they are.
+    """Finished repairs with what they share estimated together; those that failed stay as they are.
 
     Where the joint solution fails, the repairs stand, each with an error that says so.
     """

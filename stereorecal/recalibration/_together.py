@@ -1,7 +1,7 @@
 """The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline.
 
-From repairs of the extrinsics to one estimate of all parameters: recordings are matched, ranged and counted in workers,
-each solved beside the others, matched again and solved again; then one decision is taken for all.
+From repairs of each to one estimate of those that show one calibration: recordings are fitted by themselves, in
+workers, and beside the others, matched again and solved again; then one decision is taken for all.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -89,8 +89,8 @@ def counted(task: MatchTask) -> Int[np.ndarray, "rigs k tiles"]:
 
 @dataclass(frozen=True, eq=False)
 class RepairedRecording:
-    """Pairs, the repair of their rig's extrinsics with the intrinsics as they were, and ranges of what they show; the
-    frames that the repair left out take no part.
+    """Pairs, their repair by themselves, and ranges of what they show; the frames that the repair left out take no
+    part.
     """
 
     pairs: tuple[Pair, ...]
