@@ -74,7 +74,7 @@ def match_ranges(
     right = np.concatenate([some.pixels for some in partners])
     every = [one for some in by_frame for one in some]
     rays = np.asarray(rig.left.rays(left))
-    along_axis = np.array([one.along == "axis" for one in every])
+    along_axis = np.array([one.along == "axis" for one in every], bool)
     slant = np.ones(len(rays))  # metres of a ray per metre given
     np.divide(np.linalg.norm(rays, axis=1), rays[:, 2], out=slant, where=along_axis)
     metres = slant * np.array([one.metres for one in every], float)

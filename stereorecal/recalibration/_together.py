@@ -201,7 +201,9 @@ def _of_one_calibration(alone: Sequence[Fit]) -> tuple[list[int], list[Fit]]:
         likelier = agreement(some, together)
         if likelier.min() > -NEGLIGIBLE:
             return kept, together
-        kept = [kept[place] for place in sorted(np.argsort(likelier)[max(1, len(kept) // 16) :])]
+        worst = np.argsort(likelier)[: max(1, len(kept) // 16)]
+        apart = {int(place) for place in worst if likelier[place] <= -NEGLIGIBLE}
+        kept = [index for place, index in enumerate(kept) if place not in apart]
     return [], []
 
 
@@ -236,7 +238,8 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
         if answer is not None and answer.accepted:
             found.append(replace(answer, intrinsics=shared))
             continue
-        if answer is not None and length is not None and own.reason.healthy and not recording.ranges:
+        told = answer is not None and answer.estimate is not None and bool(answer.estimate.matched_ranges)
+        if answer is not None and length is not None and own.reason.healthy and not told:
             own = _scaled(own, answer, length)
         why = Reason.FRAMES_DISAGREE if id(recording) in of_another else (answer or own).reason
         found.append(replace(own, intrinsics=_apart(own.intrinsics, shared, why)))
@@ -301,7 +304,7 @@ def _scaled(own: Solution, found: Solution, length: float) -> Solution:
     """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
     are the same."""
     extrinsics = np.array(own.rig.extrinsics, float)
-    extrinsics[3:] *= length  # what only a change of the length moves
+    extrinsics[3:] *= length * own.initial.extrinsics[3] / extrinsics[3]  # what only a change of the length moves
     return replace(
         own,
         estimate=found.estimate,
