@@ -21,6 +21,7 @@ from stereorecal.estimation._evidence import ALONE, Explanation, Normal, Nuisanc
 from stereorecal.estimation._explanations import NEGLIGIBLE, Hypothesis, best_of, explained_by, hypothesis_near
 from stereorecal.estimation._groups import PLACES
 from stereorecal.estimation._linear_groups import DEVIATIONS, USUAL, LinearGroups
+from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._outlines import MOVED, outlines
 from stereorecal.estimation._rig_parameters import DRIFTING
 
@@ -123,9 +124,11 @@ def _late() -> Confounder:
 def _regions(rows: LinearGroups, best: Explanation) -> Iterator[Confounder]:
     """Parts of the view that moved as a whole: in all frames by as much, searched under the drift that the rig alone
     has, and without any; or in each another one."""
-    sizes, nothing = drift_sizes()[0], Normal.flat(rows.jacobian.shape[1])
-    drifts, misfit = {tuple(sizes[best.best]), tuple(sizes[0])}, (USUAL, best.misfit[1])
-    offsets = [_offsets(rows, misfit, best, np.array(drift), nothing) for drift in drifts]
+    sizes, of_both = drift_sizes()[0], rows.beside_places.normal((USUAL, best.misfit[1]))
+    offsets = [
+        _offsets(of_both, rows.model.prior, best, np.array(drift))
+        for drift in {tuple(sizes[best.best]), tuple(sizes[0])}
+    ]
     for _, label, log_prior in outlines(offsets, _present(rows)):
         yield _moved([(np.arange(len(rows.groups)), label, log_prior)], rows)
     if len(rows.frames) > 1 and (own := _regions_of_frames(rows, best, sizes[best.best])):
@@ -140,7 +143,8 @@ def _regions_of_frames(rows: LinearGroups, best: Explanation, drift: Float[np.nd
     for index, alone in list(enumerate(frames)) * 2:  # the first ones anew, beside what moved in the last ones
         others, told[index] = of_all - told[index], alone.normal(_SEARCHED)
         found.pop(index, None)
-        offsets = _offsets(alone, _SEARCHED, best, drift, others)
+        of_both = alone.beside_places.normal(_SEARCHED) + others.with_nuisance(PLACES[0] * PLACES[1])
+        offsets = _offsets(of_both, rows.model.prior, best, drift)
         for log_evidence, label, log_prior in outlines([offsets], _present(alone))[:1]:
             if log_evidence + np.log(_REGION) > 0.0:
                 found[index] = rows.frames[index], label, log_prior
@@ -159,18 +163,11 @@ def _moved(regions: Sequence[_Region], rows: LinearGroups) -> Confounder:
     return Confounder(Nuisances(np.full(len(regions), MOVED), log_prior), lambda _: columns)
 
 
-def _offsets(
-    rows: LinearGroups,
-    misfit: tuple[float, float],
-    best: Explanation,
-    drift: Float[np.ndarray, "5"],
-    others: Normal,
-) -> Normal:
-    """The likelihood of an offset of each place, θ integrated under a drift of these sizes, of which others tell."""
-    prior, n, places = rows.model.prior, rows.jacobian.shape[1], np.eye(PLACES[0] * PLACES[1])[rows.groups.place]
-    whole = replace(rows, jacobian=np.column_stack([rows.jacobian, places])).normal(misfit)
-    of_both = (whole + others.with_nuisance(places.shape[1])).around(prior.means[best.prior])
-    of_places = of_both.of(np.r_[n : len(of_both.b), :n])
+def _offsets(of_both: Normal, prior: Mixture, best: Explanation, drift: Float[np.ndarray, "5"]) -> Normal:
+    """The likelihood of an offset of each place by that of θ and of these, θ integrated under a drift of these
+    sizes."""
+    n = prior.means.shape[1]
+    of_places = of_both.around(prior.means[best.prior]).of(np.r_[n : len(of_both.b), :n])
     return marginal(of_places, np.column_stack([prior.roots[best.prior], np.eye(n, _DRIFTING) * drift]))
 
 

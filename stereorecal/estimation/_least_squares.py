@@ -304,12 +304,11 @@ def _searched(rows: LinearGroups, misfit: tuple[float, float], which: int) -> li
 @one_blas_thread()
 def fitted_together(fits: Sequence[Fit]) -> list[Fit]:
     """The fit of each recording's rig from what all of them show; from the fits of each by itself, or beside others."""
-    fits, told = list(fits), [fit.told for fit in fits]
+    fits = list(fits)
     for _ in range(_ROUNDS_TOGETHER):
         moved = []
         for index, fit in enumerate(fits):
-            fits[index] = fit.beside(_of_others(told, index))
-            told[index] = fits[index].told
+            fits[index] = fit.beside(_told_by_others(fits, index))
             moved.append((fits[index].best.theta - fit.best.theta) / _deviations(fit.best))
         if np.abs(moved).max() < _AGREED:
             break
@@ -319,16 +318,17 @@ def fitted_together(fits: Sequence[Fit]) -> list[Fit]:
 def agreement(alone: Sequence[Fit], together: Sequence[Fit]) -> Float[np.ndarray, "r"]:
     """How much more probable each recording is as one of the others' calibration than as one of its own, nats; each
     alone, and all fitted together, where those of another calibration have a larger misfit."""
-    told, prior = [fit.told for fit in together], alone[0].recording.prior
-    of_all = log_evidence(prior, reduce(add, told))
-    each = (log_evidence(prior, fit.told) + log_evidence(prior, _of_others(told, i)) for i, fit in enumerate(alone))
-    return of_all - np.array(list(each))
+    found = []
+    for index, one in enumerate(alone):
+        prior, others = one.recording.prior, _told_by_others(together, index)
+        beside = log_evidence(prior, others + together[index].told) - log_evidence(prior, others)
+        found.append(beside - log_evidence(prior, one.told))
+    return np.array(found)
 
 
 def beside_others(recordings: Sequence[Recording], fits: Sequence[Fit]) -> list[Recording]:
     """Recordings with what the fits of all others tell."""
-    told = [fit.told for fit in fits]
-    return [replace(one, others=_of_others(told, index)) for index, one in enumerate(recordings)]
+    return [replace(one, others=_told_by_others(fits, index)) for index, one in enumerate(recordings)]
 
 
 @one_blas_thread()
@@ -341,9 +341,8 @@ def most_probable(recording: Recording) -> Fit:
     return replace(fit, rows=likely.rows, misfit=likely.misfit)
 
 
-def _of_others(messages: Sequence[Normal], index: int) -> Normal:
-    """What all others show."""
-    return reduce(add, [*messages[:index], *messages[index + 1 :]])
+def _told_by_others(fits: Sequence[Fit], index: int) -> Normal:
+    return reduce(add, [fit.told for fit in (*fits[:index], *fits[index + 1 :])])
 
 
 def _deviations(one: Explanation) -> Float[np.ndarray, "n"]:

@@ -153,12 +153,14 @@ class LinearGroups(Travels):
         common."""
         own, common = misfit
         if common:
-            return marginal(self._beside_common_field.normal((own, 0.0)), common * _root_of_field())
+            return marginal(self.beside_places.normal((own, 0.0)), common * _root_of_field())
         each = (integrated(alone, own * cross, own**2 * field) for alone, cross, field in self._of_frames)
         return reduce(add, each)
 
     @cached_property
-    def _beside_common_field(self) -> "LinearGroups":
+    def beside_places(self) -> "LinearGroups":
+        """The same with an offset of each place after what they have: a field that frames have in common, or what
+        moved."""
         places = np.eye(PLACES[0] * PLACES[1])[self.groups.place]
         return replace(self, jacobian=np.column_stack([self.jacobian, places]))
 

@@ -80,8 +80,9 @@ def assessed(
     began: float,
     *,
     conclusive: bool = False,
-) -> Solution | None:
-    """The solution that the last matches of some stages come to; None if they are too few.
+) -> tuple[Solution | None, Cost]:
+    """The solution that the last matches of some stages come to, None if they are too few; and the cost, with what it
+    took to see that.
 
     Args:
         stages: that were run; they ended at a rig with the cameras of the case's rig.
@@ -91,7 +92,7 @@ def assessed(
     """
     run = last_matched(stages)
     if run is None or run.found is None or (shown := _seen(case, run.found)).few:
-        return None
+        return None, cost
     estimated, found, excluded, disagree, matching_cost = _estimated(case, run, run.found, stages[-1].ended)
     free, reach = case.settings.free, case.settings.reach
     decision = decide(estimated, free.names, case.settings.tolerances)
@@ -103,8 +104,9 @@ def assessed(
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
+    assessing = replace(cost, judging=cost.judging + matching_cost)
     if conclusive and (disagree or seen.few or seen.sparse):
-        return None
+        return None, replace(assessing, judging=assessing.judging + 2.0 * case.images.at(1.0).cost)
     covered = seen.covered
     if not reason.healthy:  # a candidate that is refused may match by what it should not change
         covered = min(covered, _covered_at(case, run.began))
@@ -112,13 +114,13 @@ def assessed(
         seen = replace(seen, wrong_input=True)
         reason = reason_of(decision, seen)
     shared = free.shared if reason.accepted else ()
-    return solution_of(
+    solution = solution_of(
         case,
         with_found(stages, used),
         candidate,
         reason,
         tiles,
-        replace(cost, judging=cost.judging + matching_cost),
+        assessing,
         began,
         excluded=excluded,
         intrinsics=intrinsics_of(estimated, decision.theta, shared, IntrinsicsOutcome.REFINED) if shared else None,
@@ -127,6 +129,7 @@ def assessed(
         seen=seen,
         mismatch=mismatch,
     )
+    return solution, solution.cost
 
 
 def _estimated(

@@ -61,7 +61,7 @@ def recalibrate_many(
     finished: Callable[[int, Repair], None] | None = None,
     **options: Unpack[RepairOptions],
 ) -> tuple[Repair, ...]:
-    """Repair the calibration of many recordings, each on its own; the answers come in the order of the recordings.
+    """Repair the calibration of many recordings; the answers come in the order of the recordings.
 
     Each recording has extrinsics of its own, as a rig that drifts between missions; where it did not drift, give all
     pairs as one recording. Recordings of one rig share what is found of its intrinsics: once each is repaired, all are

@@ -109,13 +109,13 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
     if not images.enough or (covered >= ample and not ratios_of_sizes(images.rig)):
         return None
     motion, found = None if covered >= ample else host.refuse_swapped_images(images), Mismatch(covered)
-    own = _covered(images.rig, images.pairs, images, matcher)
-    for cause, rig, pairs in _causes(images.rig, images.pairs):
+    turned = motion is None or motion.turned
+    causes = [one for one in _causes(images.rig, images.pairs) if one[0].name == "scaled" or not turned]
+    own = _covered(images.rig, images.pairs, images, matcher) if causes else 0.0
+    for cause, rig, pairs in causes:
         scaled = cause.name == "scaled"
         if found.cause is not None and found.covered_without >= ample and cause.name != found.cause.name:
             break  # the likelier mistakes are asked first; one that explains little is asked against the others
-        if not scaled and (motion is None or motion.turned):
-            continue
         share = _covered(rig, pairs, images, matcher)
         if share > max((_ALSO_BETTER if scaled else _BETTER) * own, found.covered_without, sparse):
             found = Mismatch(own, cause, share)

@@ -103,7 +103,7 @@ def recalibrate_case(case: Case, began: float | None = None) -> Solution:
     case, start, cost = started(case)
     if on_rows := case.settings.schedule.on_rows:
         run, cost = run_look(case, on_rows, start, cost)
-        found = assessed(case, (run,), cost, began, conclusive=True) if run.settled else None
+        found, cost = assessed(case, (run,), cost, began, conclusive=True) if run.settled else (None, cost)
         if found is not None:
             return found
     case, stages = run_schedule(case, start, began)

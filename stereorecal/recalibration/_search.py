@@ -36,7 +36,7 @@ def solution_of_search(
     status, message = _ending(stages)
     if cut := cut or any(stage.cut for stage in stages):
         status, message = Status.BUDGET, Status.BUDGET.value
-    if not cut and (found := assessed(case, stages, cost, began)) is not None:
+    if not cut and (found := assessed(case, stages, cost, began)[0]) is not None:
         return replace(found, status=status, message=message)
     run = last_matched(stages)
     end_rig = stages[-1].ended if stages else case.rig

@@ -4,7 +4,7 @@ From repairs of each to one estimate of those that show one calibration: recordi
 workers, and beside the others, matched again and solved again; then one decision is taken for all.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -154,12 +154,6 @@ class Member:
         """The rig that the recording gets: the candidate."""
         return self.estimate.chart.rig_at(self.decision.theta)
 
-    def ranges(self, used: StereoRig, reason: Reason) -> RangesSeen | None:
-        """What became of its ranges, with the rig to use."""
-        found = self.estimate.matched_ranges
-        report = RangesSeen.of(len(self.recording.ranges), found, self.estimate.chart.rig, self.rig, reason)
-        return report and replace(report, contradict=int(found.contradict(used).sum()))
-
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
     """The joint estimate of recordings, without those that show another calibration: fitted, matched again, weighed;
@@ -229,21 +223,29 @@ def solve_jointly(recordings: Sequence[RepairedRecording], free: Parameters, eac
     if len(usable) < 2:
         return tuple(recording.repair for recording in recordings)
     members = joint_estimate(usable, free, each)
-    answers = dict(zip((id(member.recording) for member in members), _answers(members, free, each), strict=True))
-    of_another = {id(recording) for recording in usable} - set(answers)
+    answers = _answers(members, free, each)
     shared, length = _shared(members, answers, free), _measured_length(members, answers, free)
-    found = []
-    for recording in recordings:
-        answer, own = answers.get(id(recording)), recording.repair
-        if answer is not None and answer.accepted:
-            found.append(replace(answer, intrinsics=shared))
-            continue
-        told = answer is not None and answer.estimate is not None and bool(answer.estimate.matched_ranges)
-        if answer is not None and length is not None and own.reason.healthy and not told:
-            own = _scaled(own, answer, length)
-        why = Reason.FRAMES_DISAGREE if id(recording) in of_another else (answer or own).reason
-        found.append(replace(own, intrinsics=_apart(own.intrinsics, shared, why)))
-    return tuple(found)
+    joint = {
+        id(member.recording): _in_joint_solution(member, answer, shared, length)
+        for member, answer in zip(members, answers, strict=True)
+    }
+    return tuple(
+        joint.get(id(recording))
+        or _apart(recording.repair, shared, Reason.FRAMES_DISAGREE if recording.usable else recording.repair.reason)
+        for recording in recordings
+    )
+
+
+def _in_joint_solution(member: Member, answer: Solution, shared: Intrinsics | None, length: float | None) -> Solution:
+    """The answer of a recording with the shared parameters; where it is good without, with no more than the length of
+    the baseline that others tell; else its own repair."""
+    if answer.accepted:
+        return replace(answer, intrinsics=shared)
+    if not answer.healthy:
+        return _apart(member.recording.repair, shared, answer.reason)
+    if length is not None and not member.estimate.matched_ranges:
+        return _scaled(answer, length, shared)
+    return replace(answer, intrinsics=shared and shared.not_applied(answer.reason))
 
 
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
@@ -265,7 +267,7 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
             stages=with_found(repair.stages, found),
             estimate=estimated,
             decision=member.decision,
-            ranges=member.ranges(rig, reason),
+            ranges=RangesSeen.of(len(member.recording.ranges), estimated.matched_ranges, repair.initial, rig, reason),
             settings=replace(repair.settings, free=free),
             prior_use=repair.prior_use and replace(repair.prior_use, other_images=tuple(chain(*of_others))),
         )
@@ -273,42 +275,35 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
     return answers
 
 
-def _shared(members: Sequence[Member], answers: Mapping[int, Solution], free: Parameters) -> Intrinsics | None:
+def _shared(members: Sequence[Member], answers: Sequence[Solution], free: Parameters) -> Intrinsics | None:
     """The shared parameters, and whether any recording takes them; None, where no recordings have any."""
     if not members:
         return None
-    first, taken = members[0], any(one.accepted for one in answers.values())
+    first, taken = members[0], any(one.accepted for one in answers)
     outcome = IntrinsicsOutcome.REFINED if taken else IntrinsicsOutcome.REFUSED
-    refused = None if taken else answers[id(first.recording)].reason
+    refused = None if taken else answers[0].reason
     return intrinsics_of(first.estimate, first.decision.theta, free.shared, outcome, refused)
 
 
-def _apart(own: Intrinsics | None, shared: Intrinsics | None, why: Reason) -> Intrinsics | None:
-    """What is said of intrinsics where the shared ones are not taken: its own, if it has some."""
-    if own is not None:
-        return replace(own, outcome=IntrinsicsOutcome.APART, refused=why)
-    return shared and shared.not_applied(why)
+def _apart(own: Solution, shared: Intrinsics | None, why: Reason) -> Solution:
+    """A repair that does not take the shared parameters: with its own, if it has some."""
+    if own.intrinsics is not None:
+        return replace(own, intrinsics=replace(own.intrinsics, outcome=IntrinsicsOutcome.APART, refused=why))
+    return replace(own, intrinsics=shared and shared.not_applied(why))
 
 
-def _measured_length(members: Sequence[Member], answers: Mapping[int, Solution], free: Parameters) -> float | None:
+def _measured_length(members: Sequence[Member], answers: Sequence[Solution], free: Parameters) -> float | None:
     """How many times as long as given the baseline is, by ranges or motion; None, where nothing tells."""
-    for member in members if BASELINE in free.names else ():
-        answer = answers[id(member.recording)]
+    for member, answer in zip(members, answers, strict=True) if BASELINE in free.names else ():
         measured = member.estimate.matched_ranges.agree(answer.rig) or member.recording.windows.measured
         if answer.accepted and measured:
             return float(answer.candidate.extrinsics[3] / answer.initial.extrinsics[3])
     return None
 
 
-def _scaled(own: Solution, found: Solution, length: float) -> Solution:
-    """A repair, or what stays where it was not needed, with the length of the baseline that other recordings tell: rows
-    are the same."""
-    extrinsics = np.array(own.rig.extrinsics, float)
-    extrinsics[3:] *= length * own.initial.extrinsics[3] / extrinsics[3]  # what only a change of the length moves
-    return replace(
-        own,
-        estimate=found.estimate,
-        candidate=own.rig.with_extrinsics(extrinsics),
-        reason=Reason.IMPROVED,
-        settings=replace(own.settings, free=found.settings.free),
-    )
+def _scaled(good: Solution, length: float, shared: Intrinsics | None) -> Solution:
+    """What stays where rows are good, with the length of the baseline that other recordings tell: rows are the same."""
+    extrinsics = np.array(good.initial.extrinsics, float)
+    extrinsics[3:] *= length
+    candidate = good.initial.with_extrinsics(extrinsics)
+    return replace(good, candidate=candidate, reason=Reason.IMPROVED, intrinsics=shared and shared.of((BASELINE,)))

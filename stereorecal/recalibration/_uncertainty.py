@@ -104,7 +104,7 @@ class IntrinsicsOutcome(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class Intrinsics:
-    """The shared parameters of a repair that freed more than extrinsics; all recordings have the same.
+    """The shared parameters of a repair that freed more than extrinsics; recordings that share them have the same.
 
     Attributes:
         outcome: whether they were taken, and why not.
@@ -131,6 +131,14 @@ class Intrinsics:
     def changed(self) -> bool:
         """True if they are taken, and are those of a camera, and not only the length of the baseline."""
         return self.taken and any("." in name for name in self.names)
+
+    def of(self, names: Sequence[str]) -> "Intrinsics":
+        """The same of some parameters."""
+        where = [self.names.index(name) for name in names]
+        units, weak = tuple(self.units[index] for index in where), tuple(n for n in self.undetermined if n in names)
+        return Intrinsics(
+            self.outcome, tuple(names), units, self.change[where], self.interval[where], weak, self.refused
+        )
 
     def not_applied(self, why: Reason) -> "Intrinsics":
         """The same for a recording whose calibration does without, where others took them."""

@@ -67,6 +67,7 @@ def test_depth_along_the_axis_is_that_of_the_same_points_along_the_ray(small):
 
     by_ray, by_axis = matched(metres, "ray"), matched(metres / slant, "axis")
     assert slant.max() > 1.1
+    assert not match_ranges(images.at(1.0), SMALL, with_measured_range(None, images), images.pairs, [])
     np.testing.assert_allclose(by_axis.metres, by_ray.metres)
     np.testing.assert_allclose(by_axis.sigma, by_ray.sigma)
     with pytest.raises(sr.InputError, match='along the "ray" or along the optical "axis"'):
