@@ -18,7 +18,7 @@ from stereorecal.online._config import Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
 from stereorecal.online._moving import AHEAD, motion_measurement
 from stereorecal.online._pair_estimate import as_taken, band_of, part_of
-from stereorecal.online._reading import DEPTH_MATTERS, FAR, Reading, around, reading
+from stereorecal.online._reading import DEPTH_MATTERS, FAR, around, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import NORMAL_95, Condition
 from stereorecal.scoring import Tracks
@@ -95,23 +95,25 @@ def advice(state: State) -> Advice:
     if not state.estimate.is_finite:
         return Advice((), (), None, blind, stands=False)
     estimate = state.estimate.moved(state.posterior.mean, state.posterior.covariance)
-    errors, matters = _errors(state), {"epipolar": state.config.tolerances.good_rows_px, "depth": DEPTH_MATTERS}
+    chart, near = _near(state)
+    errors, matters = _errors(near), {"epipolar": state.config.tolerances.good_rows_px, "depth": DEPTH_MATTERS}
     every = [Undetermined(*key, _half_width(estimate, by), matters[key[0]]) for key, by in errors.items()]
     wide = sorted((one for one in every if one.excess > 1.0), key=lambda one: -one.excess)
-    candidates = [*_looks(state), *_motions(state)] if wide else []
+    candidates = [*_looks(state, chart, near), *_motions(state, chart, near)] if wide else []
     show = next((best for one in wide if (best := _best(estimate, one, errors, candidates))), None)
     deviations = NORMAL_95 * np.sqrt(np.diag(state.of_offset))
     alone = [deviations * np.linalg.norm(by[:, :SIZE], axis=0) / matters[error] for (error, _), by in errors.items()]
     axes = tuple(name for name, most in zip(EXTRINSICS, np.max(alone, axis=0), strict=True) if most > 1.0)
-    return Advice(tuple(wide), axes, show, blind, stands=not (wide or blind) and _settled(state, reading(state)))
+    return Advice(tuple(wide), axes, show, blind, stands=not (wide or blind) and _settled(state))
 
 
-def _settled(state: State, found: Reading) -> bool:
+def _settled(state: State) -> bool:
     """Whether nothing is under way that would change the verdict, such as a repair that is due."""
     if not state.seen or state.job is not None or state.outlier is not None:
         return False
     if state.unmatched_in_a_row or state.reported is Kind.BAD_FRAME:
         return False
+    found = reading(state)
     if found.condition is Condition.REPAIR:
         return found.shifted or not state.config.repair
     return found.condition is Condition.HEALTHY and state.reported is Kind.HEALTHY  # seen through since a switch
@@ -127,10 +129,9 @@ def _near(state: State) -> tuple[RigChart, Consequences]:
     return around(state.initial, tuple(state.using.tolist()), state.view, tuple(every))
 
 
-def _errors(state: State) -> dict[tuple[str, float], Float[np.ndarray, "q n"]]:
+def _errors(near: Consequences) -> dict[tuple[str, float], Float[np.ndarray, "q n"]]:
     """The errors that matter, of rows at each distance, and of depth at one: derivatives by θ of q parts, whose squares
     sum up to the error's."""
-    _, near = _near(state)
     each = zip(near.distances, near.rows, near.weights, strict=False)
     rows = {("epipolar", away): np.sqrt(weights[0])[:, None] * rows for away, rows, weights in each}
     depth = near.mean_nearness[near.distances.index(FAR)]
@@ -161,9 +162,8 @@ def _best(
     return Showing(wide, left[best], *candidates[best][:3]) if left[best] <= _WORTH * wide.half_width else None
 
 
-def _looks(state: State) -> list[_Candidate]:
+def _looks(state: State, chart: RigChart, near: Consequences) -> list[_Candidate]:
     """Something in each part of the view, at each distance, while the rig is held still."""
-    chart, near = _near(state)
     found = []
     for away, points, rows in zip(near.distances, near.points, near.rows, strict=False):
         parts = part_of(chart.rig, points)
@@ -174,14 +174,14 @@ def _looks(state: State) -> list[_Candidate]:
     return found
 
 
-def _motions(state: State) -> list[_Candidate]:
+def _motions(state: State, chart: RigChart, near: Consequences) -> list[_Candidate]:
     """The rig moving on past what it has seen; or, if that would tell nothing, past something at each distance."""
     if not state.config.motion:
         return []
     covered = tuple(map(tuple, (state.coverage > 0).tolist()))
     return [
         _Candidate(None, distance, True, motion_measurement(state, of_motion, np.zeros(3)))
-        for distance, of_motion in _tracked(*_near(state), covered)
+        for distance, of_motion in _tracked(chart, near, covered)
     ]
 
 

@@ -192,7 +192,7 @@ class FilterEstimate:
         """The estimate with so large a further error of the first numbers, in standard deviations."""
         variances = np.zeros(self.mean.shape[-1])
         variances[: len(by)] = np.square(by)
-        return replace(self, covariance=self.covariance + np.diag(variances))
+        return FilterEstimate(self.mean, self.covariance + np.diag(variances))
 
     def moved(
         self, numbers: Float[np.ndarray, "k"], covariance: Float[np.ndarray, "k k"], first: int = 0
@@ -222,11 +222,6 @@ def filters_beside(freed: FilterEstimate, estimate: FilterEstimate) -> FilterEst
     """What is followed beside an estimate: another one, and one for each of PACES."""
     each = [freed, *[estimate] * len(PACES)]
     return FilterEstimate(np.stack([one.mean for one in each]), np.stack([one.covariance for one in each]))
-
-
-def learnt_pace(logs: Float[np.ndarray, "k"]) -> Float[np.ndarray, "2"]:
-    """The learnt factors on `Config.wander` and `Config.heating`, by the log evidence of each of PACES."""
-    return np.sqrt(np.exp(logs - np.logaddexp.reduce(logs)) @ PACES**2)
 
 
 def learnt_logs(logs: Float[np.ndarray, "k"], filters: FilterEstimate, measured: Measurement) -> Float[np.ndarray, "k"]:

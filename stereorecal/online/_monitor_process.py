@@ -82,11 +82,10 @@ class MonitorProcess:
             kept, config = load(keep, None if isinstance(rig, State) else rig), state.config
             state = kept.configured(replace(config, repair=config.repair and kept.config.repair))
         # Not forked: JAX has threads, and a copy of a process without them hangs.
-        context = multiprocessing.get_context("spawn")
+        context, begin = multiprocessing.get_context("spawn"), state.alone()
         ours, theirs = context.Pipe()
-        self._process = context.Process(
-            target=_worker, args=(theirs, state.alone(), keep, keep_every, nice, seconds, share), daemon=True
-        )
+        arguments = (theirs, begin, StateFile(keep, keep_every, written=begin), nice, seconds, share)
+        self._process = context.Process(target=_worker, args=arguments, daemon=True)
         self._there = threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
         self._waiting: Taken | None = None
@@ -234,20 +233,11 @@ def _timed(images: Taken) -> Pair | Images:
     return left, right
 
 
-def _worker(
-    pipe: Connection,
-    state: State,
-    keep: str | Path | None,
-    keep_every: float,
-    nice: int,
-    seconds: float | None,
-    share: float,
-) -> None:
+def _worker(pipe: Connection, state: State, file: StateFile, nice: int, seconds: float | None, share: float) -> None:
     with suppress(OSError, AttributeError):
         os.nice(nice)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program that started it, which ends it in order
-    file, ends = StateFile(keep, keep_every, written=state), False
-    at: float | None = None
+    at, ends = None, False
     while not ends:
         try:
             sent = pipe.recv()

@@ -23,7 +23,6 @@ from stereorecal.online._filter import (
     at_start,
     filters_beside,
     learnt_logs,
-    learnt_pace,
 )
 from stereorecal.online._pair_estimate import no_coverage
 from stereorecal.recalibration import Progress
@@ -165,8 +164,8 @@ class State:
 
     @property
     def pace(self) -> Float[np.ndarray, "2"]:
-        """How fast it drifts: factors on `Config.wander` and `Config.heating`."""
-        return learnt_pace(self.logs)
+        """How fast it drifts, as learnt: factors on `Config.wander` and `Config.heating`."""
+        return np.sqrt(np.exp(self.logs - np.logaddexp.reduce(self.logs)) @ PACES**2)
 
     def later(self) -> "State":
         """A pair later."""
@@ -230,9 +229,7 @@ def rig_with(initial: StereoRig, offset: tuple[float, ...]) -> StereoRig:
     return chart.rig_at(theta_of(np.array(offset), chart)) if any(offset) else initial
 
 
-@lru_cache(maxsize=2)
-def _chart(initial: StereoRig) -> RigChart:
-    return rig_parameters(initial)
+_chart = lru_cache(maxsize=2)(rig_parameters)
 
 
 @lru_cache(maxsize=2)

@@ -41,7 +41,8 @@ def switched(state: State, offset: Offset) -> State:
     previous, keep = (*state.previous, state.using), state.config.keep
     if len(previous) > keep:
         previous = (previous[0], *previous[len(previous) - keep + 1 :])
-    return state.using_now(offset).replace(
+    return state.replace(
+        using=offset,
         previous=previous,
         ready=state.frame + state.config.rest,
         reported=None,

@@ -24,7 +24,7 @@ def bent(config: Config = Config()) -> State:  # noqa: B008  frozen
     bad one."""
     state = init(default_rig(), config)
     estimate, shown = state.estimate, 1.5 * np.eye(len(state.theta))[1]
-    for one in _advice._looks(state):
+    for one in _advice._looks(state, *_advice._near(state)):
         a = 10.0 * one.measures.normal.a
         estimate = estimate.updated(Measurement(Normal(a, a @ shown, 0.0), np.zeros(3)))
     return state.replace(estimate=estimate, coverage=EVERYWHERE, seen=9)
@@ -51,7 +51,7 @@ def test_what_was_shown_is_known():
         asked = (found.show.part, found.show.distance)
         shown.append(asked)
         assert len(shown) < 9
-        (seen,) = [one for one in _advice._looks(state) if (one.part, one.distance) == asked]
+        (seen,) = [one for one in _advice._looks(state, *_advice._near(state)) if (one.part, one.distance) == asked]
         state = state.replace(estimate=state.estimate.updated(seen.measures))
         after = {(one.error, one.distance): one.half_width for one in advice(state).undetermined}
         narrowed = found.show.narrows
