@@ -1,5 +1,6 @@
 """The tracker: corners of the left image, followed to its partner and into the next pair."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -68,7 +69,7 @@ class Corners:
 def corners(pair: Pair, matches: Matches, radius: float, most: int) -> Corners:
     """At most so many corners that both images of a pair show; `radius` as `tracked` has it."""
     left, right = eight_bit(pair.left), eight_bit(pair.right)
-    found = cv2.goodFeaturesToTrack(left, most, _QUALITY, _APART) if len(matches.left) else None
+    found = cv2.goodFeaturesToTrack(left, most, _QUALITY, _APART)
     if found is None:
         return Corners(left, np.zeros((0, 2)), np.zeros((0, 2)))
     start = found.reshape(-1, 2)
@@ -78,15 +79,8 @@ def corners(pair: Pair, matches: Matches, radius: float, most: int) -> Corners:
 
 def corner_tracks(before: Corners, pair: Pair) -> Tracks:
     """Corners that both images of a later pair show again, whose disparities are about as they were."""
-    if not len(before.left) or before.image.shape != pair.left.shape:
-        return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
-    left, right = eight_bit(pair.left), eight_bit(pair.right)
-    start = before.left.astype(np.float32)
-    later, good = _followed(before.image, left, start, start, _LEVELS)
-    guess = later + (before.right - before.left).astype(np.float32)
-    partner, found = _followed(left, right, later, guess, _LEVELS_AGAIN)
-    tracks = Tracks(np.stack([start, later]).astype(float), np.stack([before.right, partner]).astype(float))
-    return tracks.of(good & found)
+    moves = (before.right - before.left).astype(np.float32)
+    return _tracks(before, pair, lambda left, right, later: _followed(left, right, later, later + moves, _LEVELS_AGAIN))
 
 
 def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], radius: float) -> Tracks:
@@ -96,19 +90,21 @@ def tracked(first: Pair, second: Pair, matches: tuple[Matches, Matches], radius:
         matches: of each pair.
         radius: pixels: corners that are farther from all matches are left out.
     """
-    left, right = ([eight_bit(getattr(pair, side)) for pair in (first, second)] for side in ("left", "right"))
-    matched = all(len(one.left) for one in matches)
-    corners = cv2.goodFeaturesToTrack(left[0], _MOST, _QUALITY, _APART) if matched else None
-    if corners is None:
+    before = corners(first, matches[0], radius, _MOST)
+    return _tracks(before, second, lambda left, right, later: _partners(left, right, later, matches[1], radius))
+
+
+def _tracks(before: Corners, pair: Pair, partners: Callable[..., tuple[np.ndarray, Bool[np.ndarray, "n"]]]) -> Tracks:
+    """Corners that both images of a later pair show again; `partners(left, right, pixels)` finds those of the left
+    image in the right one, and says which are good."""
+    if not len(before.left) or before.image.shape != pair.left.shape:
         return Tracks(np.zeros((2, 0, 2)), np.zeros((2, 0, 2)))
-    start = corners.reshape(-1, 2)
-    later, good = _followed(left[0], left[1], start, start, _LEVELS)
-    partners = []
-    for frame, corner in enumerate((start, later)):
-        partner, found = _partners(left[frame], right[frame], corner, matches[frame], radius)
-        good &= found
-        partners.append(partner)
-    return Tracks(np.stack([start, later]).astype(float), np.stack(partners).astype(float)).of(good)
+    left, right = eight_bit(pair.left), eight_bit(pair.right)
+    start = before.left.astype(np.float32)
+    later, good = _followed(before.image, left, start, start, _LEVELS)
+    partner, found = partners(left, right, later)
+    tracks = Tracks(np.stack([start, later]).astype(float), np.stack([before.right, partner]).astype(float))
+    return tracks.of(good & found)
 
 
 def _partners(
@@ -117,6 +113,8 @@ def _partners(
     """Pixels of the left image in the right one, and whether they are near the nearest match, and where it says."""
     from scipy.spatial import KDTree
 
+    if not len(matches.left):
+        return pixels, np.zeros(len(pixels), bool)
     away, nearest = KDTree(matches.left).query(pixels)
     guess = pixels + (matches.right - matches.left)[nearest]
     partner, good = _followed(left, right, pixels, guess.astype(np.float32), 1)
