@@ -178,32 +178,22 @@ def _motions(state: State, chart: RigChart, near: Consequences) -> list[_Candida
     """The rig moving on past what it has seen; or, if that would tell nothing, past something at each distance."""
     if not state.config.motion:
         return []
-    covered = tuple(map(tuple, (state.coverage > 0).tolist()))
-    return [
-        _Candidate(None, distance, True, motion_measurement(state, of_motion, np.zeros(3)))
-        for distance, of_motion in _tracked(chart, near, covered)
-    ]
+    return _past(chart, near, tuple(map(tuple, (state.coverage > 0).tolist())))
 
 
 @lru_cache(maxsize=2)  # most looks cover nothing new
 @one_blas_thread()
-def _tracked(
-    chart: RigChart, near: Consequences, covered: tuple[tuple[bool, ...], ...]
-) -> list[tuple[float | None, Normal]]:
-    """Distances as `Showing` has them, and what the motion past them would tell of the rig; `covered` says whether
-    something was seen in each part of the view at each distance."""
+def _past(chart: RigChart, near: Consequences, covered: tuple[tuple[bool, ...], ...]) -> list[_Candidate]:
+    """`_motions`; `covered` says whether something was seen in each part of the view at each distance."""
     each = list(zip(near.distances, near.points, strict=False))
     seen = [points[np.array(covered)[part_of(chart.rig, points), band_of(away)]] for away, points in each]
-    here = _after_motion(chart, np.concatenate(seen))
-    if here is not None:
-        return [(None, here)]
-    past = ((away, _after_motion(chart, points)) for away, points in each)
-    return [(away, of_motion) for away, of_motion in past if of_motion is not None]
+    if here := _motion_past(None, chart, np.concatenate(seen)):
+        return here
+    return [one for away, points in each for one in _motion_past(away, chart, points)]
 
 
-def _after_motion(chart: RigChart, points: Float[np.ndarray, "p 3"]) -> Normal | None:
-    """What tracks of points [m] would tell while the rig moves straight ahead by as much as it takes; None if
-    nothing."""
+def _motion_past(distance: float | None, chart: RigChart, points: Float[np.ndarray, "p 3"]) -> list[_Candidate]:
+    """The rig moving straight ahead past points [m] by as much as it takes; none if their tracks would tell nothing."""
     rig = chart.rig
     left = np.stack([points, points - [0.0, 0.0, AHEAD * float(rig.baseline)]])
     right = left @ rig.rotation.T + rig.translation
@@ -211,6 +201,7 @@ def _after_motion(chart: RigChart, points: Float[np.ndarray, "p 3"]) -> Normal |
     inside = [((pixels >= 0.0) & (pixels <= np.array(rig.left.size) - 1.0)).all(axis=(0, 2)) for pixels in seen]
     tracked = window(Tracks(seen[0], seen[1]).of(inside[0] & inside[1]), chart, np.zeros(chart.dim))
     if not tracked.informative:
-        return None
+        return []
     a, b, c = tracked.normal.a, tracked.normal.b, tracked.normal.c
-    return Normal(tracked.scale**2 * a, tracked.scale**2 * b, c)  # tracks without errors fit better than any are
+    normal = Normal(tracked.scale**2 * a, tracked.scale**2 * b, c)  # tracks without errors fit better than any are
+    return [_Candidate(None, distance, True, motion_measurement(normal, np.zeros(3)))]

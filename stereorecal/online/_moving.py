@@ -72,12 +72,13 @@ def moved(state: State, pair: Pair) -> State:
     if tracked.motion is None or not tracked.informative:
         return state
     turned = np.degrees(vector_from_rotation(tracked.motion.rotation)) / pairs
-    return _after_window(state, motion_measurement(state, tracked.normal, turned))
+    turned = np.zeros(3) if state.config.synchronous else turned
+    return _after_window(state, motion_measurement(tracked.normal, turned))
 
 
-def motion_measurement(state: State, normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
-    """What a window says of the rig, which turned by a rotation vector from one pair to the next, degrees."""
-    return Measurement(normal, np.zeros(3) if state.config.synchronous else turned).weighed(_WORSE**-2.0)
+def motion_measurement(normal: Normal, turned: Float[np.ndarray, "3"]) -> Measurement:
+    """What a window says of the rig, where a late shutter would have turned the right image by so much, degrees."""
+    return Measurement(normal, turned).weighed(_WORSE**-2.0)
 
 
 def _after_window(state: State, measured: Measurement) -> State:

@@ -59,7 +59,7 @@ def test_corners_that_are_not_seen_again_are_looked_for_sooner(ridden):
 def test_what_lenses_leave_of_the_yaw_does_not_blur_each_window_by_itself(ridden):
     """It is in common to all of them, or many would be surer of it."""
     state = ridden[-1].state
-    told = _moving.motion_measurement(state, yaw_alone(state, 1e6, 0.0), np.zeros(3))
+    told = _moving.motion_measurement(yaw_alone(state, 1e6, 0.0), np.zeros(3))
     np.testing.assert_allclose(told.normal.a, yaw_alone(state, 1e6 / 9.0, 0.0).a)
 
 
@@ -72,7 +72,7 @@ def yaw_alone(state, information, yaw) -> Normal:
 def told_yaw(state, degrees, sigma=0.02):
     """By a window whose own deviation is so much, wider than its tracks say by three."""
     told = yaw_alone(state, 9.0 * sigma**-2.0, state.as_extrinsics[1] @ state.estimate.theta + degrees)
-    return _moving.motion_measurement(state, told, np.zeros(3))
+    return _moving.motion_measurement(told, np.zeros(3))
 
 
 def yaw_of(state: State) -> float:
