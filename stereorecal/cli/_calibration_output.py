@@ -9,6 +9,7 @@ import numpy as np
 from stereorecal._errors import InputError
 from stereorecal.cli._options import value_of
 from stereorecal.cli._places import CalibrationPath, Place, check_places, paths, refuse_replacing_inputs
+from stereorecal.cli._recordings import rig_of
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.geometry import StereoRig, changed_camera
 from stereorecal.io import back_up, calibration_files, check_savable, next_copy, prior_beside, save_rig, unsaid_unit
@@ -39,18 +40,16 @@ class Output:
         return [] if self.place is None else paths(self.place)
 
 
-def output_of(
-    options: RecalibrateOptions, scenes: Sequence[Scene], free: Sequence[str], read: Iterable[Path]
-) -> Output:
-    """Where the calibration of these recordings goes; all that can be said before the work is said here. Of the files
+def output_of(options: RecalibrateOptions, rig: StereoRig, free: Sequence[str], read: Iterable[Path]) -> Output:
+    """Where the repaired calibration of a rig goes; all that can be said before the work is said here. Of the files
     that were read none is replaced, but for the calibration by itself."""
-    rig, place = scenes[0].rig, value_of(options, "output")
+    place = value_of(options, "output")
     files = [] if place is None else paths(place)
     calibrations = [path.resolve() for path in calibration_files(rig)]
     replaced = bool(files) and [path.resolve() for path in files] == calibrations
     others = [one for one in options.places if not (replaced and one.path in files)]
     refuse_replacing_inputs(others, {*read, *options.image_inputs, *calibrations})
-    if rig is None or place is None:
+    if place is None:
         return Output()
     if replaced:
         check_savable(rig, place, format=rig.source.format)  # which may be read only
@@ -63,10 +62,10 @@ def output_of(
     return Output(place, replaced, prior_path, f" (translation in {unit})" if unit else "")
 
 
-def what_it_holds(output: Output, rig: StereoRig | None, settings: Settings) -> Parameters:
+def what_it_holds(output: Output, rig: StereoRig, settings: Settings) -> Parameters:
     """What may change, of what is free: where that is everything, by name as far as the output format can hold it."""
     free = settings.free
-    if rig is None or output.place is None or not free.everything:
+    if output.place is None or not free.everything:
         return free
     intrinsics = what_may_change(rig, settings).intrinsics
     if not intrinsics:
@@ -87,7 +86,7 @@ def save(solution: Solution, output: Output, scene: Scene, options: RecalibrateO
     backups = [back_up(path) for path in output.files] if output.replaced else []
     if output.replaced and output.prior_path is not None and output.prior_path.exists():
         back_up(output.prior_path)
-    rig = replace(solution.rig, source=None if scene.rig is None else scene.rig.source)
+    rig = replace(solution.rig, source=rig_of(scene).source)
     save_rig(rig, output.place, scene.info, options.force, prior=solution.prior)
     return backups
 

@@ -14,10 +14,11 @@ from stereorecal.cli._live_view import Lines, check_rerun, live, next_step, reru
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._places import check_places, named_inputs, refuse_replacing_inputs
-from stereorecal.cli._recordings import watched, watched_cameras
+from stereorecal.cli._recordings import rig_of, watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, hold
 from stereorecal.cli._streams import say, stdout_reader_gone
+from stereorecal.geometry import StereoRig
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
 from stereorecal.matching import as_matcher
 from stereorecal.online import (
@@ -49,10 +50,9 @@ def run(options: MonitorOptions) -> int:
     with files_read() as read:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs, *named_inputs(options.camera)})
-    assert scene.rig is not None
     if options.output is not None:
-        check_savable(scene.rig, options.output)
-    state, interrupted = _start(options, scene), False
+        check_savable(rig_of(scene), options.output)
+    state, interrupted = _start(options, rig_of(scene)), False
     began, unread, sure = state.frame, 0, not options.until_sure
     log_rerun, save_rerun = rerun_watch(options, scene.name)
     failed: dict[str, Exception] = {}  # what could not be read or written; the rest goes on
@@ -71,7 +71,8 @@ def run(options: MonitorOptions) -> int:
         with _json_lines(options, appended) as write, _shown_steps(options, scene) as show:
             for stepped in steps(state, pairs):
                 state, unread = stepped.state, unread + (stepped.pair is None)
-                attempt(partial(_keep, options, state), "--state")
+                if options.state is not None:
+                    attempt(partial(save, state, options.state), "--state")
                 attempt(partial(write, stepped), "--json")
                 log_rerun(stepped)
                 found = advice(stepped.state) if options.prints or options.until_sure else None
@@ -116,17 +117,11 @@ def _pairs(number: int) -> str:
     return f"{number} pair{'s' * (number != 1)}"
 
 
-def _keep(options: MonitorOptions, state: State) -> None:
-    if options.state is not None:
-        save(state, options.state)
-
-
 def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
     target = options.output
     if target is None or not state.using.any():
         return
-    assert scene.rig is not None
-    rig = replace(state.rig, source=scene.rig.source)  # what was restored from a file has forgotten its own
+    rig = replace(state.rig, source=rig_of(scene).source)  # what was restored from a file has forgotten its own
     written_or_printed(
         lambda: save_rig(rig, target, scene.info, overwrite=options.force),
         lambda: calibration_json(rig),
@@ -155,7 +150,7 @@ def _raise(error: Exception) -> None:
     raise error
 
 
-def _start(options: MonitorOptions, scene: Scene) -> State:
+def _start(options: MonitorOptions, rig: StereoRig) -> State:
     view_options = value_of(options, "view", {})
     said: dict[str, Any] = {"repair": not options.once}  # what is not said is as it is by default, or in the state
     if options.synchronous:
@@ -163,12 +158,11 @@ def _start(options: MonitorOptions, scene: Scene) -> State:
     if options.tolerances is not None:
         said["tolerances"] = value_of(options, "tolerances")
     if options.state is not None and options.goes_on:
-        state = load(options.state, scene.rig)
+        state = load(options.state, rig)
         if state.config.view != state.config.view | view_options:
             raise InputError(f"--view: the state in {options.state} was made with another view; leave --view out.")
         return state.configured(replace(state.config, **said))
-    assert scene.rig is not None
-    return init(scene.rig, Config(matcher=as_matcher(options.matcher), **said, **view_options))
+    return init(rig, Config(matcher=as_matcher(options.matcher), **said, **view_options))
 
 
 def _calibration_note(options: MonitorOptions, state: State) -> str:

@@ -16,7 +16,7 @@ from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_extra, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
-from stereorecal.cli._recordings import recordings
+from stereorecal.cli._recordings import recordings, rig_of
 from stereorecal.cli._repair_commands import RecalibrateOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, FAILURE, INTERRUPTED, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
@@ -52,11 +52,12 @@ def run(options: RecalibrateOptions) -> int:
             # Ranges name pairs of the whole recording: it is cut down once they are found.
             few = settings.free.everything or bool(settings.free.shared)
             found = recordings(options, few=few and not settings.ranges)
-            settings = replace(settings, prior=options.known_of([scene.rig for scene in found.scenes]))
+            rigs = [rig_of(scene) for scene in found.scenes]
+            settings = replace(settings, prior=options.known_of(rigs))
         read |= set(named_inputs(options.ranges, options.odometer))
-        priors = [None if scene.rig is None or options.prior else saved_with(scene.rig)[0] for scene in found.scenes]
-        output = output_of(options, found.scenes, settings.free.names, read)
-        settings = replace(settings, free=what_it_holds(output, found.scenes[0].rig, settings))
+        priors = [] if options.prior else [saved_with(rig)[0] for rig in rigs]
+        output = output_of(options, rigs[0], settings.free.names, read)
+        settings = replace(settings, free=what_it_holds(output, rigs[0], settings))
         scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
         found.leave_out(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
         found.scenes.clear()  # with pairs that are not looked at

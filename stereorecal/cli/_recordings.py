@@ -12,7 +12,7 @@ from stereorecal.cli._options import value_of
 from stereorecal.cli._repair_commands import MonitorOptions, RecalibrateOptions, ScoreOptions
 from stereorecal.cli._shared_options import RecordingOptions, folders_of
 from stereorecal.cli._streams import say
-from stereorecal.geometry import same_rig
+from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import about, bag_scene, calibrated_scene, camera_pairs, load_rig, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import Images, LazyPairs, Pair, PairSequence, Scene
@@ -67,11 +67,16 @@ def recordings(options: RecalibrateOptions | ScoreOptions, *, few: bool = False)
     return found
 
 
-def _fixed(scene: Scene, cause: str) -> Scene:
+def rig_of(scene: Scene) -> StereoRig:
+    """The calibration of a scene of the command line; one that has none was refused."""
     assert scene.rig is not None
+    return scene.rig
+
+
+def _fixed(scene: Scene, cause: str) -> Scene:
     with about(scene.name):
-        rig, pairs = fixed(scene.rig, scene.pairs, cause)
-    ratio = float(rig.left.focal[0] / scene.rig.left.focal[0])
+        rig, pairs = fixed(rig_of(scene), scene.pairs, cause)
+    ratio = float(rig.left.focal[0] / rig_of(scene).left.focal[0])
     done = {
         "scaled": f"K scaled by {ratio:.3g}",
         "exchanged": "left and right exchanged",
@@ -182,9 +187,8 @@ def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Ima
         raise InputError("--camera needs --calibration, the file of the rig.")
     if options.tolerance is not None and not options.tolerance >= 0.0:
         raise InputError(f"--tolerance is {options.tolerance}; give seconds, such as 0.005.")
-    names = value_of(options, "camera")
-    wanted = options.stretch()
-    coming = camera_pairs(names, options.tolerance)
+    names, wanted = value_of(options, "camera"), options.stretch()
+    coming, name = camera_pairs(names, options.tolerance), f"camera {' and '.join(names)}"
     before: list[Pair | Images] = []
 
     def first(_: object) -> tuple[Pair, ...]:
@@ -192,11 +196,10 @@ def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Ima
             before.append(pair)
             if isinstance(pair, Pair):
                 return (pair,)
-        raise InputError(f"camera {' and '.join(names)}: of {len(before)} pairs none can be used; check the cameras.")
+        raise InputError(f"{name}: of {len(before)} pairs none can be used; check the cameras.")
 
-    name, calibration = f"camera {' and '.join(names)}", value_of(options, "calibration")
     how = {"format": options.format, "unit": options.unit, "cameras": value_of(options, "cameras")}
-    scene = calibrated_scene(name, first, calibration, **how)
+    scene = calibrated_scene(name, first, value_of(options, "calibration"), **how)
     if scene.rig is None:
         raise InputError("--calibration: the file holds no calibration; give another.")
     return scene, islice(chain(before, coming), wanted.start, wanted.stop, wanted.step)

@@ -9,7 +9,7 @@ from stereorecal._version import versions
 from stereorecal.cli._library_arguments import library_options, settings_as_json
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._places import refuse_replacing_inputs
-from stereorecal.cli._recordings import recordings
+from stereorecal.cli._recordings import recordings, rig_of
 from stereorecal.cli._repair_commands import ScoreOptions
 from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, WRONG_INPUT, hold
 from stereorecal.cli._streams import say
@@ -84,10 +84,9 @@ def _show(looked: Sequence[Solution | InputError], rows: Sequence[dict[str, Any]
 
 def _health_or_error(scene: Scene, how: dict[str, Any]) -> Solution | InputError:
     """What there is to say of a recording: one that cannot be used does not take the others with it."""
-    assert scene.rig is not None
     try:
         with about(scene.name):
-            return health(scene.rig, scene.pairs, **how)
+            return health(rig_of(scene), scene.pairs, **how)
     except InputError as error:
         return error
 

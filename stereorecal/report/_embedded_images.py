@@ -1,7 +1,7 @@
 """Images embedded in a page: JPEG of bounded size, as data URIs; and the colour scale of disparities."""
 
 import base64
-from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import matplotlib
@@ -48,22 +48,13 @@ def data_uri(picture: Picture) -> str:
     return f"data:image/jpeg;base64,{base64.b64encode(data).decode('ascii')}"
 
 
-@dataclass(frozen=True)
-class ColourBar:
-    """A bar from the colour of `least` on the left to that of `largest` on the right, in pixels of disparity."""
-
-    picture: str
-    least: float
-    largest: float
-
-
-def colour_bar(least: float, largest: float) -> ColourBar:
-    """The scale of pictures that `disparity_picture` makes with the same ends."""
+def colour_bar(least: float, largest: float) -> dict[str, Any]:
+    """The scale of pictures that `disparity_picture` makes with the same ends, in pixels of disparity: its `picture`,
+    from the colour of `least` on the left to that of `largest` on the right."""
     width, height = _BAR_SIZE
     values = np.tile(np.linspace(least, largest, width), (height, 1))
-    return ColourBar(
-        data_uri(disparity_picture(values, np.ones(values.shape, bool), least, largest, width)), least, largest
-    )
+    picture = disparity_picture(values, np.ones(values.shape, bool), least, largest, width)
+    return {"picture": data_uri(picture), "least": least, "largest": largest}
 
 
 def _shrunk(image: np.ndarray, width: int) -> np.ndarray:

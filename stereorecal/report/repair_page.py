@@ -19,23 +19,20 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 
 def repair_page(report: RepairReport) -> str:
     """The page as HTML text, at most some hundred kilobytes for images of any size; names are escaped."""
-    names = report.names
-    sights = dict(zip(names, (report.before, report.after), strict=True))
-    least, largest = colour_range([(sight.disparity, sight.valid) for sight in sights.values()])
+    sights = (report.before, report.after)
+    maps = [(sight.disparity, sight.valid) for sight in sights]
+    least, largest = colour_range(maps)
     return rendered(
         "repair.html.jinja",
         report=report,
         conclusion=report.conclusion.name.lower(),
         where=where(report),
-        names=names,
-        pairs=[data_uri(rows_picture(sight.left, sight.right, _WIDE)) for sight in sights.values()],
-        disparities=[
-            data_uri(disparity_picture(sight.disparity, sight.valid, least, largest, _NARROW))
-            for sight in sights.values()
-        ],
-        shares=[float(sight.valid.mean()) for sight in sights.values()],
+        names=report.names,
+        pairs=[data_uri(rows_picture(sight.left, sight.right, _WIDE)) for sight in sights],
+        disparities=[data_uri(disparity_picture(*one, least, largest, _NARROW)) for one in maps],
+        shares=[float(sight.valid.mean()) for sight in sights],
         bar=colour_bar(least, largest),
-        figures=_figures(report, names),
+        figures=_figures(report),
         used=sum(state == "used" for _, state, _ in report.frames),
         settings=list(flat_settings(report.settings)),
         calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
@@ -43,14 +40,14 @@ def repair_page(report: RepairReport) -> str:
     )
 
 
-def _figures(report: RepairReport, names: tuple[str, str]) -> dict[str, list[Markup]]:
+def _figures(report: RepairReport) -> dict[str, list[Markup]]:
     """SVG elements, by what they show; none where there is nothing to draw."""
     drawn: dict[str, list[str]] = {"progress": progress_figures(report.climbs, report.way)}
     if report.rows is not None:
         left = report.misfit
         places = ([], []) if left is None else (misaligned(left, "before"), misaligned(left, "after"))
-        drawn["field"] = field_figures(report.rows, report.after.left, names, places)
-        drawn["histogram"] = [histogram_figure(report.rows, names)]
+        drawn["field"] = field_figures(report.rows, report.after.left, report.names, places)
+        drawn["histogram"] = [histogram_figure(report.rows, report.names)]
     if report.expected is not None:
         used = report.after if report.accepted else report.before
         marks = larger_than_expected(report), unmeasured(report)

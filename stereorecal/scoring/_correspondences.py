@@ -161,16 +161,15 @@ def refined(data: ScoringData, rotations: Rotations, found: Disparity) -> tuple[
     # Not NumPy's: constants of the size of an image would be part of the program, and of the file that keeps it.
     columns, rows = jnp.meshgrid(jnp.arange(width, dtype=jnp.float32), jnp.arange(height, dtype=jnp.float32))
 
-    def rays(x, y, side, rotation):
-        ray = view.directions(x, y, side)
-        return product(ray, rotation)  # turned back by the transpose
+    def rays(x, y, camera):
+        return product(view.directions(x, y, camera), rotations[camera])  # turned back by the transpose
 
     def frame(rectified: Rectified, disparity: Disparity):
         offsets = refine(rectified, disparity)
         weight = jnp.where(offsets.good, 1.0 / (offsets.variance + _FLOOR**2), 0.0)
         fields = jnp.stack([columns, rows, offsets.disparity, offsets.row])
         (x, y, d, v), weight = _means_of_cells(fields, weight, side)
-        left, right = rays(x, y, 0, rotations[0]), rays(x - d, y + v, 1, rotations[1])
+        left, right = rays(x, y, 0), rays(x - d, y + v, 1)
         if view.projection == PINHOLE and not (data.left_camera.lens.WIDE or data.right_camera.lens.WIDE):
             return left, right, weight
         flat = _within_lens_radius(left, data.left_camera) & _within_lens_radius(right, data.right_camera)

@@ -88,7 +88,7 @@ class ImageQuality:
 
 def image_quality(pair: Pair) -> ImageQuality:
     """The quality of a pair's images."""
-    images = [np.asarray(image, np.float32) for image in (pair.left, pair.right)]
+    images = (pair.left, pair.right)
     shares = [_image_circle_share(_small(image)) for image in images]
     brightness = min(float(image.mean()) / share for image, share in zip(images, shares, strict=True))
     texture = min(float((np.abs(x_slopes(image)) > _TEXTURED_SLOPE).mean()) for image in images)

@@ -85,7 +85,7 @@ def refuse_swapped_images(images: Pyramid, frames: Sequence[int] | None = None) 
 def _mistake_in(rig: StereoRig, pair: Pair) -> tuple[str | None, FeatureMotion]:
     if not image_quality(pair).enough or pair.size[0] < _SMALLEST:
         return None, FeatureMotion(turned=False, aside=False)
-    left, right = (_features(np.asarray(image)) for image in (pair.left, pair.right))
+    left, right = (_features(image) for image in (pair.left, pair.right))
     tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])  # at depth 1
     given = _cheirality(rig, left, right, tolerance)
     turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < _TURNED
@@ -99,7 +99,7 @@ def _sentence(
     enough = _ENOUGH // (4 if pair.size[0] < _WIDTH // 2 else 1)
     if min(len(left.pixels), len(right.pixels)) < enough:
         return None
-    flipped = _features(np.fliplr(np.asarray(pair.right)))
+    flipped = _features(np.fliplr(pair.right))
     *_, mirrored = _rotation(_rays_of_matches(rig, left, flipped), tolerance)
     if mirrored.sum() >= max(_ENOUGH_AGREE, _MANY_TIMES * given.agreeing) and mirrored.mean() >= _MOST:
         return "one of the two images is mirrored; flip it from left to right."
