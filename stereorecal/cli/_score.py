@@ -47,7 +47,9 @@ def run(options: ScoreOptions) -> int:
         interrupted = True
     told = zip(scenes, looked, strict=False) if options.json or len(looked) > 1 else ()  # a text needs no data
     rows = [_row(scene, found) for scene, found in told]
-    if any(isinstance(found, Solution) for found in looked):
+    solutions = [found for found in looked if isinstance(found, Solution)]
+    refusals = [found for found in looked if isinstance(found, InputError)]
+    if solutions:
         names = (HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"}
         limits = {"thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)}}
         content = {
@@ -58,15 +60,14 @@ def run(options: ScoreOptions) -> int:
             "scenes": rows,
         }
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
-    for found in looked:
-        if isinstance(found, InputError):
-            say(found)
+    for refusal in refusals:
+        say(refusal)
     if interrupted:
         say(f"interrupted; {len(looked)} of {len(scenes)} recordings were finished.")
         return INTERRUPTED
-    if any(isinstance(found, InputError) for found in looked):
+    if refusals:
         return BAD_INPUT
-    conditions = {found.condition for found in looked if isinstance(found, Solution)}
+    conditions = {found.condition for found in solutions}
     return next(code for condition, code in _CODES.items() if condition in conditions)
 
 

@@ -170,7 +170,7 @@ def _looks(state: State, chart: RigChart, near: Consequences) -> list[_Candidate
         for part in np.unique(parts).tolist():
             a = rows[parts == part].T @ rows[parts == part] / _NOISE**2
             told = Measurement(Normal(a, a @ state.estimate.theta, 0.0), np.zeros(3))
-            found.append(_Candidate(as_taken(part, state.initial), away, False, told))
+            found.append(_Candidate(as_taken(part, chart.rig), away, False, told))
     return found
 
 

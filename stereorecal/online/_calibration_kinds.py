@@ -25,16 +25,16 @@ _NOTHING = 1e-9  # of a variance: a direction in which no kind differs
 def posterior(initial: StereoRig, prior: str | None, filtered: FilterEstimate) -> Mixture:
     """The posterior of θ, one normal distribution: that of the mixture of all kinds, by their evidence."""
     mean, covariance = filtered.theta, filtered.of_theta
-    if not is_exact(prior):
-        weights, informations, log_volumes = _kinds(initial, prior)
-        ways = np.eye(len(mean)) + covariance @ informations
-        covariances = np.linalg.solve(ways, np.broadcast_to(covariance, informations.shape))
-        pulls = -informations @ mean
-        moves = np.einsum("kij,kj->ki", covariances, pulls)
-        logs = np.log(weights) - 0.5 * (log_volumes + np.linalg.slogdet(ways)[1] - np.sum(pulls * (mean + moves), 1))
-        every = Mixture(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
-        mean, covariance = every.mean, every.covariance
-    return Mixture.single(mean, covariance)
+    if is_exact(prior):
+        return Mixture.single(mean, covariance)
+    weights, informations, log_volumes = _kinds(initial, prior)
+    ways = np.eye(len(mean)) + covariance @ informations
+    covariances = np.linalg.solve(ways, np.broadcast_to(covariance, informations.shape))
+    pulls = -informations @ mean
+    moves = np.einsum("kij,kj->ki", covariances, pulls)
+    logs = np.log(weights) - 0.5 * (log_volumes + np.linalg.slogdet(ways)[1] - np.sum(pulls * (mean + moves), 1))
+    every = Mixture(np.exp(logs - np.logaddexp.reduce(logs)), mean + moves, covariances)
+    return Mixture.single(every.mean, every.covariance)
 
 
 def before_looks(initial: StereoRig, prior: str | None, *, any_yaw: bool = False) -> Float[np.ndarray, "n n"]:

@@ -156,13 +156,8 @@ class Event:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        named = {
-            "schema": EVENTS_SCHEMA,
-            "frame": self.frame,
-            "event": self.kind.name.lower(),
-            "message": self.kind.value,
-        }
-        return json_data({**named, "why": self.why, **self.facts})
+        about = {"schema": EVENTS_SCHEMA, "frame": self.frame, "event": self.kind.name.lower()}
+        return json_data({**about, "message": self.kind.value, "why": self.why, **self.facts})
 
     def __str__(self) -> str:
         return f"{self.frame:6d}  {self.kind.value}{f' ({self.why})' if self.why else ''}"

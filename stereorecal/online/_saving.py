@@ -133,7 +133,7 @@ def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as JSON; arrays go into `arrays`, and leave their names."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
-    if isinstance(value, np.generic | np.ndarray) or hasattr(value, "__array__"):
+    if hasattr(value, "__array__"):
         name = f"a{len(arrays)}"
         arrays[name] = np.asarray(value)
         return {"array": name}

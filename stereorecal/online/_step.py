@@ -39,10 +39,9 @@ def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  fro
     """
     rig = checked_rig(rig)
     Schedule.default()  # raises now, and not after the first knock
-    known = known_matcher(config)
     start, freed = (at_start(before_looks(rig, config.prior, any_yaw=any_yaw), config) for any_yaw in (False, True))
     view, using = as_view(config.view, rig), np.zeros(SIZE)
-    return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known)
+    return State(config, rig, view, using, start, filters_beside(freed, start), matcher=known_matcher(config))
 
 
 def step(state: State, pair: Pair | Images, seconds: float | None = None) -> tuple[State, tuple[Event, ...]]:

@@ -51,8 +51,8 @@ class ScoringData:
         """The same frames with the cameras of another rig, given at full size."""
         scaled = rig.resized(self.left_camera.size)
         both = _filled_up(scaled.left), _filled_up(scaled.right)
-        cameras = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), both)
-        return replace(self, left_camera=cameras[0], right_camera=cameras[1])
+        left, right = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), both)
+        return replace(self, left_camera=left, right_camera=right)
 
     @property
     def pixels(self) -> int:
