@@ -160,7 +160,7 @@ class RecordingOptions(CalibrationOptions):
         of_bag = self.bag is not None and self.calibration is None  # whose camera_info is one
         for name in (*(begun[0] if begun else ()), *(() if of_bag else ("calibration",))):
             (given if getattr(self, name) is not None else missing).append(f"--{name.replace('_', '-')}")
-        if self.scenes and given and (begun or self.bag):
+        if self.scenes and begun:
             images = import_module("stereorecal.io").IMAGE_SUFFIXES
             why = QUOTED if Path(self.scenes[0]).suffix.lower() in images else TWO_FILES
             raise InputError(

@@ -11,8 +11,8 @@ from stereorecal.online._advice import (
     advice as advice,
 )
 from stereorecal.online._config import EVENTS_SCHEMA as EVENTS_SCHEMA, Config as Config, Event as Event, Kind as Kind
+from stereorecal.online._matches import BAND_EDGES as BAND_EDGES, PARTS as PARTS
 from stereorecal.online._monitor_process import MonitorProcess as MonitorProcess
-from stereorecal.online._pair_estimate import BAND_EDGES as BAND_EDGES, PARTS as PARTS
 from stereorecal.online._reading import FAR as FAR, Reading as Reading, reading as reading
 from stereorecal.online._saving import load as load, save as save
 from stereorecal.online._state import State as State

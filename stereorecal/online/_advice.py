@@ -16,8 +16,8 @@ from stereorecal.estimation import Consequences, Normal, one_blas_thread, window
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._config import Kind
 from stereorecal.online._filter import SIZE, FilterEstimate, Measurement
+from stereorecal.online._matches import as_taken, band_of, part_of
 from stereorecal.online._moving import AHEAD, motion_measurement
-from stereorecal.online._pair_estimate import as_taken, band_of, part_of
 from stereorecal.online._reading import DEPTH_MATTERS, FAR, around, reading
 from stereorecal.online._state import State
 from stereorecal.recalibration import NORMAL_95, Condition

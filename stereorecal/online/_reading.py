@@ -15,7 +15,7 @@ from stereorecal.estimation import Consequences, Estimate, Mixture, consequences
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import EXTRINSICS, RigChart
 from stereorecal.online._filter import SIZE
-from stereorecal.online._pair_estimate import no_coverage, part_of
+from stereorecal.online._matches import no_coverage, part_of
 from stereorecal.online._state import State, rig_with, theta_of
 from stereorecal.recalibration import DISTANCES, NORMAL_95, Condition, Interval
 

@@ -24,7 +24,7 @@ from stereorecal.online._filter import (
     filters_beside,
     learnt_logs,
 )
-from stereorecal.online._pair_estimate import no_coverage
+from stereorecal.online._matches import no_coverage
 from stereorecal.recalibration import Progress
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners

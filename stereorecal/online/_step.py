@@ -8,24 +8,27 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.estimation import one_blas_thread
-from stereorecal.geometry import StereoRig, as_view, checked_rig
+from stereorecal.decision import Seen
+from stereorecal.estimation import Normal, normal_of_pair, one_blas_thread
+from stereorecal.geometry import StereoRig, as_view, checked_rig, with_unit_baseline
+from stereorecal.matching import AbstractMatcher
 from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
+from stereorecal.online._matches import covered_by, row_error
 from stereorecal.online._moving import Small, anchored, moved, small, turn
-from stereorecal.online._pair_estimate import covered_by, look, row_error
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State, known_matcher
 from stereorecal.online._switching import begun, continued, decided, followed, switched
-from stereorecal.recalibration import Schedule
+from stereorecal.recalibration import Schedule, is_sparse, places_of, watching_scale
 from stereorecal.recordings import Images, LazyPairs, Pair, check_pairs
-from stereorecal.scoring import image_quality, is_coarse, pyramid
-from stereorecal.scoring.host import with_measured_range
+from stereorecal.scoring import Correspondences, image_quality, is_coarse, pyramid
+from stereorecal.scoring.host import correspondences, with_measured_range
 
 _FIRST = 2  # pairs that hardly match, until a repair is tried; after twice as many again
 _BLIND = 1.5  # pixels of epipolar error: beyond, windows show other things
 _LEARN = 100  # looks: those that tell of lenses
+_FALSE = 0.4  # pixels left: chance matches lie evenly within a row of where they were sought, median 0.5
 
 
 def init(rig: StereoRig, config: Config = Config()) -> State:  # noqa: B008  frozen
@@ -120,8 +123,7 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
             return _too_little(state)
         matcher = with_measured_range(config.matcher, pyramid(state.rig, [pair], state.view))
         state = state.replace(matcher=matcher)
-    known = state.estimate.widened(DRIFT)
-    seen = look(state.rig, state.chart, state.theta, known, pair, state.view, matcher)
+    seen = _look(state, pair, matcher)
     if seen is None:
         return _unmatched_pair(state, pair)
     normal, found = seen
@@ -149,6 +151,24 @@ def _after_look(state: State, pair: Pair, before: Small | None, current: Small) 
         return begun(state)
     # One look is no proof; and without an image before it, nobody knows how far a late shutter could explain it.
     return decided(state, found) if told and before is not None else state
+
+
+def _look(state: State, pair: Pair, matcher: AbstractMatcher) -> tuple[Normal, Correspondences] | None:
+    """The likelihood of θ, and the correspondences that it rests on, of a pair through the calibration in use, at half
+    scale, solved once: a rig that is watched is not far off. None if too little matches, or what does so by chance."""
+    data = pyramid(state.rig, [pair], state.view).at(watching_scale(state.rig.left.size))
+    found = correspondences(data, with_unit_baseline(state.rig.extrinsics), matcher)
+    if Seen(matches=found.found, covered=found.covered, places=len(places_of(found))).few:
+        return None
+    known = state.estimate.widened(DRIFT)
+    solved = normal_of_pair(found, state.chart, state.theta, known.theta, known.of_theta)
+    if solved is None or (
+        is_sparse(found.covered, 1.0)
+        and is_sparse(found.covered, image_quality(pair).texture)
+        and row_error(found, state.chart, solved[1]) * float(found.scale) > _FALSE
+    ):
+        return None
+    return solved[0], found
 
 
 def _unmatched_pair(state: State, pair: Pair) -> State:

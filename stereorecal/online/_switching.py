@@ -15,7 +15,7 @@ from stereorecal.estimation import CalibrationCovariance, Estimate, Prior, is_ex
 from stereorecal.objectives import EXTRINSICS, Parameters
 from stereorecal.online._config import Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, FilterEstimate, Measurement
-from stereorecal.online._pair_estimate import row_error
+from stereorecal.online._matches import row_error
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State, theta_of
 from stereorecal.recalibration import (

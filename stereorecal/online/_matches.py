@@ -1,54 +1,18 @@
-"""One look at one pair through the calibration in use, at half scale: what it says of θ; and which parts of the view,
-at which distances, its matches cover.
-"""
+"""What the matches of a look show: the row error, and which parts of the view, at which distances, they cover."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from stereorecal.decision import ENOUGH, Seen
-from stereorecal.estimation import Normal, nearness_of, normal_of_pair
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
-from stereorecal.matching import AbstractMatcher
+from stereorecal.decision import ENOUGH
+from stereorecal.estimation import nearness_of
+from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, differences_at
-from stereorecal.online._filter import FilterEstimate
-from stereorecal.recalibration import DISTANCES, is_sparse, places_of, tile_medians, watching_scale
-from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, host, image_quality, pyramid
+from stereorecal.recalibration import DISTANCES, tile_medians
+from stereorecal.scoring import Correspondences
 
-_FALSE = 0.4  # pixels left: chance matches lie evenly within a row of where they were sought, median 0.5
 PARTS = (3, 3)  # rows and columns of the left image
 # Baselines, halfway between the distances at which depth is read.
 BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
-
-
-def look(
-    rig: StereoRig,
-    chart: RigChart,
-    theta: Float[np.ndarray, "n"],
-    known: FilterEstimate,
-    pair: Pair,
-    view: View,
-    matcher: AbstractMatcher,
-) -> tuple[Normal, Correspondences] | None:
-    """The likelihood of θ, and the correspondences that it rests on, of a pair through a rig, solved once: one that is
-    watched is not far off. None if too little matches, or what matches does so by chance.
-
-    Args:
-        theta: of the rig.
-        known: of the rig, before the pair.
-    """
-    data = pyramid(rig, [pair], view).at(watching_scale(rig.left.size))
-    found = host.correspondences(data, with_unit_baseline(rig.extrinsics), matcher)
-    if Seen(matches=found.found, covered=found.covered, places=len(places_of(found))).few:
-        return None
-    solved = normal_of_pair(found, chart, theta, known.theta, known.of_theta)
-    if solved is None or (
-        is_sparse(found.covered, 1.0)
-        and is_sparse(found.covered, image_quality(pair).texture)
-        and row_error(found, chart, solved[1]) * float(found.scale) > _FALSE
-    ):
-        return None
-    return solved[0], found
 
 
 def row_error(found: Correspondences, chart: RigChart, theta: Float[np.ndarray, "n"]) -> float:
