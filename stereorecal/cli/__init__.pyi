@@ -11,9 +11,7 @@ from ._of_the_library import (
     run_all as run_all,
     versions as versions,
 )
-from ._option_values import (
-    number_or_all as number_or_all,
-)
+from ._option_values import number_or_all as number_or_all
 from ._options import (
     READS as READS,
     RIG as RIG,
@@ -32,11 +30,7 @@ from ._output_files import (
     deliver as deliver,
     write_json as write_json,
 )
-from ._places import (
-    Place as Place,
-    check_places as check_places,
-    refuse_replacing_inputs as refuse_replacing_inputs,
-)
+from ._places import Place as Place, check_places as check_places, refuse_replacing_inputs as refuse_replacing_inputs
 from ._shared_options import (
     MatcherOptions as MatcherOptions,
     ReachOptions as ReachOptions,

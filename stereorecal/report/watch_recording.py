@@ -37,10 +37,7 @@ def log_curve_styles(stream: rr.RecordingStream, curves: Mapping[str, str]) -> N
 
 
 def log_reading(
-    stream: rr.RecordingStream,
-    pair: int,
-    curves: Mapping[str, tuple[float, float, float]],
-    events: Sequence[str],
+    stream: rr.RecordingStream, pair: int, curves: Mapping[str, tuple[float, float, float]], events: Sequence[str]
 ) -> None:
     """Log what is known after a pair: by entity, value and both ends of its interval, if they are finite; and what
     happened, in words."""
