@@ -30,6 +30,8 @@ from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
 _REPAIR_PAIRS = 3  # of a repair after a knock
+_chart = lru_cache(maxsize=2)(rig_parameters)  # a step asks several times
+_extrinsics_like = lru_cache(maxsize=2)(extrinsics_like)
 
 Offset = Float[np.ndarray, "5"]
 """What a calibration differs by from the one that was given first: pitch, yaw, roll in degrees, y, z in percent."""
@@ -133,7 +135,7 @@ class State:
     @property
     def as_extrinsics(self) -> Float[np.ndarray, "5 n"]:
         """The matrix from θ to the offset that does most like it to rows and depth."""
-        return _as_extrinsics(self.initial, self.view)
+        return _extrinsics_like(self.chart, self.view)
 
     @property
     def offset(self) -> Offset:
@@ -227,11 +229,3 @@ def rig_with(initial: StereoRig, offset: tuple[float, ...]) -> StereoRig:
     """The rig with an offset from the one that was given first."""
     chart = _chart(initial)
     return chart.rig_at(theta_of(np.array(offset), chart)) if any(offset) else initial
-
-
-_chart = lru_cache(maxsize=2)(rig_parameters)
-
-
-@lru_cache(maxsize=2)
-def _as_extrinsics(initial: StereoRig, view: View) -> Float[np.ndarray, "5 n"]:
-    return extrinsics_like(_chart(initial), view)

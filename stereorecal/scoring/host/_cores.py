@@ -28,8 +28,4 @@ def on_all_cores(function: Callable[[Any], Any], items: Sequence[Any]) -> list[A
 @cache
 def _workers(process: int) -> ThreadPoolExecutor:
     """One thread for each core; cached, since a search runs many small batches. A fork has none of its parent's."""
-
-    def mark() -> None:
-        _here.busy = True
-
-    return ThreadPoolExecutor(cores(), initializer=mark)
+    return ThreadPoolExecutor(cores(), initializer=setattr, initargs=(_here, "busy", True))
