@@ -188,7 +188,7 @@ class Parser(argparse.ArgumentParser):
         kinds = sorted(options.__mro__, key=lambda kind: not kind.__module__.startswith("stereorecal."))
         declared = dict.fromkeys(name for kind in kinds for name in get_annotations(kind))
         fields = [one for one in map(options.__dataclass_fields__.get, declared) if one is not None and one.metadata]
-        for one in sorted(fields, key=lambda one: _by_flag(one)):  # the others first
+        for one in sorted(fields, key=_by_flag):  # the others first
             heading = one.metadata["heading"]
             if heading not in groups:
                 groups[heading] = self.add_argument_group(heading)
