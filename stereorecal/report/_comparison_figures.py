@@ -89,7 +89,8 @@ def strips(
             for row, values in enumerate(of_strips):
                 _strip(axes, values, row + step * (index - (len(series) - 1) / 2), index)
             axes.plot([], [], MARKERS[index], color=COLOURS[index], label=label)
-        axes.set_yticks(range(len(names)), [_lines(name) for name in names], parse_math=False)
+        folded = ["\n".join(textwrap.wrap(name, _LETTERS)) or name for name in names]
+        axes.set_yticks(range(len(names)), folded, parse_math=False)
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.set_xlabel(axis)
         axes.tick_params(axis="y", length=0)
@@ -109,7 +110,3 @@ def _strip(axes: Axes, values: Sequence[float], y: float, index: int) -> None:
     else:
         axes.plot(values, [y] * len(values), marker, color=colour, alpha=0.5, markersize=5, mew=0)
     axes.plot([median], [y], "|", color=colour, markersize=11, markeredgewidth=2)
-
-
-def _lines(name: str) -> str:
-    return "\n".join(textwrap.wrap(name, _LETTERS)) or name
