@@ -39,7 +39,7 @@ def says_no_unit(words: str, options: CalibrationSizeOptions) -> bool:
         return False
 
 
-def rig_at(words: str, options: CalibrationSizeOptions, *, other_says_none: bool = False) -> StereoRig:
+def rig_at(words: str, options: CalibrationSizeOptions, *, other_says_none: bool) -> StereoRig:
     """The rig in a calibration file, in LEFT,RIGHT, or in a folder, whose images are not looked at if it has a file of
     its own. If the format of the other file says no unit, --unit may be of that one."""
     where = calibration_path(words, words)

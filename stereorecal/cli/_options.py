@@ -52,7 +52,7 @@ def option(
     default: Any = None,
     *,
     metavar: str | tuple[str, ...] | None = None,
-    flag: str = "",
+    flag: str | None = "",
     reads: Callable[[Any, str], Any] | None = None,
     loads: str = "",
     writes: bool = False,
@@ -63,7 +63,7 @@ def option(
     Args:
         heading: under which it stands in the help, such as `READS`.
         help: what `--help` says of it; the default is added where there is one, unless the text names it.
-        flag: if it is no "--name-of-the-field".
+        flag: if it is no "--name-of-the-field"; None of an `argument`.
         reads: makes of the words, and the flag for its messages, what is computed with; `value_of` has that. It
             does not import JAX, nor what needs it: mistakes are refused at once.
         loads: "module:function" that does so for the name of a file.
@@ -76,7 +76,7 @@ def option(
 
 def argument(heading: str, help: str, default: Any = MISSING, *, metavar: str | None = None) -> Any:
     """A field whose value is given by its place; without a default it has to be."""
-    return field(default=default, metadata={"heading": heading, "help": help, "metavar": metavar, "flag": None})
+    return option(heading, help, default, metavar=metavar, flag=None)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)

@@ -104,11 +104,10 @@ def pictures_of(
 def _picture(which: str, trial: Trial, judged: JudgedScene, success: bool) -> TrialPicture:
     assert trial.extrinsics is not None
     rigs = [judged.rig.with_extrinsics(np.array(trial.extrinsics[when])) for when in ("start", "final")]
-    before, after = (disparity(rig, judged.scene.pairs[0], matcher=judged.matcher) for rig in rigs)
+    shown = (disparity(rig, judged.scene.pairs[0], matcher=judged.matcher) for rig in rigs)
     return TrialPicture(
         trial.scene,
         f"{which}: {trial.strategy}, schedule {trial.schedule}, draw {trial.draw}, r = {trial.ratio:.3f}, "
         f"{'a success' if success else 'no success'}",
-        (np.asarray(before.values), np.asarray(before.valid)),
-        (np.asarray(after.values), np.asarray(after.valid)),
+        *((np.asarray(one.values), np.asarray(one.valid)) for one in shown),
     )
