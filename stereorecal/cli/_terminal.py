@@ -63,7 +63,6 @@ def _folded(line: str, width: int) -> list[str]:
 @contextmanager
 def _on_compilation(call: Callable[[], None]) -> Iterator[None]:
     """Call `call` whenever a program is compiled that is not in the cache."""
-
     handler, level = logging.Handler(), LOG.level
     handler.emit = lambda record: call()
     LOG.addHandler(handler)
