@@ -173,9 +173,9 @@ def _planned(
     judged = [_judged_scene(scene, matcher, reach, scale) for scene in scenes]
     keys = [jax.random.fold_in(jax.random.key(seed), draw) for draw in range(draws)]
     tasks = [
-        Task(one, entrant, decalibrate(one.rig, key, **asdict(drift)), draw, reach, budget, seed + draw, free)
+        Task(one, entrant, start, draw, reach, budget, seed + draw, free)
         for one in judged
-        for draw, key in enumerate(keys)
+        for draw, start in enumerate(decalibrate(one.rig, key, **asdict(drift)) for key in keys)
         for entrant in entrants
     ]
     settings = {
