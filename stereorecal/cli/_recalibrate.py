@@ -201,6 +201,5 @@ def _exit_code(repairs: Sequence[Repair]) -> int:
     solutions = [repair.solution for repair in repairs if repair.solution]
     if any(one.mismatch for one in solutions):
         return WRONG_INPUT
-    reasons = {one.reason for one in solutions}
-    wrong = {reason for reason in reasons if not reason.healthy}
+    wrong = {one.reason for one in solutions if not one.reason.healthy}
     return CANNOT_TELL if wrong and all(reason.undetermined for reason in wrong) else int(bool(wrong))

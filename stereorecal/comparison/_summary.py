@@ -85,22 +85,17 @@ def summarise(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Summary,
     groups: dict[tuple[str, str, str, str], list[Trial]] = {}
     for trial in trials:
         groups.setdefault((trial.scene, trial.strategy, trial.matcher, trial.schedule), []).append(trial)
-    return tuple(_summary(*key, group, thresholds) for key, group in groups.items())
+    return tuple(_summary(key, group, thresholds) for key, group in groups.items())
 
 
-def _summary(
-    scene: str, strategy: str, matcher: str, schedule: str, trials: list[Trial], thresholds: Thresholds
-) -> Summary:
+def _summary(key: tuple[str, str, str, str], trials: list[Trial], thresholds: Thresholds) -> Summary:
     finished = [t for t in trials if t.score_final is not None]
     wanted = [t for t in trials if t.status != SKIPPED]
     judged = [t.by_truth for t in finished if t.by_truth is not None]
     reached = [t.score_at for t in finished if t.score_at]
     limits = thresholds.harmful_rows_px, thresholds.harmful_depth_percent
     return Summary(
-        scene,
-        strategy,
-        matcher,
-        schedule,
+        *key,
         trials[0].strategies,
         draws=len(trials),
         failed=sum(t.status == FAILED for t in trials),
