@@ -13,7 +13,7 @@ from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._signals import FAILURE, INTERRUPTED
 from stereorecal.cli._streams import say
 from stereorecal.cli._terminal import progress_bar, table_console
-from stereorecal.comparison import FAILED, Comparison, ComparisonOptions, Drift, compare_scenes, load_strategies
+from stereorecal.comparison import FAILED, Comparison, ComparisonOptions, Drift, compare_scenes
 from stereorecal.io import files_read, load_scene
 from stereorecal.matching import as_matcher
 from stereorecal.objectives import as_parameters, as_reach
@@ -31,7 +31,7 @@ def run(options: CompareOptions) -> int:
         raise InputError("--scale belongs to --schedule count; leave it out.")
     how = {"draws": _DRAWS, **library_options(options, ComparisonOptions.__optional_keys__ - {"strategies"})}
     if options.strategies is not None:
-        how["strategies"] = load_strategies(strategy_names(options.strategies))
+        how["strategies"] = strategy_names(options.strategies)
     how["drift"] = Drift(*value_of(options, "decalibrate"))
     for name, read in (("matcher", as_matcher), ("reach", as_reach), ("budget", as_budget), ("free", as_parameters)):
         if name in how:  # what makes no sense is refused before a scene is read
