@@ -28,7 +28,7 @@ from stereorecal.recalibration import (
     next_slice,
     recalibrate as recalibrated,
 )
-from stereorecal.recordings import Pairs, check_pairs
+from stereorecal.recordings import Pairs
 from stereorecal.scoring import Correspondences, pyramid
 
 _TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
@@ -213,7 +213,6 @@ def recalibrate(state: State, pairs: Pairs) -> tuple[State, tuple[Event, ...]]:
         The state, and RECALIBRATED, or REJECTED with the reason.
     """
     try:
-        pairs = check_pairs(state.rig, pairs)
         solution = recalibrated(
             state.rig,
             pairs,
