@@ -91,7 +91,8 @@ def compare(
     **options: Unpack[ComparisonOptions],
 ) -> Comparison:
     """Compare strategies on one scene, from whose `rig` the drift is drawn. Arguments and errors: `compare_scenes`."""
-    scene = Scene("scene", checked_rig(rig), check_pairs(checked_rig(rig), pairs))
+    rig = checked_rig(rig)
+    scene = Scene("scene", rig, check_pairs(rig, pairs))
     return compare_scenes([scene], executor=executor, progress=progress, **options)
 
 

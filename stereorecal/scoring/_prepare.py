@@ -116,8 +116,7 @@ def pyramid(rig: StereoRig, pairs: Pairs, view: AnyView = None) -> Pyramid:
     Raises:
         InputError: if images and calibration do not fit, or the view makes no sense.
     """
-    pairs = check_pairs(rig, pairs)
-    return Pyramid(rig, pairs, as_view(view, rig))
+    return Pyramid(rig, check_pairs(rig, pairs), as_view(view, rig))
 
 
 def prepare(rig: StereoRig, pairs: Pairs, view: AnyView = None, scale: float = 1.0) -> ScoringData:
