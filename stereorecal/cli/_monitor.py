@@ -62,8 +62,7 @@ def run(options: MonitorOptions) -> int:
             if what not in failed:
                 step()
         except OSError as error:
-            reason = f"cannot be written ({error.strerror}); make room."
-            failed[what] = InputError(f"{what} {options.json}: {reason}")
+            failed[what] = InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
         except InputError as error:
             failed[what] = error
 

@@ -53,8 +53,7 @@ class Offsets(NamedTuple):
 
 def refine(frame: Rectified, disparity: Disparity) -> Offsets:
     """Refine a disparity from (d, 0) to (d, row offset) of sub-pixel accuracy. Pure and traceable."""
-    images = jnp.stack([jnp.asarray(frame.left), jnp.asarray(frame.right)])
-    left, right = _contrast(images)
+    left, right = _contrast(jnp.stack([frame.left, frame.right]))
     mask = jnp.asarray(disparity.valid, jnp.float32)
     columns, rows = (jnp.arange(n, dtype=jnp.float32) for n in left.shape[::-1])
     gradient_x, gradient_y = (mask * g for g in _gradient(left))
