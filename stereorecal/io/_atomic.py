@@ -9,10 +9,10 @@ from itertools import count
 from pathlib import Path
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import AnyPath
+from stereorecal.io._read_files import AnyPath, read_bytes
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes, *, replace: bool = True) -> None:
+def write_bytes(path: AnyPath, data: bytes, *, replace: bool = True) -> None:
     """Write `data` to `path`, replacing an existing file only once all data is on the disk.
 
     An interrupted program leaves the old file or the new one, never a part of it. A path that exists and is not a
@@ -27,7 +27,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes, *, replace: bool = Tr
     write_files({Path(path): data}, replace=replace)
 
 
-def write_text(path: str | os.PathLike[str], text: str, *, replace: bool = True) -> None:
+def write_text(path: AnyPath, text: str, *, replace: bool = True) -> None:
     """As `write_bytes`, for text, encoded as UTF-8; what it cannot hold, as in names of files, is spelt \\udc80."""
     write_bytes(path, text.encode("utf-8", "backslashreplace"), replace=replace)
 
@@ -119,11 +119,7 @@ def _as_input_error(path: Path) -> Iterator[None]:
 def back_up(path: AnyPath) -> Path:
     """Copy a file to `next_copy`; InputError if it cannot be read, or there is no room."""
     copy = next_copy(path)
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
-    write_bytes(copy, data, replace=False)
+    write_bytes(copy, read_bytes(path), replace=False)
     copy_permissions(copy, Path(path))
     return copy
 

@@ -49,6 +49,15 @@ def read_text(path: Path) -> str:
     return text
 
 
+def read_bytes(path: AnyPath, most: int = -1) -> bytes:
+    """The content of a file, or its first `most` bytes."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(most)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+
+
 @contextmanager
 def about(subject: Any) -> Iterator[None]:
     """Prefix the message of any InputError raised inside with `subject`, such as a path, unless that is empty; its
@@ -73,7 +82,7 @@ def files_read() -> Iterator[set[Path]]:
             outside |= found
 
 
-def note_input(path: str | os.PathLike[str]) -> None:
+def note_input(path: AnyPath) -> None:
     """Add a file to the enclosing `files_read`."""
     noted = _files_read.get()
     if noted is not None:

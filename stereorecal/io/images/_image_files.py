@@ -16,7 +16,7 @@ from jaxtyping import Float, Num
 
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
-from stereorecal.io._read_files import about, check_there, note_input
+from stereorecal.io._read_files import about, check_there, note_input, read_bytes
 
 Pixels = Num[np.ndarray, "..."]
 _PNG, _JPEG = b"\x89PNG", b"\xff\xd8"
@@ -56,11 +56,7 @@ def image_bytes(path: str) -> bytes:
     """The content of an image file."""
     note_input(path)
     check_there(Path(path))
-    try:
-        with open(path, "rb") as file:
-            return file.read(_MOST_BYTES + 1)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file.") from error
+    return read_bytes(path, _MOST_BYTES + 1)
 
 
 def decode_image(data: bytes, where: str) -> tuple[Pixels, int]:
