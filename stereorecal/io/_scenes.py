@@ -52,7 +52,7 @@ def load_calibration(
         rig = read_files(paths, format, unit, hints).side_by_side()
         source = file_of(rig)
         own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
-    known = {*_stereorecal.calibration_of(None, size), "reference", KEY}
+    known = {*_stereorecal.KEYS, "reference", KEY}
     info = {key: item for key, item in own.items() if key not in known}
     return Calibration(rig, "truth" if own.get("reference") == "truth" else "stored", info, size)
 

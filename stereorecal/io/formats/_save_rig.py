@@ -38,7 +38,6 @@ from stereorecal.io.formats._rig_file import (
     prior_text,
     with_prior,
 )
-from stereorecal.io.formats._stereorecal import calibration_of, calibration_text
 from stereorecal.io.formats.text._document import Syntax, document
 
 Paths = AnyPath | Sequence[AnyPath]
@@ -100,7 +99,7 @@ def save_rig(
     if name == _stereorecal.NAME:
         content, others = parse_json(texts[0]), {key: item for key, item in (info or {}).items() if key != KEY}
         # Byte for byte, if it has these keys already.
-        text = texts[0] if others.keys() <= content.keys() else calibration_text({**others, **content})
+        text = texts[0] if others.keys() <= content.keys() else _stereorecal.calibration_text({**others, **content})
         texts[0] = with_prior(text, known)
     contents = dict(zip(paths, texts, strict=True))
     if known is not None and prior_path is not None:
@@ -139,7 +138,7 @@ def prior_beside(rig: StereoRig, path: Paths) -> Path | None:
 def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
     """A rig as a calib.json, with what is known of it."""
     taken = as_in_file(rig, exchanged=False)
-    text = calibration_text(calibration_of(taken, taken.left.size))
+    text = _stereorecal.calibration_text(_stereorecal.calibration_of(taken))
     return text if prior is None else with_prior(text, prior.as_dict())
 
 

@@ -17,6 +17,7 @@ from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 NAME = "stereorecal"
+KEYS = ("image_size", "K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m")
 _SIDES = ("left", "right")
 
 
@@ -56,9 +57,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     content = documents[0].content
     keep = {f"{key}_{side}" for number, side in enumerate(_SIDES) if number not in changed for key in ("K", "D")}
     keep |= {"image_size", "distortion_model"} & content.keys()
-    values: dict[Keys, Any] = {
-        (key,): item for key, item in calibration_of(rig, rig.left.size).items() if key not in keep
-    }
+    values: dict[Keys, Any] = {(key,): item for key, item in calibration_of(rig).items() if key not in keep}
     return [values | {("reference",): "stored"} if "reference" in content else values]
 
 
@@ -70,11 +69,8 @@ def calibration_text(content: Mapping[str, Any]) -> str:
         raise InputError(f"info cannot be written as JSON ({error}); use plain finite values.") from error
 
 
-def calibration_of(rig: StereoRig | None, size: tuple[int, int]) -> dict[str, Any]:
-    """The keys of a calib.json for a rig; all null but `image_size` if there is none."""
-    if rig is None:
-        nothing = dict.fromkeys(("K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m"))
-        return {"image_size": list(size), **nothing}
+def calibration_of(rig: StereoRig) -> dict[str, Any]:
+    """What a calib.json has under `KEYS` for a rig."""
     if rig.left.model != rig.right.model:
         raise InputError(
             f"the lenses are of the models {rig.left.model!r} and {rig.right.model!r}, but a calib.json has one for "
@@ -98,6 +94,6 @@ FORMAT = Format(
     _looks,
     _read,
     syntax=JSON,
-    blank=lambda rig, syntax: (calibration_text(calibration_of(rig, rig.left.size)),),
+    blank=lambda rig, syntax: (calibration_text(calibration_of(rig)),),
     write=_write,
 )

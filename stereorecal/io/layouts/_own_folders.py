@@ -21,10 +21,10 @@ from stereorecal.io._scenes import Calibration, fitting, load_calibration
 from stereorecal.io.formats._load_rig import load_rig, looks_calibrated
 from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
-from stereorecal.io.formats._stereorecal import NAME, calibration_of, calibration_text
+from stereorecal.io.formats._stereorecal import KEYS, NAME, calibration_of, calibration_text
 from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._image_files import images_in, natural_order, write_png
-from stereorecal.io.images._load_pairs import Size, load_matched
+from stereorecal.io.images._load_pairs import Sizes, load_matched
 from stereorecal.io.images._match_by_name import match_all
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene, check_pairs
 
@@ -48,7 +48,7 @@ def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, Laz
     _check_calibrated(folder)
     check_there(folder / _CALIBRATION_FILE, "check the path, or write a calib.json there.")
     calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
-    pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes[0])
+    pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
         pairs = pairs.mapped(methodcaller("read_out", readout))
     return calibration, fitting(folder, calibration, pairs)
@@ -67,11 +67,11 @@ def _check_calibrated(folder: Path) -> None:
     )
 
 
-def load_sides(folder: Path, limit: int | None, times: Any = None, size: Size | None = None) -> LazyPairs:
+def load_sides(folder: Path, limit: int | None, times: Any = None, sizes: Sizes | None = None) -> LazyPairs:
     """The pairs of `left.*` and `right.*`, or of the folders `left` and `right` with equal names; with the times of a
-    calib.json, in seconds, if these are some, and fitted to the size that the calibration is for."""
+    calib.json, in seconds, if these are some, and fitted to the sizes that the calibration is for."""
     matched = match_all(*(_side_files(folder, side) for side in ("left", "right")))
-    sizes, known = None if size is None else (size, size), isinstance(times, list) and len(times) == len(matched)
+    known = isinstance(times, list) and len(times) == len(matched)
     known = known and all(isinstance(time, int | float) and math.isfinite(time) for time in times)
     return load_matched(matched, limit, times if known else None, sizes)
 
@@ -96,7 +96,10 @@ def save_scene(scene: Scene, folder: AnyPath, overwrite: bool = False) -> None:
     pairs = tuple(pair.as_taken() for pair in scene.pairs)
     if scene.rig is not None:
         check_pairs(scene.rig, scene.pairs)
-    facts = calibration_of(None if scene.rig is None else as_in_file(scene.rig, exchanged=False), pairs[0].size)
+    if scene.rig is None:
+        facts = {**dict.fromkeys(KEYS), "image_size": list(pairs[0].size)}
+    else:
+        facts = calibration_of(as_in_file(scene.rig, exchanged=False))
     times = [pair.time for pair in scene.pairs]
     known = {_TIMES: times} if None not in times else {}
     if len(readouts := {pair.readout for pair in scene.pairs}) == 1:
