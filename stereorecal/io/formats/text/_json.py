@@ -10,7 +10,7 @@ from stereorecal._errors import InputError
 from stereorecal.io._strict_json import parse_json
 from stereorecal.io.formats.text._nodes import Node, Values, at, with_values as spliced
 
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{},:]|[^][{},:"\s]+')
+_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[][{}]|[^][{},:"\s]+')  # commas and colons tell nothing new
 
 
 def parsed(text: str) -> dict[str, Any]:
@@ -50,10 +50,7 @@ def _node(first: re.Match[str], tokens: Iterator[re.Match[str]]) -> Node:
     for token in tokens:
         if token[0] in ("}", "]"):
             return Node(keys if first[0] == "{" else items, first.start(), token.end())
-        if token[0] == ",":
-            continue
         if first[0] == "{":
-            next(tokens)  # the colon
             keys[json.loads(token[0])] = _node(next(tokens), tokens)
         else:
             items.append(_node(token, tokens))

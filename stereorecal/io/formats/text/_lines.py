@@ -8,6 +8,7 @@ from typing import Any
 from stereorecal.io._strict_json import without_duplicates
 from stereorecal.io.formats.text._nodes import Node, number_or_word, words
 
+_ROW = re.compile(r"[^;\[\]]+")
 _SECTION = re.compile(r"\[([^\]]+)\]")
 _INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*(\d+)x(\d+)[\s/]*(.*)')
 _EXTRINSIC = re.compile(r'\s*Extrinsic from "([^"]+)"\s+To\s+"([^"]+)"')
@@ -22,8 +23,8 @@ def equals(text: str) -> tuple[str, Node]:
     """The text, and the rows of a matrix `[a b; c d]` by its key; a number is a matrix of one."""
     rows: dict[str, Node] = {}
     for key, (start, end) in _lines(text, "=").items():
-        inside = [(start + one.start(), start + one.end()) for one in re.finditer(r"[^;\[\]]+", text[start:end])]
-        rows[key] = Node([words(text, *place) for place in inside or [(start, end)]], start, end, between=" ")
+        inside = [row.span() for row in _ROW.finditer(text, start, end)] or [(start, end)]
+        rows[key] = Node([words(text, *place) for place in inside], start, end, between=" ")
     return text, Node(rows, 0, len(text))
 
 
@@ -58,7 +59,7 @@ def parsed_numbers(text: str) -> dict[str, Any]:
 
 
 def parsed_ost(text: str) -> dict[str, Any]:
-    """The values of an ost.txt by section and title: a title stands on a line of its own, and its numbers below."""
+    """The rows of numbers of an ost.txt by section and title: a title stands on a line of its own, and they below."""
     sections: list[tuple[str, dict[str, Any]]] = []
     title = ""
     for line in (line.partition("#")[0].strip() for line in text.splitlines()):
@@ -69,11 +70,7 @@ def parsed_ost(text: str) -> dict[str, Any]:
             title = line or title
         elif sections:
             sections[-1][1].setdefault(title, []).extend(row)
-    return without_duplicates([(name, {key: _plain(rows) for key, rows in held.items()}) for name, held in sections])
-
-
-def _plain(rows: list[list[float]]) -> Any:
-    return rows if len(rows) > 1 else rows[0] if len(rows[0]) > 1 else rows[0][0]
+    return without_duplicates(sections)
 
 
 def parsed_ini(text: str) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from stereorecal.io._strict_json import without_duplicates
 Keys = tuple[str | int, ...]
 Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
 Edit = tuple[int, int, str]  # from, to, what stands there then
+_WORD = re.compile(r"\S+")
 _WHOLE = re.compile(r"[-+]?\d{1,15}")
 _NOT_FINITE = re.compile(r"\A([-+]?)\.(inf|nan)\Z", re.IGNORECASE)  # as YAML and OpenCV write them
 
@@ -44,8 +45,7 @@ def number_or_word(word: str) -> float | int | str:
 
 def words(text: str, start: int, end: int) -> Node:
     """A node of the words in a part of a text, and what each of them says."""
-    found = [(start + one.start(), start + one.end()) for one in re.finditer(r"\S+", text[start:end])]
-    nodes = [Node(number_or_word(text[first:last]), first, last) for first, last in found]
+    nodes = [Node(number_or_word(one[0]), *one.span()) for one in _WORD.finditer(text, start, end)]
     return Node(nodes, start, end, between=" ")
 
 
