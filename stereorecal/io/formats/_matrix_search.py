@@ -168,12 +168,12 @@ class Matrices:
         """Whether all of these are there."""
         return all(self.names.get(role) in self.content for role in roles)
 
-    def own_name(self, key: str) -> str | None:
-        """What a derived matrix, such as P1 or Q, is called, if it is there under its usual key."""
+    def own_name(self, key: str) -> str:
+        """What a derived matrix, such as P1 or Q, is called: its usual key, which may stand below others."""
         if key in self.names or key in self.content:
             return self.names.get(key, key)
         inside = [name for name, place in self.places.items() if place[-1] == key]
-        return inside[0] if len(inside) == 1 else None
+        return inside[0] if len(inside) == 1 else key
 
     def size(self, hints: Hints) -> tuple[int, int]:
         """(width, height) of the images, of the file or else of the hints."""

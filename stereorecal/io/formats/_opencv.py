@@ -115,7 +115,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     regions = {f"{name}{side}": made[f"roi{side}"] for name in _REGIONS for side in (1, 2)}
     arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
     for key, array in arrays.items():
-        name = matrices.own_name(key) or key
+        name = matrices.own_name(key)
         if name in matrices.content:
             values |= matrix_values(matrices.content, (name,), array)
     placed = [dict[Keys, Any]() for _ in documents]
@@ -127,7 +127,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
 
 def _rectify_options(documents: Documents, hints: Hints, matrices: Matrices) -> RectifyOptions:
     try:
-        P1, P2 = (numbers(matrices.content, matrices.own_name(key) or key, (3, 4)) for key in ("P1", "P2"))
+        P1, P2 = (numbers(matrices.content, matrices.own_name(key), (3, 4)) for key in ("P1", "P2"))
     except InputError:  # missing, or no matrix: it is written anew in any case
         return _RECTIFY
     return options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
