@@ -101,10 +101,11 @@ def _opened(
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
     elif is_video(one):
         sources = video_source(one), video_source(other)
-    elif tolerance is not None or _times_alone_tell(one, other):
-        return _files_by_time(one, other, tolerance, sizes)
     else:
-        found = find_partners(find_images(one), find_images(other))
+        files = find_images(one), find_images(other)
+        if tolerance is not None or _times_alone_tell(*files):
+            return _files_by_time((left, right), files, tolerance, sizes)
+        found = find_partners(*files)
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched, sizes=sizes), alone, False, found.by_order)
     return _with_counts(told, *sources, pairs_by_time(*sources, tolerance), stream=True)
@@ -127,8 +128,9 @@ def _with_counts(
     return Recorded(pairs, _alone(left, right, found), stream)
 
 
-def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Sizes | None) -> Recorded:
-    files = [find_images(side) for side in (left, right)]
+def _files_by_time(
+    places: tuple[str, str], files: tuple[list[Path], list[Path]], tolerance: float | None, sizes: Sizes | None
+) -> Recorded:
     per_second = counts_per_second([file.stem for file in files[0]]) or 1e9
 
     def time(file: Path) -> float:
@@ -136,8 +138,8 @@ def _files_by_time(left: Path, right: Path, tolerance: float | None, sizes: Size
             return time_of(file.stem, per_second)
 
     first, second = (
-        FrameSource.of_files(str(where), sorted(side, key=time), np.array(sorted(map(time, side))))
-        for where, side in zip((left, right), files, strict=True)
+        FrameSource.of_files(where, sorted(side, key=time), np.array(sorted(map(time, side))))
+        for where, side in zip(places, files, strict=True)
     )
     found = pairs_by_time(first, second, tolerance)
     matched = [(first.read(one), second.read(other)) for one, other in found]
@@ -172,8 +174,8 @@ class _Frame:
         return partial, (_read_in_worker, self._told, self._number)
 
 
-def _times_alone_tell(left: Path, right: Path) -> bool:
+def _times_alone_tell(left: list[Path], right: list[Path]) -> bool:
     """Whether all names are times since 1970, and hardly one is on both sides: clocks differ a little."""
-    sides = [[file.stem for file in find_images(side)] for side in (left, right)]
-    fewest = min(map(len, sides))
-    return fewest > 1 and all(map(has_time, sides[0] + sides[1])) and 2 * len({*sides[0]} & {*sides[1]}) < fewest
+    names, others = ([file.stem for file in side] for side in (left, right))
+    fewest = min(len(names), len(others))
+    return fewest > 1 and all(map(has_time, names + others)) and 2 * len({*names} & {*others}) < fewest
