@@ -76,33 +76,33 @@ def open_pairs(
         raise InputError(
             f"{left}: left and right come from one image, so there are no times to match; leave the tolerance out."
         )
-    left = str(bag_folder(Path(left)).absolute())
-    return _opened(left, None if right is None else str(Path(right).absolute()), topics, tolerance, sizes)
+    place = bag_folder(Path(left)).absolute()
+    return _opened(place, None if right is None else Path(right).absolute(), topics, tolerance, sizes)
 
 
 def _opened(
-    left: str, right: str | None, topics: tuple[str, str] | None, tolerance: float | None, sizes: Sizes | None
+    left: Path, right: Path | None, topics: tuple[str, str] | None, tolerance: float | None, sizes: Sizes | None
 ) -> Recorded:
     """The result of `open_pairs`, of what a worker can be told."""
-    told, one, other = (left, right, topics, tolerance, sizes), Path(left), Path(right or "")
+    told = (left, right, topics, tolerance, sizes)
     if topics is not None:
-        sources = bag_sources(one, topics)
-    elif is_bag(one):
+        sources = bag_sources(left, topics)
+    elif is_bag(left):
         raise InputError(f"{left}: this is a bag; say which topics are the left and the right images.")
     elif right is None:
-        if is_video(one):
-            source = video_source(one)
+        if is_video(left):
+            source = video_source(left)
         else:
-            files = find_images(one)
+            files = find_images(left)
             names = tuple(file.name for file in files)
-            source = FrameSource(left, names, None, lambda index: read_image(str(files[index]))[0])
-        return _with_counts(told, *halves(source), [(i, i) for i in range(len(source.names))], is_video(one))
-    elif is_video(one) != is_video(other):
+            source = FrameSource(str(left), names, None, lambda index: read_image(str(files[index]))[0])
+        return _with_counts(told, *halves(source), [(i, i) for i in range(len(source.names))], is_video(left))
+    elif is_video(left) != is_video(right):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
-    elif is_video(one):
-        sources = video_source(one), video_source(other)
+    elif is_video(left):
+        sources = video_source(left), video_source(right)
     else:
-        files = find_images(one), find_images(other)
+        files = find_images(left), find_images(right)
         if tolerance is not None or _times_alone_tell(*files):
             return _files_by_time((left, right), files, tolerance, sizes)
         found = find_partners(*files)
@@ -129,7 +129,7 @@ def _with_counts(
 
 
 def _files_by_time(
-    places: tuple[str, str], files: tuple[list[Path], list[Path]], tolerance: float | None, sizes: Sizes | None
+    places: tuple[Path, Path], files: tuple[list[Path], list[Path]], tolerance: float | None, sizes: Sizes | None
 ) -> Recorded:
     per_second = counts_per_second([file.stem for file in files[0]]) or 1e9
 
@@ -138,7 +138,7 @@ def _files_by_time(
             return time_of(file.stem, per_second)
 
     first, second = (
-        FrameSource.of_files(where, sorted(side, key=time), np.array(sorted(map(time, side))))
+        FrameSource.of_files(str(where), sorted(side, key=time), np.array(sorted(map(time, side))))
         for where, side in zip(places, files, strict=True)
     )
     found = pairs_by_time(first, second, tolerance)
