@@ -13,7 +13,7 @@ from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._load_rig import read_files, warn_of_file
+from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
 from stereorecal.io.formats._numbers import image_size
 from stereorecal.io.formats._read_rig import at_common_size, checked_cameras, named, rig_in
 from stereorecal.io.formats._rig_file import KEY, file_of
@@ -100,7 +100,7 @@ def calibrated_scene(
 ) -> Scene:
     """The scene of pairs, which are read once it is sure that there is a file of a calibration, for cameras of the
     sizes that it says; else as `gather_scene`."""
-    paths = tuple(map(Path, calibration)) if isinstance(calibration, tuple) else (Path(calibration),)
+    paths = paths_of(calibration)
     for path in paths:
         check_there(path)
     where, hints = " and ".join(map(str, paths)), Hints(cameras=checked_cameras(cameras))

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
-from jaxtyping import Float
 
 from stereorecal.geometry import (
     PINHOLE,
@@ -17,8 +16,8 @@ from stereorecal.geometry import (
     turns_of,
     view as view_shown,
 )
+from stereorecal.io.formats._numbers import Array
 
-Array = Float[np.ndarray, "..."]
 _SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the options below by more
 
 

@@ -15,6 +15,7 @@ from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
 from stereorecal.io.formats._kitti import camera_and_place
 from stereorecal.io.formats._numbers import (
+    Array,
     check_no_lens,
     coefficients,
     image_size,
@@ -25,7 +26,7 @@ from stereorecal.io.formats._numbers import (
     value,
 )
 from stereorecal.io.formats._poses import pose, rig_of
-from stereorecal.io.formats._rectification_matrices import Array, RectifyOptions, options_of, rectification_of
+from stereorecal.io.formats._rectification_matrices import RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values, at
