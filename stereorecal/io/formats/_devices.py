@@ -22,7 +22,7 @@ from stereorecal.io.formats.text._nodes import Keys, Values, at
 
 _STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
-_EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+_EYE = np.eye(3).tolist()
 _MODELS = (Camera.model, "equidistant")  # by cameraType; a fisheye is OpenCV's, and uses the first four coefficients
 _WORDS = ("batchName", "boardConf", "boardCustom", "boardName", "boardRev", "deviceName", "hardwareConf", "productName")
 

@@ -10,7 +10,7 @@ from stereorecal.io.formats.text._nodes import Node, number_or_word, words
 
 _ROW = re.compile(r"[^;\[\]]+")
 _SECTION = re.compile(r"\[([^\]]+)\]")
-_INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*(\d+)x(\d+)[\s/]*(.*)')
+_INTRINSIC = re.compile(r'\s*Intrinsic of "([^"]+)"[\s/]*\d+x\d+[\s/]*(.*)')
 _EXTRINSIC = re.compile(r'\s*Extrinsic from "([^"]+)"\s+To\s+"([^"]+)"')
 
 
@@ -94,8 +94,7 @@ def parsed_devices(text: str) -> dict[str, Any]:
         intrinsic, extrinsic = _INTRINSIC.match(line), _EXTRINSIC.match(line)
         key, sign, rest = line.partition(":")
         if intrinsic:
-            name, _, _, kinds = intrinsic.groups()
-            found["intrinsics"].append({"name": name, "kinds": kinds.strip()})
+            found["intrinsics"].append({"name": intrinsic[1], "kinds": intrinsic[2].strip()})
             numbers = None
         elif extrinsic:
             numbers = []

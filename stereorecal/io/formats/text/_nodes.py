@@ -23,7 +23,7 @@ class Node:
 
     value: Any  # a number, a word, a truth or None; or the nodes inside, by their keys or as a list
     start: int  # the characters from `start` to before `end`
-    end: int  # the characters from `start` to before `end`
+    end: int
     between: str = ", "  # what separates two items of a list, if it has fewer
 
 
