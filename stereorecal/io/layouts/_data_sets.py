@@ -1,15 +1,14 @@
 """Public data sets: EuRoC, and others in the ASL format; and KITTI's: raw data, rectified or not, odometry, and the
 stereo benchmarks of 2012 and 2015."""
 
-from collections.abc import Callable, Hashable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-import jax
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io._read_files import check_there, read_text
 from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
@@ -37,23 +36,17 @@ def log_of(folder: Path, sequences: Iterable[Sequence]) -> Log:
         InputError: if there is no sequence, or the first images of one do not fit its calibration; of others, this is
             said when they are read.
     """
-    found: list[tuple[str, Hashable, LazyPairs]] = []
-    rigs: dict[Hashable, tuple[str, StereoRig]] = {}
+    calibrations: dict[str, StereoRig] = {}
+    missions: list[Mission] = []
     for place, rig, pairs in sequences:
         name = folder_name(folder) if place == folder else place.name
-        rigs.setdefault(_rig_key(rig), (name, rig))
-        found.append((name, _rig_key(rig), fitting(place, Calibration(rig), pairs)))
-    names = {value: name if len(rigs) > 1 else "stored" for value, (name, _) in rigs.items()}
-    calibrations = {names[value]: rig for value, (_, rig) in rigs.items()}
-    return Log(
-        folder_name(folder), calibrations, tuple(Mission(name, names[value], pairs) for name, value, pairs in found)
-    )
-
-
-def _rig_key(rig: StereoRig) -> Hashable:
-    """A key that is equal for equal rigs."""
-    leaves, structure = jax.tree.flatten(rig)
-    return structure, tuple(np.asarray(leaf).tobytes() for leaf in leaves)
+        calibration = next((known for known, other in calibrations.items() if same_rig(rig, other)), name)
+        calibrations.setdefault(calibration, rig)
+        missions.append(Mission(name, calibration, fitting(place, Calibration(rig), pairs)))
+    if len(calibrations) == 1:
+        calibrations = {"stored": next(iter(calibrations.values()))}
+        missions = [replace(mission, calibration="stored") for mission in missions]
+    return Log(folder_name(folder), calibrations, tuple(missions))
 
 
 @dataclass(frozen=True)
