@@ -20,7 +20,7 @@ from stereorecal.io.formats.text._nodes import Keys, Values, at
 
 # --- DepthAI: the stereo pair that the file names, or the sockets 1 (left) and 2 (right)
 
-_STEREO, _NOWHERE, _RECTIFY = "stereoRectificationData", -1, RectifyOptions(alpha=0.0)
+_STEREO, _NOWHERE = "stereoRectificationData", -1
 _SOCKETS = {"leftCameraSocket": 1, "rightCameraSocket": 2}
 _EYE = np.eye(3).tolist()
 _MODELS = (Camera.model, "equidistant")  # by cameraType; a fisheye is OpenCV's, and uses the first four coefficients
@@ -93,7 +93,7 @@ def _write_depthai(rig: StereoRig, documents: Documents, hints: Hints, changed: 
         values[(*place, "rotationMatrix")] = motion[:3, :3].tolist()
         values |= {(*place, "translation", axis): float(motion[row, 3]) for row, axis in enumerate("xyz")}
     if sockets == _sockets(content, Hints()) and at(content, (_STEREO, "rectifiedRotationLeft")):
-        made = rectification_of(rig, _RECTIFY)
+        made = rectification_of(rig, RectifyOptions())
         values[(_STEREO, "rectifiedRotationLeft")] = made["R1"].tolist()
         values[(_STEREO, "rectifiedRotationRight")] = made["R2"].tolist()
     for side, camera in changed.items():

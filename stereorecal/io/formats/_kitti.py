@@ -39,7 +39,6 @@ S_rect_{0}: {1} {2}
 R_rect_{0}: 0 0 0 0 0 0 0 0 0
 P_rect_{0}: 0 0 0 0 0 0 0 0 0 0 0 0
 """
-_RECTIFY = RectifyOptions(alpha=0.0)
 _GREY = ("P0", "P1")
 _OF_RECTIFIED = ("P0", "P1", "P2", "P3")
 
@@ -128,7 +127,7 @@ def _write_raw(rig: StereoRig, documents: Documents, hints: Hints, changed: Came
             "kalibr or stereorecal instead."
         )
     (values,) = _TABLE.write(rig, documents, replace(hints, cameras=cameras), changed)
-    made = rectification_of(rig, _RECTIFY)
+    made = rectification_of(rig, RectifyOptions())
     derived = {
         (f"{key}_rect_{name}",): made[f"{key}{side}"].ravel().tolist()
         for side, name in enumerate(cameras, start=1)

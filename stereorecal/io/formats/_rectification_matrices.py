@@ -16,16 +16,17 @@ from stereorecal.geometry import (
     turns_of,
     view as view_shown,
 )
-from stereorecal.io.formats._numbers import Array
+from stereorecal.io.formats._numbers import Array, pinhole_matrix
 
 _SAME = 2e-3  # of the focal length: versions of OpenCV differ by less, the options below by more
 
 
 @dataclass(frozen=True)
 class RectifyOptions:
-    """The options of `cv2.stereoRectify`; of lenses that it does not know, the two rectified cameras."""
+    """The options of `cv2.stereoRectify`, as ROS, KITTI and DepthAI choose them; of lenses that it does not know, the
+    two rectified cameras."""
 
-    alpha: float  # 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice
+    alpha: float = 0.0  # 0 shows only pixels that are seen, 1 all of them; -1 is OpenCV's choice
     flags: int = cv2.CALIB_ZERO_DISPARITY  # points at infinity have disparity 0
     matrices: tuple[Array, Array] | None = None  # None: those of `sr.view`'s pinhole
 
@@ -75,7 +76,7 @@ def _projections(rig: StereoRig, options: RectifyOptions, quarters: int) -> dict
     """P1, P2, Q and the whole images as regions, of a rig that was turned by so many quarters."""
     ours, (width, height) = view_shown(rig, projection=PINHOLE), turned_size(rig.left.size, quarters)
     left, right = options.matrices or (
-        np.array([[matrix[0, 0], 0.0, x], [0.0, matrix[1, 1], y], [0.0, 0.0, 1.0]])
+        pinhole_matrix(np.array([matrix[0, 0], matrix[1, 1], x, y]))
         for matrix in (np.asarray(ours.matrix_left), np.asarray(ours.matrix_right))
         for x, y in [turned_pixels(matrix[:2, 2], ours.size, -quarters)]
     )

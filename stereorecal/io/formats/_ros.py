@@ -44,7 +44,6 @@ _SPELLINGS: list[dict[str, str]] = [  # of files, and of the messages of ROS 1 a
 ]
 _EQUIDISTANT = ("equidistant", "fisheye")
 _MODELS = ("plumb_bob", "rational_polynomial", "", "none", *_EQUIDISTANT)
-_RECTIFY = RectifyOptions(alpha=0.0)  # of the camera_calibration package
 
 
 @dataclass(frozen=True)
@@ -195,7 +194,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     files' own options; intrinsics of cameras that have changed."""
     parts = _chosen(documents, hints)
     P1, P2 = (numbers(part.content, part.keys["projection"], (3, 4)) for part in parts)
-    options = options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
+    options = options_of(lambda: _read(documents, hints), P1, P2, RectifyOptions())
     made = rectification_of(rig, options)
     found = [dict[Keys, Any]() for _ in documents]
     for side, part in enumerate(parts):
