@@ -64,9 +64,9 @@ class RigFile:
         return None if content is None else StoredPrior(f"{self.documents[0].name}, {KEY!r}", content)
 
 
-def file_of(rig: StereoRig) -> RigFile | None:
-    """The file that a rig came from, if it came from one."""
-    return rig.source if isinstance(rig.source, RigFile) else None
+def file_of(rig: StereoRig | None) -> RigFile | None:
+    """The file that a rig came from, if there is a rig and it came from one."""
+    return rig.source if rig is not None and isinstance(rig.source, RigFile) else None
 
 
 @runtime_checkable

@@ -81,7 +81,6 @@ def save_rig(
         CalibrationWarning: if the unit of the template was inferred from its baseline.
     """
     checked_rig(rig)
-    checked_unit(unit)
     paths = paths_of(path)
     if len({place.resolve() for place in paths}) < len(paths):
         raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
@@ -123,7 +122,7 @@ def unit_read(rig: StereoRig) -> str | None:
 
 def unsaid_unit(rig: StereoRig | None, path: Paths, *, format: str | None = None) -> str | None:
     """The unit of lengths in what `save_rig` writes, where the format says none; None where it says one."""
-    source = None if rig is None else file_of(rig)
+    source = file_of(rig)
     chosen = _chosen_format(paths_of(path), source, format)
     own = source.unit if source is not None and source.format == chosen.name else "m"
     return own if chosen.unit is None else None
@@ -144,7 +143,7 @@ def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
 
 def calibration_files(rig: StereoRig | None) -> list[Path]:
     """The files that a rig came from; none if it came from nowhere."""
-    source = None if rig is None else file_of(rig)
+    source = file_of(rig)
     return [] if source is None else [Path(document.name) for document in source.documents]
 
 
