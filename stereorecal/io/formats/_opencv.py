@@ -105,24 +105,22 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
     if rig.left.size != rig.right.size:
         raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
-    matrices, values = matrices_in(documents), dict[Keys, Any]()
+    matrices, arrays = matrices_in(documents), dict[str, Array]()
     for side, camera in changed.items():
-        matrix, lens = ((matrices.names[f"{role}{side + 1}"],) for role in "KD")
-        terms = coefficients(camera, _COUNTS, "OpenCV", "", size_of(matrices.content, lens))
-        values |= matrix_values(matrices.content, matrix, np.asarray(camera.matrix))
-        values |= matrix_values(matrices.content, lens, terms)
-    made = rectification_of(rig, _rectify_options(documents, hints, matrices)) | epipolar_matrices(rig)
-    regions = {f"{name}{side}": made[f"roi{side}"] for name in _REGIONS for side in (1, 2)}
-    arrays: dict[str, Array] = {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **regions}
+        least = size_of(matrices.content, (matrices.names[f"D{side + 1}"],))
+        arrays[f"K{side + 1}"] = np.asarray(camera.matrix)
+        arrays[f"D{side + 1}"] = coefficients(camera, _COUNTS, "OpenCV", "", least)
+    made = rectification_of(rig, _rectify_options(documents, hints, matrices))
+    arrays |= {"R": np.asarray(rig.rotation), "T": np.asarray(rig.translation), **made, **epipolar_matrices(rig)}
+    arrays |= {f"{name}{side}": made[f"roi{side}"] for name in _REGIONS for side in (1, 2)}
+    found = [dict[Keys, Any]() for _ in documents]
     for key, array in arrays.items():
         name = matrices.own_name(key)
         if name in matrices.content:
-            values |= matrix_values(matrices.content, (name,), array)
-    placed = [dict[Keys, Any]() for _ in documents]
-    for (name, *rest), value in values.items():
-        document, *place = matrices.places[str(name)]
-        placed[int(document)][(*place, *rest)] = value
-    return placed
+            document, *place = matrices.places[name]
+            values = matrix_values(matrices.content, (name,), array)
+            found[int(document)] |= {(*place, *rest): value for (_, *rest), value in values.items()}
+    return found
 
 
 def _rectify_options(documents: Documents, hints: Hints, matrices: Matrices) -> RectifyOptions:
