@@ -203,11 +203,10 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
         if side in changed:
             model, lens = _lens(changed[side], size_of(content, (names["lens"],)))
             arrays[names["matrix"]] = np.asarray(changed[side].matrix)
-            if model == "equidistant":
+            if np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
                 arrays[names["lens"]] = lens
-            elif np.any(lens) or content.get("distortion_model", model) not in (None, "", "none"):
-                arrays[names["lens"]] = lens
-                values |= {("distortion_model",): model} if "distortion_model" in content else {}
+                if "distortion_model" in content and model != "equidistant":  # which has another name, fisheye, too
+                    values[("distortion_model",)] = model
         for key, array in arrays.items():
             values.update(matrix_values(content, (key,), array))
         found[-side] |= {(*place, *keys): value for place in part.places for keys, value in values.items()}
