@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float, Num
 
+from stereorecal._arrays import eight_bit
 from stereorecal._errors import InputError
 from stereorecal.io._atomic import make_folder, write_bytes
 from stereorecal.io._read_files import about, check_there, note_input, read_bytes
@@ -110,7 +111,7 @@ def write_png(path: Path, image: Float[np.ndarray, "h w"]) -> None:
     """Write a grey image as 8-bit PNG, values rounded and clipped to 0..255; missing folders are made. InputError if
     the place cannot be written to."""
     make_folder(path.parent)
-    write_bytes(path, cv2.imencode(".png", np.clip(np.rint(image), 0, 255).astype(np.uint8))[1].tobytes())
+    write_bytes(path, cv2.imencode(".png", eight_bit(image))[1].tobytes())
 
 
 @contextmanager
