@@ -252,7 +252,7 @@ def coefficients(
     own = np.asarray(camera.distortion, float)
     if camera.model != Camera.model:
         return own
-    needed = int(np.max(np.flatnonzero(own), initial=-1)) + 1
+    needed = np.trim_zeros(own, "b").size
     for count in counts:
         if count >= max(needed, least):
             return np.pad(own, (0, max(0, count - own.size)))[:count]

@@ -85,8 +85,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 
 def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
     """One file, as OpenCV itself writes it."""
-    ending = next(ending for ending, of_ending in FORMAT.syntax.items() if of_ending is syntax)
-    storage = cv2.FileStorage(ending, cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
+    storage = cv2.FileStorage(f".{syntax.name.lower()}", cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
     storage.startWriteStruct("imageSize", cv2.FILE_NODE_SEQ | cv2.FILE_NODE_FLOW)
     for pixel in rig.left.size:
         storage.write("", pixel)

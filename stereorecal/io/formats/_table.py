@@ -216,7 +216,7 @@ def _with_radial(content: Any, place: str, name: str, tangential: Array) -> Arra
 def _radial_values(content: Any, place: str, name: str, radial: Array) -> dict[Keys, Any]:
     """What to write for the radial coefficients: as many as the file has, or more if they are needed."""
     keys = keys_of(content, place, name)
-    count, needed = size_of(content, keys), int(np.max(np.flatnonzero(radial), initial=-1)) + 1
+    count, needed = size_of(content, keys), np.trim_zeros(radial, "b").size
     if needed and not count:
         raise InputError(f"{name}: the file has no {keys[-1]} terms; add `{keys[-1]}: [0.0, 0.0]` to write new ones.")
     return {keys: radial[: max(count, needed)].tolist()} if count else {}
