@@ -256,14 +256,14 @@ def _read_realsense(documents: Documents, hints: Hints) -> StereoRig:
             "it has not the intrinsics of Infrared 1 and Infrared 2, nor those of Fisheye 1 and Fisheye 2; save what "
             "rs-enumerate-devices -c prints, whole."
         )
-    modes: list[dict[tuple[int, int], list[Mapping[str, Any]]]] = [{}, {}]
+    modes: dict[str, dict[tuple[int, int], list[Mapping[str, Any]]]] = {name: {} for name in names}
     for printed in content["intrinsics"]:
-        if printed["name"] in names:
-            with about(printed["name"]):
-                of_camera = modes[names.index(printed["name"])]
-                of_camera.setdefault(image_size(printed, "Width", "Height"), []).append(printed)
-    size = hints.mode_among([size for size in modes[0] if size in modes[1]])
-    left, right = (_camera_of_realsense(of_one[size], name, size) for name, of_one in zip(names, modes, strict=True))
+        name = printed["name"]
+        if name in modes:
+            with about(name):
+                modes[name].setdefault(image_size(printed, "Width", "Height"), []).append(printed)
+    size = hints.mode_among([size for size in modes[names[0]] if size in modes[names[1]]])
+    left, right = (_camera_of_realsense(of_camera[size], name, size) for name, of_camera in modes.items())
     for link in content["extrinsics"]:
         way = link["from"], link["to"]
         if set(way) == {*names}:

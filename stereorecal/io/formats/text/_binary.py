@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io._read_files import about, note_input
+from stereorecal.io._read_files import about, note_input, read_bytes
 from stereorecal.io._strict_json import strict_json_text
 
 _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
@@ -110,9 +110,8 @@ _DAMAGED = "cannot be read, or truncated; copy or write it again."
 def binary_text(path: Path) -> str | None:
     """The content of a binary file as JSON, which is never executed; None if it is no such file."""
     try:
-        with path.open("rb") as file:
-            data = file.read(_LARGEST + 1)
-    except OSError:
+        data = read_bytes(path, _LARGEST + 1)
+    except InputError:
         return None  # said by the reader of texts
     with about(path):
         reader = _reader(data)
