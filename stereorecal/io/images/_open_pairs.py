@@ -96,7 +96,7 @@ def _opened(
             files = find_images(left)
             names = tuple(file.name for file in files)
             source = FrameSource(str(left), names, None, lambda index: read_image(str(files[index]))[0])
-        return _with_counts(told, *halves(source), [(i, i) for i in range(len(source.names))], is_video(left))
+        return _paired_frames(told, *halves(source), [(i, i) for i in range(len(source.names))], is_video(left))
     elif is_video(left) != is_video(right):
         raise InputError(f"{left} and {right}: one is a video and the other is not; give two of a kind.")
     elif is_video(left):
@@ -108,12 +108,13 @@ def _opened(
         found = find_partners(*files)
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched, sizes=sizes), alone, False, found.by_order)
-    return _with_counts(told, *sources, pairs_by_time(*sources, tolerance), stream=True)
+    return _paired_frames(told, *sources, pairs_by_time(*sources, tolerance), stream=True)
 
 
-def _with_counts(
+def _paired_frames(
     told: tuple[Any, ...], left: FrameSource, right: FrameSource, found: list[tuple[int, int]], stream: bool
 ) -> Recorded:
+    """Frames as pairs, by the numbers of the left and the right ones that belong together."""
     times = [None if left.times is None else float(left.times[first]) for first, _ in found]
 
     def read(number: int) -> Pair:
