@@ -161,17 +161,16 @@ _CALIBRATIONS, _SEQUENCES, _FACTS, _TRUTH = "calibrations", "sequences", "missio
 
 def recognises(folder: Path) -> bool:
     """Whether the folder is a plain log or one of its sequences."""
-    return _is_log(folder) or _is_log(_around(folder))
+    return _log_of(folder) is not None
 
 
-def _is_log(folder: Path) -> bool:
-    return any((folder / _CALIBRATIONS).glob("*.json")) and (folder / _SEQUENCES).is_dir()
-
-
-def _around(sequence: Path) -> Path:
-    """The folder of the log that a sequence would be of; itself, where it lies in none."""
-    place = Path(os.path.abspath(sequence))  # "." has no name
-    return place.parents[1] if place.parent.name == _SEQUENCES else place
+def _log_of(folder: Path) -> Path | None:
+    """The folder of the plain log that a folder is, or is a sequence of; None if it is neither."""
+    place = Path(os.path.abspath(folder))  # "." has no name
+    for root in (folder, place.parents[1]) if place.parent.name == _SEQUENCES else (folder,):
+        if any((root / _CALIBRATIONS).glob("*.json")) and (root / _SEQUENCES).is_dir():
+            return root
+    return None
 
 
 def read(folder: Path, limit: int | None) -> Log:
@@ -180,12 +179,11 @@ def read(folder: Path, limit: int | None) -> Log:
 
     A sequence may have a mission.json, in which `calibration` names another calibration and `starred` lists the images
     from which little can be expected, and a truth.json with the true rig."""
-    one = not _is_log(folder)
-    root = _around(folder) if one else folder
+    root = _log_of(folder) or folder
     calibrations = {
         path.stem: load_rig(path).side_by_side() for path in natural_order((root / _CALIBRATIONS).glob("*.json"))
     }
-    places = (root / _SEQUENCES).iterdir() if not one else [Path(os.path.abspath(folder))]
+    places = (root / _SEQUENCES).iterdir() if root == folder else [Path(os.path.abspath(folder))]
     sequences = natural_order(path for path in places if path.is_dir())
     with about(folder):
         return Log(folder_name(folder), calibrations, tuple(_mission(path, calibrations, limit) for path in sequences))
