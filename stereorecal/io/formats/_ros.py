@@ -67,14 +67,14 @@ def _parts_of(document: Document) -> list[_Part]:
     several, found = document.content.get(DOCUMENTS), list[_Part]()
     maps = [((DOCUMENTS, number), one) for number, one in enumerate(several)] if isinstance(several, list) else []
     if document.syntax is Syntax.SECTIONS:
-        sections = {key: one for key, one in document.content.items() if isinstance(one, Mapping)}
+        sections = dict(document.content)
         image = sections.pop("image", {})
         maps = [
             ((key,), {name.replace(" ", "_"): item for name, item in {**image, **one}.items()})
             for key, one in sections.items()
         ]
     for place, content in maps or [((), document.content)]:
-        keys = _spelling(content)
+        keys = _spelling(content) if isinstance(content, Mapping) else None
         if keys is None:
             continue
         frame = at(content, ("header", "frame_id"))

@@ -77,6 +77,8 @@ def test_files_that_are_no_pair(tmp_path: Path):
     refused(lambda: load_rig(one), "it holds several YAML documents")
     one.write_text("a: 1\n---\na: 2\n")
     refused(lambda: load_rig(one), "it holds several YAML documents")
+    one.write_text("documents: [1, 2]\nother: 3\n")
+    refused(lambda: load_rig(one), "the format is unknown")
 
 
 def test_matrices_that_a_driver_left_empty(tmp_path: Path):
