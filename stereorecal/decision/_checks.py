@@ -81,6 +81,7 @@ class Seen:
         texture: share of the image that has texture, likewise.
         enough: whether light and texture are enough for an aligned rig to match.
         problem: why all images match elsewhere than their scene does.
+        by_chance: about as much matches with the rows off.
         wrong_input: the images cannot be of this rig.
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.
@@ -97,6 +98,7 @@ class Seen:
     texture: float = 0.0
     enough: bool = True
     problem: str | None = None
+    by_chance: bool = False
     wrong_input: bool = False
     frames_disagree: bool = False
     late: bool = False
@@ -108,13 +110,8 @@ class Seen:
 
     @property
     def few(self) -> bool:
-        """Too little matches for any verdict: chance matches are few, cover little, and lie in few places."""
-        return self.matches < ENOUGH.matches or self.covered < ENOUGH.covered or self.places < ENOUGH.places
-
-    @property
-    def sparse(self) -> bool:
-        """Whether it covers less than under an aligned rig."""
-        return is_sparse(self.covered, self.texture)
+        """Too little matches for any verdict: five parameters from fewer would be a guess."""
+        return self.matches < ENOUGH.matches or self.places < ENOUGH.places
 
 
 @dataclass(frozen=True)
@@ -139,7 +136,7 @@ CHECKS = (
     Check(Reason.TOO_LITTLE_TEXTURE, lambda seen: seen.problem is not None or (seen.few and not seen.enough)),
     Check(Reason.NO_MATCHES, lambda seen: seen.few or seen.wrong_input),
     Check(Reason.FRAMES_DISAGREE, lambda seen: seen.frames_disagree),
-    Check(Reason.CANNOT_TELL, lambda seen: seen.sparse, vetoes=False),
+    Check(Reason.CANNOT_TELL, lambda seen: seen.by_chance),
     Check(Reason.LATE_SHUTTER, lambda seen: seen.late, vetoes=False, doubts=False),
     Check(Reason.REACH_EDGE, lambda seen: not seen.away <= ENOUGH.reach, doubts=False),
     Check(Reason.FEWER_MATCHES, lambda seen: not seen.lost <= ENOUGH.lost, doubts=False),

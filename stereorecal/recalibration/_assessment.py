@@ -30,6 +30,8 @@ from stereorecal.strategies import Status
 _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
+_SOME = 4  # frames in which chance is measured, those with most texture
+_ROWS_OFF = (-17, -11, -7, 7, 11, 17)  # pixels at half scale: what matches there does so by chance, or repeats itself
 
 
 _Fitter = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Fit]
@@ -101,16 +103,19 @@ def assessed(
     tiles = counts(case, candidate)
     of_used = tiles[:, _used_frames(case, excluded, disagree)]
     seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
+    if sparse := is_sparse(seen.covered, 2.0 * seen.texture):
+        by_chance, chance_cost = _by_chance(case, candidate)
+        seen, matching_cost = replace(seen, by_chance=by_chance), matching_cost + chance_cost
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
     assessing = replace(cost, judging=cost.judging + matching_cost)
-    if conclusive and (disagree or seen.few or seen.sparse):
+    if conclusive and (disagree or seen.few or seen.by_chance):
         return None, replace(assessing, judging=assessing.judging + 2.0 * case.images.at(1.0).cost)
     covered = seen.covered
     if not reason.healthy:  # a candidate that is refused may match by what it should not change
         covered = min(covered, _covered_at(case, run.began))
-    if mismatch := mismatch_of(case.images, case.matcher, covered):
+    if mismatch := mismatch_of(case.images, case.matcher, covered, by_chance=seen.by_chance or not sparse):
         seen = replace(seen, wrong_input=True)
         reason = reason_of(decision, seen)
     shared = free.shared if reason.accepted else ()
@@ -162,6 +167,16 @@ def _estimated(
             return estimated, found, tuple(sorted(excluded)), disagree, (again + fewer) * data.cost
         else:
             weighed = True
+
+
+def _by_chance(case: Case, candidate: StereoRig) -> tuple[bool, float]:
+    """Whether a candidate hardly matches more than with its rows off; and the units that it took to see that."""
+    data = case.images.at(watching_scale(case.rig.left.size), _SOME)
+    data = data if same_cameras(candidate, case.rig) else data.through(candidate)
+    pitch = np.array([0, *_ROWS_OFF]) / float(data.view.focal)
+    away = with_unit_baseline(candidate.extrinsics) + pitch[:, None] * np.eye(6)[0]
+    matched, *off = host.counts(data, away, case.matcher).tolist()
+    return bool(matched < ENOUGH.by_chance * np.median(off)), len(away) * data.cost
 
 
 def _covered_at(case: Case, rig: StereoRig) -> float:

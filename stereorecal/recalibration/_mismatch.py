@@ -92,7 +92,9 @@ class Mismatch:
         }
 
 
-def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mismatch | None:
+def mismatch_of(
+    images: Pyramid, matcher: AbstractMatcher, covered: float, *, by_chance: bool = True
+) -> Mismatch | None:
     """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
     it is out of calibration. Where principal points lie as in images of another size, that size is tried even if enough
     matches: a candidate may match by lenses that it should not have.
@@ -100,6 +102,7 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
     Args:
         matcher: its disparity range is measured anew for each mistake.
         covered: share of the image that matches in the end.
+        by_chance: whether that may be chance.
 
     Raises:
         InputError: if the images are certainly no left and right image of this rig.
@@ -121,7 +124,7 @@ def mismatch_of(images: Pyramid, matcher: AbstractMatcher, covered: float) -> Mi
             found = Mismatch(own, cause, share)
     if found.cause is not None:
         return found
-    if motion is None or motion.turned or not (motion.aside or covered < sparse):
+    if motion is None or motion.turned or not (motion.aside or (by_chance and covered < sparse)):
         return None
     return Mismatch(covered, two_moments=motion.aside)
 

@@ -23,7 +23,7 @@ from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 
-HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture}  # beside the tolerances
+HEALTH_LIMITS = {"by_chance": ENOUGH.by_chance, "covered_of_texture": ENOUGH.of_texture}  # beside the tolerances
 
 
 def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:

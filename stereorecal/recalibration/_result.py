@@ -312,8 +312,8 @@ class AbstractResult:
         return self._depth_errors(self.rig)
 
     def _depth_errors(self, used: StereoRig) -> tuple[DepthError, ...]:
-        sparse = self.seen is None or self.seen.sparse
-        told = self.reason.healthy or (self.reason is Reason.CANNOT_TELL and not sparse)
+        by_chance = self.seen is None or self.seen.by_chance
+        told = self.reason.healthy or (self.reason is Reason.CANNOT_TELL and not by_chance)
         if self.estimate is None or self.decision is None or not told:
             return ()
         theta, best = map(self.estimate.chart.coordinates_of, (used, self.rig))
