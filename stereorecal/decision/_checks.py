@@ -110,8 +110,9 @@ class Seen:
 
     @property
     def few(self) -> bool:
-        """Too little matches for any verdict: five parameters from fewer would be a guess."""
-        return self.matches < ENOUGH.matches or self.places < ENOUGH.places
+        """Too little matches for any verdict: in few places, or hardly any but by chance."""
+        by_chance = self.by_chance and self.covered < ENOUGH.covered
+        return self.matches < ENOUGH.matches or self.places < ENOUGH.places or by_chance
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,9 @@ class Enough:
     """What images must show for a verdict.
 
     Attributes:
-        matches: the least number of correspondences.
+        matches: the least number of correspondences; five parameters from fewer would be a guess.
+        covered: the least share of the image that they cover, where they may be chance: chance matches cover a
+            twentieth.
         places: the least number of tiles of a frame that show something.
         of_texture: the least share of the textured image that matches cover: under an aligned rig they cover a half and
             more, under one that is a degree off a fifth. Below twice this, what matches by chance is measured, and
@@ -121,6 +123,7 @@ class Enough:
     """
 
     matches: int = 60
+    covered: float = 0.1
     places: int = 6
     of_texture: float = 0.25
     by_chance: float = 2.0

@@ -23,7 +23,7 @@ from stereorecal.recalibration._solution import Solution
 from stereorecal.recalibration._stages import SETTLED, Cost, StageRun, last_matched, matched, rows_moved, with_found
 from stereorecal.recalibration._uncertainty import IntrinsicsOutcome, intrinsics_of
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Correspondences, host, image_quality
+from stereorecal.scoring import Correspondences, Pyramid, host, image_quality
 from stereorecal.scoring.host import Score, refuse_swapped_images
 from stereorecal.strategies import Status
 
@@ -31,7 +31,7 @@ _FEWER = 0.5  # of what the frame that matches most covers
 MOST_EXCLUDED = 1.0 / 3.0  # of the frames; if more disagree, which of them are wrong cannot be told
 _MATCHED_AGAIN = 2  # times that the estimate may, after it
 _SOME = 4  # frames in which chance is measured, those with most texture
-_ROWS_OFF = (-17, -11, -7, 7, 11, 17)  # pixels at half scale: what matches there does so by chance, or repeats itself
+_ROWS_OFF = (-17, -11, -7, 7, 11, 17)  # pixels: what matches there does so by chance, or repeats itself
 
 
 _Fitter = Callable[[Correspondences, Sequence[int], Float[np.ndarray, "n"]], Fit]
@@ -104,7 +104,7 @@ def assessed(
     of_used = tiles[:, _used_frames(case, excluded, disagree)]
     seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
     if sparse := is_sparse(seen.covered, 2.0 * seen.texture):
-        by_chance, chance_cost = _by_chance(case, candidate)
+        by_chance, chance_cost = _by_chance(case, candidate, _used_frames(case, excluded, disagree))
         seen, matching_cost = replace(seen, by_chance=by_chance), matching_cost + chance_cost
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
@@ -169,9 +169,11 @@ def _estimated(
             weighed = True
 
 
-def _by_chance(case: Case, candidate: StereoRig) -> tuple[bool, float]:
-    """Whether a candidate hardly matches more than with its rows off; and the units that it took to see that."""
-    data = case.images.at(watching_scale(case.rig.left.size), _SOME)
+def _by_chance(case: Case, candidate: StereoRig, used: Bool[np.ndarray, "k"]) -> tuple[bool, float]:
+    """Whether a candidate hardly matches more than with its rows off, in some of the frames that it rests on; and the
+    units that it took to see that."""
+    pairs = tuple(case.images.pairs[frame] for frame in np.flatnonzero(used))
+    data = Pyramid(case.rig, pairs, case.images.view).at(watching_scale(case.rig.left.size), _SOME)
     data = data if same_cameras(candidate, case.rig) else data.through(candidate)
     pitch = np.array([0, *_ROWS_OFF]) / float(data.view.focal)
     away = with_unit_baseline(candidate.extrinsics) + pitch[:, None] * np.eye(6)[0]
@@ -280,6 +282,7 @@ def with_candidate(
         matches=found.found,
         covered=found.covered,
         places=len(places_of(found)),
+        by_chance=seen.by_chance and is_sparse(found.covered, 2.0 * seen.texture),
         frames_disagree=frames_disagree,
         late=estimated.is_late,
         misfit_px=max(estimated.misfit),

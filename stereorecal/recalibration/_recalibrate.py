@@ -23,7 +23,8 @@ from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pairs
 from stereorecal.scoring import pyramid
 
-HEALTH_LIMITS = {"by_chance": ENOUGH.by_chance, "covered_of_texture": ENOUGH.of_texture}  # beside the tolerances
+# Beside the tolerances.
+HEALTH_LIMITS = {"covered": ENOUGH.covered, "covered_of_texture": ENOUGH.of_texture, "by_chance": ENOUGH.by_chance}
 
 
 def what_may_change(rig: StereoRig, settings: Settings) -> Parameters:

@@ -122,8 +122,9 @@ class RepairedRecording:
     @property
     def usable(self) -> bool:
         """Whether it can take part."""
-        found = self.repair.found
-        return self.repair.reason not in _UNUSABLE and found is not None and found.found >= ENOUGH.matches
+        found, by_chance = self.repair.found, (self.repair.seen or Seen()).by_chance
+        enough = found is not None and found.found >= ENOUGH.matches
+        return enough and not by_chance and self.repair.reason not in _UNUSABLE
 
     def theta_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
         """Where a rig lies, counted from the initial one."""
@@ -267,6 +268,7 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
             stages=with_found(repair.stages, found),
             estimate=estimated,
             decision=member.decision,
+            seen=seen,
             ranges=RangesSeen.of(len(member.recording.ranges), estimated.matched_ranges, repair.initial, rig, reason),
             settings=replace(repair.settings, free=free),
             prior_use=repair.prior_use and replace(repair.prior_use, other_images=tuple(chain(*of_others))),
@@ -306,4 +308,13 @@ def _scaled(good: Solution, length: float, shared: Intrinsics | None) -> Solutio
     extrinsics = np.array(good.initial.extrinsics, float)
     extrinsics[3:] *= length
     candidate = good.initial.with_extrinsics(extrinsics)
-    return replace(good, candidate=candidate, reason=Reason.IMPROVED, intrinsics=shared and shared.of((BASELINE,)))
+    assert good.decision is not None
+    rows, view = good.decision.rows_px[[0, 0]], good.decision.view_px[[0, 0]]
+    return replace(
+        good,
+        candidate=candidate,
+        reason=Reason.IMPROVED,
+        intrinsics=shared and shared.of((BASELINE,)),
+        decision=replace(good.decision, rows_px=rows, view_px=view),
+        score_after=good.score_before,
+    )

@@ -109,5 +109,5 @@ def test_what_repeats_itself_is_not_repaired_by_a_period():
     pair = slats(rig)
     found = sr.recalibrate(sr.synthetic.decalibrate(rig, jax.random.key(5), 2.5, 0.02), pair)
     assert sr.difference(found.candidate, rig).row_error_median > 0.5
-    assert found.reason is Reason.CANNOT_TELL
+    assert not found.accepted
     assert sr.health(rig, pair).condition is Condition.HEALTHY
