@@ -81,7 +81,7 @@ class Seen:
         texture: share of the image that has texture, likewise.
         enough: whether light and texture are enough for an aligned rig to match.
         problem: why all images match elsewhere than their scene does.
-        by_chance: about as much matches with the rows off.
+        by_chance: with the rows off about as much matches.
         wrong_input: the images cannot be of this rig.
         frames_disagree: too many frames show another rig than the others.
         late: one of the two shutters is, more probably than not.

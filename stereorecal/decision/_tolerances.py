@@ -113,8 +113,8 @@ class Enough:
         of_texture: the least share of the textured image that matches cover: under an aligned rig they cover a half and
             more, under one that is a degree off a fifth. Below twice this, what matches by chance is measured, and
             mistakes in the input are looked for.
-        by_chance: the least number of times as much matches as with the rows off: five as a rule, 2.1 and more of brick
-            and blinds, 1.7 and less where repairs went wrong by a period of these.
+        by_chance: the least number of times as many matches as with the rows off: 17 to 500 where repairs end well, 1
+            to 2.4 where they are off by a period of bricks or slats.
         lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
             0.11 where repairs end well.
         reach: the largest distance of a candidate, in reaches; the search goes no farther.
@@ -126,7 +126,7 @@ class Enough:
     covered: float = 0.1
     places: int = 6
     of_texture: float = 0.25
-    by_chance: float = 2.0
+    by_chance: float = 5.0
     lost: float = 0.15
     reach: float = 2.0
     lens_change: float = 2.0

@@ -177,7 +177,7 @@ def _by_chance(case: Case, candidate: StereoRig, used: Bool[np.ndarray, "k"]) ->
     data = data if same_cameras(candidate, case.rig) else data.through(candidate)
     pitch = np.array([0, *_ROWS_OFF]) / float(data.view.focal)
     away = with_unit_baseline(candidate.extrinsics) + pitch[:, None] * np.eye(6)[0]
-    matched, *off = host.counts(data, away, case.matcher).tolist()
+    matched, *off = (host.correspondences(data, one, case.matcher).found for one in away)
     return bool(matched < ENOUGH.by_chance * np.median(off)), len(away) * data.cost
 
 
