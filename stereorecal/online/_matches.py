@@ -3,13 +3,13 @@
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from stereorecal.decision import ENOUGH
 from stereorecal.estimation import nearness_of
 from stereorecal.geometry import StereoRig, View
 from stereorecal.objectives import RigChart, differences_at
 from stereorecal.recalibration import DISTANCES, tile_medians
 from stereorecal.scoring import Correspondences
 
-COVERED = 0.1  # of an image, or of a part of it: in less, a look shows nothing
 PARTS = (3, 3)  # rows and columns of the left image
 # Baselines, halfway between the distances at which depth is read.
 BAND_EDGES = tuple(np.sqrt(np.multiply(DISTANCES[:-1], DISTANCES[1:])).tolist())
@@ -55,4 +55,4 @@ def covered_by(found: Correspondences, rig: StereoRig, view: View) -> Bool[np.nd
     away = 1.0 / np.maximum(nearness_of(rig, left, right, view), 1e-9)
     counts = no_coverage()
     np.add.at(counts, (part_of(rig, left), band_of(away)), 1)
-    return counts >= COVERED * found.weight.shape[1] / len(counts)
+    return counts >= ENOUGH.covered * found.weight.shape[1] / len(counts)

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.decision import Seen
+from stereorecal.decision import ENOUGH, Seen
 from stereorecal.estimation import Normal, normal_of_pair, one_blas_thread
 from stereorecal.geometry import StereoRig, as_view, checked_rig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.online._calibration_kinds import before_looks
 from stereorecal.online._config import Config, Event, Kind
 from stereorecal.online._filter import DRIFT, SIZE, Measurement, at_start, filters_beside
-from stereorecal.online._matches import COVERED, covered_by, row_error
+from stereorecal.online._matches import covered_by, row_error
 from stereorecal.online._moving import Small, anchored, moved, small, turn
 from stereorecal.online._reading import reading
 from stereorecal.online._state import Offset, State, known_matcher
@@ -158,7 +158,7 @@ def _look(state: State, pair: Pair, matcher: AbstractMatcher) -> tuple[Normal, C
     scale, solved once: a rig that is watched is not far off. None if too little matches, or what does so by chance."""
     data = pyramid(state.rig, [pair], state.view).at(watching_scale(state.rig.left.size))
     found = correspondences(data, with_unit_baseline(state.rig.extrinsics), matcher)
-    if found.covered < COVERED or Seen(matches=found.found, places=len(places_of(found))).few:
+    if found.covered < ENOUGH.covered or Seen(matches=found.found, places=len(places_of(found))).few:
         return None
     known = state.estimate.widened(DRIFT)
     solved = normal_of_pair(found, state.chart, state.theta, known.theta, known.of_theta)

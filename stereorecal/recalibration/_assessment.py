@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from stereorecal.decision import ENOUGH, Reason, Seen, decide, is_sparse, reason_of
 from stereorecal.estimation import NO_RANGES, Estimate, Fit, Recording, as_prior, fitted, rig_parameters
 from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
-from stereorecal.objectives import Reach
+from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._mismatch import mismatch_of
@@ -104,7 +104,9 @@ def assessed(
     of_used = tiles[:, _used_frames(case, excluded, disagree)]
     seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
     if sparse := is_sparse(seen.covered, 2.0 * seen.texture):
-        by_chance, chance_cost = _by_chance(case, candidate, _used_frames(case, excluded, disagree))
+        by_chance, chance_cost = _by_chance(
+            case, estimated.chart, decision.theta, _used_frames(case, excluded, disagree)
+        )
         seen, matching_cost = replace(seen, by_chance=by_chance), matching_cost + chance_cost
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
@@ -169,16 +171,17 @@ def _estimated(
             weighed = True
 
 
-def _by_chance(case: Case, candidate: StereoRig, used: Bool[np.ndarray, "k"]) -> tuple[bool, float]:
-    """Whether a candidate hardly matches more than with its rows off, in some of the frames that it rests on; and the
+def _by_chance(
+    case: Case, chart: RigChart, theta: Float[np.ndarray, "n"], used: Bool[np.ndarray, "k"]
+) -> tuple[bool, float]:
+    """Whether the rig at θ hardly matches more than with its rows off, in some of the frames that it rests on; and the
     units that it took to see that."""
     pairs = tuple(case.images.pairs[frame] for frame in np.flatnonzero(used))
     data = Pyramid(case.rig, pairs, case.images.view).at(watching_scale(case.rig.left.size), _SOME)
-    data = data if same_cameras(candidate, case.rig) else data.through(candidate)
-    pitch = np.array([0, *_ROWS_OFF]) / float(data.view.focal)
-    away = with_unit_baseline(candidate.extrinsics) + pitch[:, None] * np.eye(6)[0]
-    matched, *off = (host.correspondences(data, one, case.matcher).found for one in away)
-    return bool(matched < ENOUGH.by_chance * np.median(off)), len(away) * data.cost
+    pitch = np.degrees(np.array([0, *_ROWS_OFF]) / float(data.view.focal))
+    away = theta + np.outer(pitch, np.eye(chart.dim)[chart.names.index("pitch")])
+    here, *off = (matched(data, chart, one, case.matcher).found for one in away)
+    return bool(here < ENOUGH.by_chance * np.median(off)), len(away) * data.cost
 
 
 def _covered_at(case: Case, rig: StereoRig) -> float:

@@ -17,6 +17,7 @@ import cv2
 import numpy as np
 from tables import command_line, show, table_of, words
 
+from stereorecal.decision import ENOUGH
 from stereorecal.estimation import points_of_view, readings
 from stereorecal.geometry import StereoRig, with_unit_baseline
 from stereorecal.online import Config, Event, Kind, State, run
@@ -129,7 +130,7 @@ def informative(drive: Drive, frame: int, pair: Pair, state: State) -> bool:
     if state.matcher is None:
         return False
     data = pyramid(truth, [pair], state.view).at(1.0)
-    return host.correspondences(data, with_unit_baseline(truth.extrinsics), state.matcher).covered >= 0.1
+    return host.correspondences(data, with_unit_baseline(truth.extrinsics), state.matcher).covered >= ENOUGH.covered
 
 
 def quantile(found: list[int | None], share: float) -> str:

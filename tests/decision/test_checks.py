@@ -65,7 +65,7 @@ def test_of_two_that_hold_the_first_is_said(first, second):
     assert said(Verdict.GOOD, **shown) is (one.reason if doubted else Reason.ALREADY_GOOD)
 
 
-@pytest.mark.parametrize("few", [{"matches": 0}, {"places": 0}])
+@pytest.mark.parametrize("few", [{"matches": 0}, {"covered": 0.0, "by_chance": True}, {"places": 0}])
 def test_few_matches_are_of_the_images_or_of_the_rig(few):
     """Where there is light and texture, an aligned rig would match."""
     assert said(Verdict.REPAIR, **few, enough=False) is Reason.TOO_LITTLE_TEXTURE

@@ -88,10 +88,8 @@ def slats(rig: sr.StereoRig, period: float = 0.15) -> sr.Pair:
     x, y = np.meshgrid(*((np.arange(n * fine) + 0.5) / fine - 0.5 for n in (width, height)))
     cameras = ((rig.left, np.eye(3), np.zeros(3)), (rig.right, rig.rotation, rig.translation))
     for camera, rotation, translation in cameras:
-        rays, centre = (
-            np.asarray(camera.rays(np.stack([x, y], axis=-1).reshape(-1, 2))) @ rotation,
-            -rotation.T @ translation,
-        )
+        centre = -rotation.T @ translation
+        rays = np.asarray(camera.rays(np.stack([x, y], axis=-1).reshape(-1, 2))) @ rotation
         away = (1.0 - planes @ centre)[:, None] / np.maximum(planes @ rays.T, 1e-9)
         plane, points = away.argmin(axis=0), centre + away.min(axis=0)[:, None] * rays
         across = np.where((plane == 2) | (plane == 3), points[:, 2], points[:, 0])

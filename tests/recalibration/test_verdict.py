@@ -142,7 +142,7 @@ def test_what_is_refused_stays_bit_for_bit(repaired, reason):
     told = reason.healthy or reason is Reason.CANNOT_TELL
     assert ("\ndepth " in str(found)) == bool(found.to_dict()["depth"]) == told
     by_chance = replace(found, seen=replace(found.seen, by_chance=True))
-    assert ("\ndepth " in str(by_chance)) == reason.healthy
+    assert ("\ndepth " in str(by_chance)) == reason.healthy, "matches are by chance"
     assert "±" not in str(found)
 
 
