@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import Extrinsics, refuse_tracers
-from stereorecal.geometry import AnyView, StereoRig, View, checked_rig, with_unit_baseline
+from stereorecal.geometry import AXES, AnyView, StereoRig, View, checked_rig, with_unit_baseline
 from stereorecal.matching import SAD, AbstractMatcher, Disparity, as_matcher
 from stereorecal.recordings import Pairs
 from stereorecal.scoring._prepare import Pyramid, pyramid
@@ -20,10 +20,13 @@ _COARSE_HEIGHT = 24  # pixels, at least, for panoramic images
 RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a program of its own to compile
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
-_INSIDE = 0.7  # of the reach: where the outermost steps of yaw and roll lie
+_INSIDE = 0.7  # of the reach: where the outermost steps of roll lie
+_BEYOND = 4  # coarse pixels, in whole times of which points are searched beyond infinity: few programs to compile
+_FARTHEST = 0.05  # quantile of the disparities: the farthest points, but for false matches
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer do not determine the range
 _SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are exchanged, no more than that match
+_NOTHING = -(2**15)  # in place of a disparity
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
@@ -31,8 +34,8 @@ _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 class Survey:
     """The result of a coarse match of the images."""
 
-    offset: Float[np.ndarray, "6"]  # what to add to the extrinsics so that most pixels match: a step of `_offset_grid`
-    disparities: Float[np.ndarray, "n"]  # of the surfaces found, in pixels of the coarse scale
+    offset: Float[np.ndarray, "6"]  # what to add to the extrinsics so that most pixels match, none beyond infinity
+    disparities: Float[np.ndarray, "n"]  # of the surfaces found, with that, in pixels of the coarse scale
     view: View  # at that scale
     scale: float  # pixels there per pixel at full size
     cost: float  # in matcher runs on a full-size frame
@@ -56,8 +59,9 @@ class Survey:
 
 
 def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REACH, *, aligned: bool = False) -> Survey:
-    """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated; over yaw too
-    where the reach is 4.5 degrees or more: far points may then lie outside of the disparity range.
+    """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated. Points are
+    searched beyond infinity, too: what lies there tells the yaw, which brings it back. A yaw of the other sign only
+    makes all points seem nearer.
 
     Args:
         extrinsics: (6,) of the rig, the middle of the grid.
@@ -70,7 +74,9 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
     data = images.at(scale, _FRAMES)
-    coarse = SAD(num_disparities=size[0] // 2, block_size=7)
+    focal, edge = float(data.view.focal), data.view.formulas.edge
+    beyond = int(_BEYOND * np.ceil(focal * edge(max(reach, _DEFAULT_REACH)) / _BEYOND) / scale)
+    coarse = SAD(min_disparity=-beyond, num_disparities=size[0] // 2 + beyond, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
     runs, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
@@ -81,7 +87,11 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     surveyed = disparities(data, candidates[winner], coarse)
     if matched[winner] < _SURELY_RIGHT * data.pixels:
         refuse_swapped_images(images)
-    return Survey(offsets[winner], _surfaces(surveyed), data.view, scale, runs * data.cost)
+    offset, surfaces = offsets[winner], _surfaces(surveyed, -1.0 - focal * edge(reach))
+    farthest = np.quantile(surfaces, _FARTHEST) if surfaces.size > _FEWEST else 0.0
+    if farthest < -1.0 and not aligned:
+        offset, surfaces = offset - np.eye(6)[AXES.index("yaw")] * farthest / focal, surfaces - farthest
+    return Survey(offset, surfaces, data.view, scale, runs * data.cost)
 
 
 def with_measured_range(
@@ -125,16 +135,9 @@ def _offset_grid(view: View, reach: float) -> Float[np.ndarray, "n 6"]:
     """Offsets of the extrinsics, so dense that the coarse matcher finds matches at one of them. The nearest come first:
     of those that match as much, the first is taken."""
     pitch_step = 1.5 / float(view.focal)  # a row and a half
-    roll_steps = max(1, round(reach / _DEFAULT_REACH))
-    yaw_steps = min(roll_steps - 1, 2)  # within the default reach, enough pixels match despite a wrong yaw
-    grid = np.array(
-        [
-            (pitch, yaw, roll, 0.0, 0.0, 0.0)
-            for pitch in _either_way(reach, max(1, int(np.ceil(reach / pitch_step))))
-            for yaw in _either_way(_INSIDE * reach, yaw_steps)
-            for roll in _either_way(_INSIDE * reach, roll_steps)
-        ]
-    )
+    pitches = _either_way(reach, max(1, int(np.ceil(reach / pitch_step))))
+    rolls = _either_way(_INSIDE * reach, max(1, round(reach / _DEFAULT_REACH)))
+    grid = np.array([(pitch, 0.0, roll, 0.0, 0.0, 0.0) for pitch in pitches for roll in rolls])
     return grid[np.argsort(np.linalg.norm(grid, axis=1), kind="stable")]
 
 
@@ -143,12 +146,13 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _surfaces(surveyed: Sequence[Disparity]) -> Float[np.ndarray, "n"]:
-    """The disparities that form patches, without the isolated pixels of false matches."""
+def _surfaces(surveyed: Sequence[Disparity], lowest: float) -> Float[np.ndarray, "n"]:
+    """The disparities that form patches, without the isolated pixels of false matches, and what lies below the lowest
+    that a reach explains."""
     patches = []
     for found in surveyed:
         values = np.asarray(found.values)
-        fixed_point = np.where(found.valid, 16 * values, -16).astype(np.int16)
-        cv2.filterSpeckles(fixed_point, -16, maxSpeckleSize=_SPECKLE, maxDiff=16)
-        patches.append(values[fixed_point >= 0])
+        fixed_point = np.where(found.valid & (values > lowest), 16 * values, _NOTHING).astype(np.int16)
+        cv2.filterSpeckles(fixed_point, _NOTHING, maxSpeckleSize=_SPECKLE, maxDiff=16)
+        patches.append(values[fixed_point > _NOTHING])
     return np.concatenate(patches)
