@@ -53,7 +53,7 @@ def repaired(rig: Simulated, kind: str, seed: int, frames: int) -> Row:
 def main() -> None:
     """Render, repair, judge, print."""
     parser = command_line(__doc__)
-    parser.add_argument("--rigs", type=int, default=40, help="of which three in four take part")
+    parser.add_argument("--rigs", type=int, default=40, help="of which those take part that are not rectified")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--degrees", default="0,0.1,0.3,0.5,1,2.5")
     parser.add_argument("--frames", type=int, default=1)
