@@ -25,7 +25,7 @@ _BEYOND = 4  # coarse pixels, in whole times of which points are searched beyond
 _FARTHEST = 0.05  # quantile of the disparities: the farthest points, but for false matches
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer do not determine the range
-_SURELY_RIGHT = 0.5  # share of the pixels that match: of images that are exchanged, no more than that match
+_SURELY_RIGHT = 0.5  # share of the pixels that match ahead: of images that are exchanged, no more than that do
 _NOTHING = -(2**15)  # in place of a disparity
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
@@ -79,13 +79,13 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     coarse = SAD(min_disparity=-beyond, num_disparities=size[0] // 2 + beyond, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
-    runs, matched = 1, np.array([data.pixels])  # aligned: there is nothing to choose from
+    runs, winner = 1, 0  # aligned: there is nothing to choose from
     if not aligned:
-        matched = counts(data, candidates, coarse)
+        winner = int(np.argmax(counts(data, candidates, coarse)))
         runs += len(candidates)
-    winner = int(np.argmax(matched))
     surveyed = disparities(data, candidates[winner], coarse)
-    if matched[winner] < _SURELY_RIGHT * data.pixels:
+    ahead = sum(np.count_nonzero(found.valid & (found.values >= 0.0)) for found in surveyed)
+    if ahead < _SURELY_RIGHT * data.pixels and not aligned:
         refuse_swapped_images(images)
     offset, surfaces = offsets[winner], _surfaces(surveyed, -1.0 - focal * edge(reach))
     farthest = np.quantile(surfaces, _FARTHEST) if surfaces.size > _FEWEST else 0.0
