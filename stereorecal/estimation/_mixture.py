@@ -11,7 +11,8 @@ from jaxtyping import Float
 
 _SINGULAR = 1e-12  # of the largest eigenvalue
 _ROUNDING = 1e-12  # of the squares whose difference is taken
-_SURELY, _NEVER = 6.0, -30.0  # standard deviations
+_SURELY = 0.99  # probability: what is known better tells nothing
+_NEVER = -30.0  # standard deviations
 _NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -85,13 +86,13 @@ class Mixture(Travels):
         (Minka 2001, as of any half-space)."""
         towards = self.covariances @ slopes
         spread = np.sqrt(np.maximum(towards @ slopes, 0.0) + deviation**2)
-        z = (value + (self.means - self.mean) @ slopes) / spread
-        if z.min() > _SURELY:
-            return self
-        left = np.array([0.5 * erfc(-max(one, _NEVER) / sqrt(2.0)) for one in z.tolist()])
-        pull = np.exp(-0.5 * np.maximum(z, _NEVER) ** 2) / sqrt(2.0 * pi) / left
+        z = np.maximum((value + (self.means - self.mean) @ slopes) / spread, _NEVER)
+        left = np.array([0.5 * erfc(-one / sqrt(2.0)) for one in z.tolist()])
         weights = self.weights * left
-        shrinks = pull * (pull + np.maximum(z, _NEVER)) / spread**2
+        if weights.sum() > _SURELY:
+            return self
+        pull = np.exp(-0.5 * z**2) / sqrt(2.0 * pi) / left
+        shrinks = pull * (pull + z) / spread**2
         means = self.means + (pull / spread)[:, None] * towards
         covariances = self.covariances - shrinks[:, None, None] * towards[:, :, None] * towards[:, None, :]
         return Mixture(weights / weights.sum(), means, covariances)
