@@ -76,6 +76,7 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     data = images.at(scale, _FRAMES)
     focal, edge = float(data.view.focal), data.view.formulas.edge
     beyond = int(_BEYOND * np.ceil(focal * edge(max(reach, _DEFAULT_REACH)) / _BEYOND) / scale)
+    beyond = min(beyond, size[0] // 4)  # of a view that is hardly wider than the reach
     coarse = SAD(min_disparity=-beyond, num_disparities=size[0] // 2 + beyond, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
