@@ -5,7 +5,6 @@ What is private, tests import by this and `parts_of_repairs` alone.
 
 from stereorecal.estimation import _calibration_prior as _calibration_prior
 from stereorecal.estimation._calibration_prior import SIZES as SIZES, drift_sizes as drift_sizes, widest as widest
-from stereorecal.estimation._consequences import signed_nearness as signed_nearness
 from stereorecal.estimation._estimate import parts_of as parts_of
 from stereorecal.estimation._evidence import (
     Explanation as Explanation,

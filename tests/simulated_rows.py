@@ -38,14 +38,14 @@ def steps(chart: RigChart) -> np.ndarray:
 
 @pytest.fixture(scope="session")
 def seen() -> Callable[..., Correspondences]:
-    """seen(given, true, seed, frames, cells, noise, nearest, farthest): points so many baselines away in pixels of the
-    true rig with an error [px], read by the cameras of the given one."""
+    """seen(given, true, seed, frames, cells, noise, nearest): points from `nearest` to 60 baselines away in pixels of
+    the true rig with an error [px], read by the cameras of the given one."""
 
-    def make(given, true, seed=0, frames=1, cells=1200, noise=0.08, nearest=4.0, farthest=60.0) -> Correspondences:
+    def make(given, true, seed=0, frames=1, cells=1200, noise=0.08, nearest=4.0) -> Correspondences:
         rng, shape = np.random.default_rng(seed), (frames, cells)
         edge = np.array(true.left.size) - 1.0
         left = rng.uniform([0.0, 0.0], edge, (*shape, 2))
-        away = float(true.baseline) / rng.uniform(1 / farthest, 1 / nearest, (*shape, 1))
+        away = float(true.baseline) / rng.uniform(1 / 60, 1 / nearest, (*shape, 1))
         right = true.right.project(true.left.rays(left) * away @ true.rotation.T + true.translation)
         right = right + rng.normal(0.0, 1.0, right.shape) * noise
         good = ((right >= 0.0) & (right <= edge)).all(axis=-1)

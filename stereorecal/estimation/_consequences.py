@@ -134,18 +134,12 @@ def nearness_of(
 ) -> Float[np.ndarray, "p"]:
     """Baselines over depth along the axis of the left camera, of points that both cameras see along these rays; 0 of
     what they see behind themselves. In a view as `readings` has it."""
-    nearness, left = signed_nearness(rig, left, right, view), left / left[:, 2:]
+    to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
+    left = left / left[:, 2:]
+    _, nearness = _rows_and_nearness(_formulas(view), left @ to_left.T, right @ to_right.T)
     points = left * (float(rig.baseline) / np.where(nearness > 0.0, nearness, 1.0))[:, None]
     ahead = (points @ rig.rotation.T + rig.translation)[:, 2] > 0.0
     return np.where(ahead & (nearness > 0.0), nearness, 0.0)
-
-
-def signed_nearness(
-    rig: StereoRig, left: Float[np.ndarray, "p 3"], right: Float[np.ndarray, "p 3"], view: View | None = None
-) -> Float[np.ndarray, "p"]:
-    """The same, negative of what seems to lie beyond infinity."""
-    to_left, to_right = rectifying_rotations(rig.rotation, rig.translation)
-    return _rows_and_nearness(_formulas(view), left / left[:, 2:] @ to_left.T, right @ to_right.T)[1]
 
 
 def _formulas(view: View | None) -> Projection:

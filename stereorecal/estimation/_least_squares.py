@@ -15,7 +15,6 @@ from operator import add
 import numpy as np
 from jaxtyping import Float, Int
 
-from stereorecal.estimation._beyond_infinity import nothing_beyond_infinity
 from stereorecal.estimation._confounders import hypotheses_with_confounders
 from stereorecal.estimation._estimate import Estimate
 from stereorecal.estimation._evidence import Explanation, Normal, marginal
@@ -217,11 +216,9 @@ class Fit:
             delay=delay,
         )
         if rows is not None:
-            posterior = nothing_beyond_infinity(posterior, rows.groups, model.chart, recording.view)
             residual, least = rows.residual(posterior.mean), evidence_of(several) + np.log(_LIKELY)
             estimated = replace(
                 estimated,
-                posterior=posterior,
                 groups=len(residual),
                 residual_px=float(np.sqrt(np.mean(residual**2))),
                 other_rigs=_other_rigs(recording.found, rows, best, posterior.mean),

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, wraps
-from math import erfc, pi, sqrt
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -11,8 +10,6 @@ from jaxtyping import Float
 
 _SINGULAR = 1e-12  # of the largest eigenvalue
 _ROUNDING = 1e-12  # of the squares whose difference is taken
-_SURELY = 0.99  # probability: what is known better tells nothing
-_NEVER = -30.0  # standard deviations
 _NO_COVARIANCE = 1e-6  # of the largest eigenvalue of the correlations
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -79,23 +76,6 @@ class Mixture(Travels):
     def beside(self, other: Float[np.ndarray, "n n"]) -> "Mixture":
         """The mixture with another error of this covariance, independent of it."""
         return replace(self, covariances=self.covariances + other)
-
-    def not_negative(self, value: float, slopes: Float[np.ndarray, "n"], deviation: float) -> "Mixture":
-        """The mixture where value + slopes (θ - mean) is known not to be negative, but for an error of this deviation.
-        What is left of each part weighs less, and is taken for the normal distribution of the same mean and covariance
-        (Minka 2001, as of any half-space)."""
-        towards = self.covariances @ slopes
-        spread = np.sqrt(np.maximum(towards @ slopes, 0.0) + deviation**2)
-        z = np.maximum((value + (self.means - self.mean) @ slopes) / spread, _NEVER)
-        left = np.array([0.5 * erfc(-one / sqrt(2.0)) for one in z.tolist()])
-        weights = self.weights * left
-        if weights.sum() > _SURELY:
-            return self
-        pull = np.exp(-0.5 * z**2) / sqrt(2.0 * pi) / left
-        shrinks = pull * (pull + z) / spread**2
-        means = self.means + (pull / spread)[:, None] * towards
-        covariances = self.covariances - shrinks[:, None, None] * towards[:, :, None] * towards[:, None, :]
-        return Mixture(weights / weights.sum(), means, covariances)
 
     def samples(self, number: int, seed: int = 0) -> Float[np.ndarray, "s n"]:
         """θ drawn at random, the same for a seed; each explanation has its share of them, to one draw."""

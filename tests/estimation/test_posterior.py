@@ -30,20 +30,6 @@ def test_moments_are_those_of_many_samples():
     )
 
 
-@pytest.mark.parametrize("value", [-2.0, 0.0, 3.0])
-def test_what_is_not_negative_has_the_moments_of_the_samples_that_are_left(value):
-    whole, slopes = mixture(), np.array([1.0, -0.5, 0.3, 0.2]) / UNITS
-    found, drawn = whole.not_negative(value, slopes, 0.3), whole.samples(400_000, 5)
-    error = np.random.default_rng(5).normal(0.0, 0.3, len(drawn))
-    left = drawn[value + (drawn - whole.mean) @ slopes + error > 0.0]
-    np.testing.assert_allclose(found.mean / UNITS, left.mean(axis=0) / UNITS, atol=0.03)
-    np.testing.assert_allclose(
-        found.covariance / np.outer(UNITS, UNITS), np.cov(left.T) / np.outer(UNITS, UNITS), atol=0.15
-    )
-    assert whole.not_negative(100.0, slopes, 0.3) is whole
-    assert np.isfinite(whole.not_negative(-1000.0, slopes, 0.3).mean).all()
-
-
 @given(seed=st.integers(0, 999), rank=st.integers(0, 4))
 def test_samples_of_singular_covariances(seed, rank):
     """Those of the identity, turned and scaled: they say by which root of the covariance."""
