@@ -60,8 +60,8 @@ class Survey:
 
 def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REACH, *, aligned: bool = False) -> Survey:
     """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated. Points are
-    searched beyond infinity, too: what lies there tells the yaw, which brings it back. A yaw of the other sign only
-    makes all points seem nearer.
+    searched beyond infinity, too: where little lies in front of it, and features say that the rig has turned, what lies
+    there tells the yaw, which brings it back. A yaw of the other sign only makes all points seem nearer.
 
     Args:
         extrinsics: (6,) of the rig, the middle of the grid.
@@ -86,11 +86,12 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         runs += len(candidates)
     surveyed = disparities(data, candidates[winner], coarse)
     ahead = sum(np.count_nonzero(found.valid & (found.values >= 0.0)) for found in surveyed)
+    turned = False  # of images that are exchanged, all is beyond infinity, too
     if ahead < _SURELY_RIGHT * data.pixels and not aligned:
-        refuse_swapped_images(images)
+        turned = refuse_swapped_images(images, farthest=2.0 * max(reach, _DEFAULT_REACH)).turned
     offset, surfaces = offsets[winner], _surfaces(surveyed, -1.0 - focal * edge(reach))
     farthest = np.quantile(surfaces, _FARTHEST) if surfaces.size > _FEWEST else 0.0
-    if farthest < -1.0 and not aligned:
+    if farthest < -1.0 and turned:
         offset, surfaces = offset - np.eye(6)[AXES.index("yaw")] * farthest / focal, surfaces - farthest
     return Survey(offset, surfaces, data.view, scale, runs * data.cost)
 
