@@ -15,7 +15,7 @@ from stereorecal.geometry import StereoRig, same_cameras, with_unit_baseline
 from stereorecal.objectives import Reach, RigChart
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
-from stereorecal.recalibration._mismatch import mismatch_of
+from stereorecal.recalibration._mismatch import are_aligned, mismatch_of
 from stereorecal.recalibration._motion_windows import windows_of, without_frames
 from stereorecal.recalibration._row_residuals import places_of
 from stereorecal.recalibration._schedule import watching_scale
@@ -117,7 +117,8 @@ def assessed(
     covered = seen.covered
     if not reason.healthy:  # a candidate that is refused may match by what it should not change
         covered = min(covered, _covered_at(case, run.began))
-    if mismatch := mismatch_of(case.images, case.matcher, covered, by_chance=seen.by_chance or not sparse):
+    aligned, by_chance = are_aligned(case.rig, used), seen.by_chance or not sparse
+    if mismatch := mismatch_of(case.images, case.matcher, covered, by_chance=by_chance, aligned=aligned):
         seen = replace(seen, wrong_input=True)
         reason = reason_of(decision, seen)
     shared = free.shared if reason.accepted else ()

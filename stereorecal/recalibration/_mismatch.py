@@ -17,10 +17,11 @@ from stereorecal.recalibration._schedule import HALF, Schedule
 from stereorecal.recalibration._settings import as_settings
 from stereorecal.recalibration._stages import run_look, started
 from stereorecal.recordings import Pair
-from stereorecal.scoring import Pyramid, host, pyramid, select_frames
+from stereorecal.scoring import Correspondences, Pyramid, host, pyramid, select_frames
 
 _BETTER = 1.5  # times as much matches
-_ALSO_BETTER = 1.05  # the same, of what principal points speak for, too
+_ALSO_BETTER = 1.05  # the same, of what principal points or rows speak for, too
+_SAME_ROW = 1 / 1000  # of the width: where half of the matches lie as of rectified images; of raw ones, five times that
 _RATIOS = (1 / 4, 1 / 3, 3 / 8, 1 / 2, 2 / 3, 3 / 4, 4 / 3, 3 / 2, 2.0, 8 / 3, 3.0, 4.0)  # of sizes of images
 _NEAR_RATIO = 0.1  # principal points lie in the middle to a tenth
 _SOME = 8  # pairs of which the one with most texture is tried
@@ -93,15 +94,16 @@ class Mismatch:
 
 
 def mismatch_of(
-    images: Pyramid, matcher: AbstractMatcher, covered: float, *, by_chance: bool = True
+    images: Pyramid, matcher: AbstractMatcher, covered: float, *, by_chance: bool = True, aligned: bool = False
 ) -> Mismatch | None:
     """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
-    it is out of calibration. Where principal points lie as in images of another size, that size is tried even if enough
-    matches: a candidate may match by lenses that it should not have.
+    it is out of calibration. Where principal points lie as in images of another size, or the images are aligned as they
+    are, that is tried even if enough matches: a candidate may match by lenses that it should not have.
 
     Args:
         matcher: its disparity range is measured anew for each mistake.
         covered: share of the image that matches in the end.
+        aligned: what matches lies in the same row of both images, as if they were rectified.
         by_chance: whether that may be chance.
 
     Raises:
@@ -109,24 +111,31 @@ def mismatch_of(
     """
     sparse = ENOUGH.of_texture * images.best_quality.texture
     ample = 2.0 * sparse
-    if not images.enough or (covered >= ample and not ratios_of_sizes(images.rig)):
+    spoken_for = {name for name, speaks in (("scaled", ratios_of_sizes(images.rig)), ("rectified", aligned)) if speaks}
+    if not images.enough or (covered >= ample and not spoken_for):
         return None
     motion, found = None if covered >= ample else host.refuse_swapped_images(images), Mismatch(covered)
     turned = motion is None or motion.turned
-    causes = [one for one in _causes(images.rig, images.pairs) if one[0].name == "scaled" or not turned]
+    causes = [one for one in _causes(images.rig, images.pairs) if one[0].name in spoken_for or not turned]
     own = _covered(images.rig, images.pairs, images, matcher) if causes else 0.0
     for cause, rig, pairs in causes:
-        scaled = cause.name == "scaled"
         if found.cause is not None and found.covered_without >= ample and cause.name != found.cause.name:
             break  # the likelier mistakes are asked first; one that explains little is asked against the others
         share = _covered(rig, pairs, images, matcher)
-        if share > max((_ALSO_BETTER if scaled else _BETTER) * own, found.covered_without, sparse):
+        if share > max((_ALSO_BETTER if cause.name in spoken_for else _BETTER) * own, found.covered_without, sparse):
             found = Mismatch(own, cause, share)
     if found.cause is not None:
         return found
     if motion is None or motion.turned or not (motion.aside or (by_chance and covered < sparse)):
         return None
     return Mismatch(covered, two_moments=motion.aside)
+
+
+def are_aligned(rig: StereoRig, found: Correspondences) -> bool:
+    """Whether what matches lies in the same row of both images, as they were given."""
+    some = np.asarray(found.weight) > 0
+    left, right = (getattr(rig, side).project(np.asarray(getattr(found, side))[some])[:, 1] for side in ("left", "right"))
+    return bool(np.median(np.abs(left - right)) < _SAME_ROW * rig.left.size[0])
 
 
 def fixed(rig: StereoRig, pairs: tuple[Pair, ...], name: str) -> tuple[StereoRig, tuple[Pair, ...]]:

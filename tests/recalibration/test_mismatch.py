@@ -228,10 +228,10 @@ def test_what_cannot_be_of_the_rig_takes_no_part_in_a_joint_estimate(data_dir: P
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", [0.0, 1.0])
-def test_images_that_are_rectified_already_are_named(scene, degrees):
-    """And no fix is offered: nothing says with which camera matrices."""
-    shown = scene("street", 0, (640, 480))
+@pytest.mark.parametrize(("kind", "degrees"), [("street", 0.0), ("street", 1.0), ("harbour", 0.0), ("coast", 2.5)])
+def test_images_that_are_rectified_already_are_named(scene, kind, degrees):
+    """Also where another rig explains them; and no fix is offered: nothing says with which camera matrices."""
+    shown = scene(kind, 0, (640, 480))
     rig, size, rectified = shown.rig, shown.rig.left.size, []
     cameras = [(np.asarray(camera.matrix), np.asarray(camera.distortion)) for camera in (rig.left, rig.right)]
     shift = np.array(rig.translation, float)[:, None]
