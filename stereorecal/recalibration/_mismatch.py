@@ -134,7 +134,9 @@ def mismatch_of(
 def are_aligned(rig: StereoRig, found: Correspondences) -> bool:
     """Whether what matches lies in the same row of both images, as they were given."""
     some = np.asarray(found.weight) > 0
-    left, right = (getattr(rig, side).project(np.asarray(getattr(found, side))[some])[:, 1] for side in ("left", "right"))
+    left, right = (
+        getattr(rig, side).project(np.asarray(getattr(found, side))[some])[:, 1] for side in ("left", "right")
+    )
     return bool(np.median(np.abs(left - right)) < _SAME_ROW * rig.left.size[0])
 
 

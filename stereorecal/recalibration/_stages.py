@@ -141,7 +141,8 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
         host.compile_in_background(case.images.at(case.scale_of(stage), 1))
     if settings.schedule.survey or case.matcher.num_disparities is None:
         radians = float(np.radians(settings.reach.degrees))
-        surveyed = survey(case.images, case.rig.extrinsics, radians)
+        yaw = settings.schedule.survey and "yaw" in case.free.axes
+        surveyed = survey(case.images, case.rig.extrinsics, radians, yaw=yaw)
         case, cost = replace(case, matcher=surveyed.with_range(case.matcher, radians)), Cost(survey=surveyed.cost)
         moved = {AXES[axis] for axis in np.flatnonzero(surveyed.offset)}
         if settings.schedule.survey and moved and moved <= set(case.free.axes):  # a part of an offset is no start

@@ -1,9 +1,13 @@
 """The survey brings a rig that is far off near enough for a search."""
 
+from contextlib import suppress
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from stereorecal.geometry import view
+from stereorecal import InputError
+from stereorecal.geometry import Camera, view
 from stereorecal.matching import SAD
 from stereorecal.recalibration import health, recalibrate
 from stereorecal.recordings import Pair
@@ -38,26 +42,82 @@ def test_a_wider_reach_is_searched(scene, kind, signs):
     rig = given_scene.rig
     drift = np.radians([*(np.array([4.5, 5.0, 4.0]) * signs), 0.0, 0.0, 0.0])
     bad = rig.with_extrinsics(rig.extrinsics + drift)
-    found = survey(pyramid(bad, given_scene.pairs), bad.extrinsics, 2.0 * REACH)
+    found = survey(pyramid(bad, given_scene.pairs), bad.extrinsics, 2.0 * REACH, yaw=True)
     assert np.abs(found.offset + drift)[[0, 2]].max() < np.radians(1.5)
-    if signs[1] < 0:  # the other yaw makes all seem near, where it is matched as it is
-        assert np.abs(found.offset + drift)[1] < np.radians(2.5)
-    assert recalibrate(bad, given_scene.pairs, reach=(6.0, 0.06)).accepted
+    wanted = max(-drift[1], 0.0)  # the other yaw makes all seem near, where it is matched as it is
+    assert abs(found.offset[1] - wanted) < np.radians(2.5)
+    repaired = recalibrate(bad, given_scene.pairs, reach=(6.0, 0.06))
+    assert repaired.accepted
+    assert np.degrees(np.abs(repaired.rig.extrinsics - rig.extrinsics)[[0, 2]]).max() < 0.3
+
+
+@pytest.fixture(scope="module")
+def near():
+    """Scenes of cameras that stand close together, so that a yaw takes nearly all points beyond infinity."""
+    wide = default_rig().resized((160, 120))
+    rig = wide.with_extrinsics(wide.extrinsics * [1.0, 1.0, 1.0, 0.2, 0.2, 0.2])
+    return {kind: render(kind, 1, rig=rig) for kind in ("street", "coast", "harbour")}
+
+
+def off(shown, *degrees):
+    """The rig, and what has to be added to its extrinsics."""
+    missing = np.radians([*degrees, 0.0, 0.0, 0.0])
+    return shown.rig.with_extrinsics(shown.rig.extrinsics - missing), missing
 
 
 @pytest.mark.slow(after=1)
 @pytest.mark.parametrize("kind", ["street", "coast", "harbour"])
-def test_a_yaw_that_takes_far_points_beyond_infinity_is_found(kind):
-    """Of cameras that stand close together nearly all points lie there, and a yaw of the other sign is harmless."""
-    wide = default_rig().resized((160, 120))
-    rig = wide.with_extrinsics(wide.extrinsics * [1.0, 1.0, 1.0, 0.2, 0.2, 0.2])
-    pairs = render(kind, 1, rig=rig).pairs
-    for yaw in np.radians([2.4, -2.4]):
-        bad = rig.with_extrinsics(rig.extrinsics - [np.radians(1.0), yaw, 0.0, 0.0, 0.0, 0.0])
-        found = survey(pyramid(bad, pairs), bad.extrinsics, REACH)
-        assert abs(found.offset[1] - max(yaw, 0.0)) < np.radians(0.7)
-        assert np.quantile(found.disparities, 0.05) >= -1.0
-        assert recalibrate(bad, pairs).accepted
+def test_a_yaw_that_takes_far_points_beyond_infinity_is_found(near, kind):
+    """And one of the other sign is harmless."""
+    shown = near[kind]
+    for yaw in (2.4, -2.4):
+        bad, missing = off(shown, 1.0, yaw, 0.0)
+        found = survey(pyramid(bad, shown.pairs), bad.extrinsics, REACH, yaw=True)
+        assert abs(found.offset[1] - max(missing[1], 0.0)) < np.radians(0.7)
+        repaired = recalibrate(bad, shown.pairs)
+        assert repaired.accepted
+        assert np.degrees(np.abs(repaired.rig.extrinsics - shown.rig.extrinsics)[[0, 2]]).max() < 0.3
+
+
+@pytest.mark.parametrize("rig", ["toed in", "wide"])
+def test_a_yaw_of_other_views(near, rig):
+    """Infinity need not be at disparity 0; at the borders of a wide view, a yaw moves points farther."""
+    given = near["street"].rig
+    if rig == "toed in":
+        given = given.with_extrinsics(given.extrinsics - np.radians([0.0, 8.0, 0.0, 0.0, 0.0, 0.0]))
+    else:
+        camera = Camera((160, 120), np.array([[46.0, 0.0, 79.5], [0.0, 46.0, 59.5], [0.0, 0.0, 1.0]]))
+        given = replace(given, left=camera, right=camera)
+    shown = render("street", 1, rig=given)
+    for yaw in (0.0, 2.4):
+        bad, missing = off(shown, 0.0, yaw, 0.0)
+        images = pyramid(bad, shown.pairs, view(bad, zero_disparity=False))
+        assert (images.view.at_infinity > 20.0) == (rig == "toed in")
+        assert abs(survey(images, bad.extrinsics, REACH, yaw=True).offset - missing).max() < np.radians(0.4)
+
+
+def test_a_yaw_that_is_not_free_is_not_searched(near):
+    """Pitch and roll begin where the survey found them all the same, and the range holds what a yaw takes away."""
+    shown = near["street"]
+    bad, missing = off(shown, 2.0, 2.4, 0.0)
+    images = pyramid(bad, shown.pairs)
+    found, turned = (survey(images, bad.extrinsics, REACH, yaw=yaw) for yaw in (False, True))
+    assert abs(found.offset - missing)[0] < np.radians(1.0)
+    assert not found.offset[1]
+    assert turned.offset[1]
+    least = images.view.focal * np.tan(REACH)
+    assert least < found.with_range(SAD(), REACH).num_disparities <= turned.with_range(SAD(), REACH).num_disparities
+    began = recalibrate(bad, shown.pairs, free=("pitch", "roll")).stages[0].began
+    np.testing.assert_allclose(began.extrinsics, bad.extrinsics + found.offset)
+
+
+def test_exchanged_images_have_no_yaw(near):
+    """All of them lies beyond infinity, too."""
+    shown = near["harbour"]
+    (pair,) = shown.pairs
+    exchanged = pyramid(shown.rig, [Pair(pair.right, pair.left)])
+    with suppress(InputError):
+        assert not survey(exchanged, shown.rig.extrinsics, REACH, yaw=True).offset[1]
 
 
 def test_a_rig_that_is_right_is_left_alone(scene):

@@ -21,12 +21,13 @@ RANGES = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512)  # few, since each is a p
 _MARGIN = 1.25  # the nearest surface may be small, or seen closer in another frame
 _DEFAULT_REACH = np.radians(3.0)
 _INSIDE = 0.7  # of the reach: where the outermost steps of roll lie
-_BEYOND = 4  # coarse pixels, in whole times of which points are searched beyond infinity: few programs to compile
-_FARTHEST = 0.05  # quantile of the disparities: the farthest points, but for false matches
+_STEP = 4  # coarse pixels, in whole times of which points are searched beyond infinity: few programs to compile
+_MOST_BEYOND = 0.25  # of the width: of a view that is hardly wider than the reach
+_FARTHEST = 0.05  # quantile: the farthest points, but for false matches
 _FRAMES = 4
 _FEWEST = 50  # pixels of surfaces; fewer do not determine the range
-_SURELY_RIGHT = 0.5  # share of the pixels that match ahead: of images that are exchanged, no more than that do
-_NOTHING = -(2**15)  # in place of a disparity
+_SURELY_RIGHT = 0.5  # share of the pixels that match in front of infinity: of images that are exchanged, no more do
+_INVALID = -(2**15)  # in place of a disparity
 _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 
 
@@ -34,7 +35,7 @@ _SPECKLE = 100  # pixels of the coarse image: about a hundredth of it
 class Survey:
     """The result of a coarse match of the images."""
 
-    offset: Float[np.ndarray, "6"]  # what to add to the extrinsics so that most pixels match, none beyond infinity
+    offset: Float[np.ndarray, "6"]  # what to add to the extrinsics so that most pixels match
     disparities: Float[np.ndarray, "n"]  # of the surfaces found, with that, in pixels of the coarse scale
     view: View  # at that scale
     scale: float  # pixels there per pixel at full size
@@ -43,30 +44,39 @@ class Survey:
     def with_range(self, matcher: AbstractMatcher, yaw: float) -> AbstractMatcher:
         """The matcher with its number of disparities: its own, or measured when it is None.
 
-        Measured: the 99.5 % quantile of the coarse match (a quarter of the width where nothing matches), plus 25 %,
-        plus what the yaw [rad] that may be missing moves (of a pinhole `focal * tan(yaw)`); then the next of a few
-        round numbers.
+        Measured: the 99.5 % quantile of the coarse match (a quarter of the width where nothing matches; 0 where all
+        seems to lie beyond infinity), plus 25 %, plus what the yaw [rad] that may be missing moves (of a pinhole
+        `focal * tan(yaw)`); then the next of a few round numbers.
         """
         if matcher.num_disparities is not None:
             return matcher
         enough = self.disparities.size > _FEWEST
         nearest = np.quantile(self.disparities, 0.995) if enough else self.view.size[0] / 4
-        widest = (_MARGIN * nearest + float(self.view.focal) * self.view.formulas.edge(yaw)) / self.scale
+        widest = (_MARGIN * max(nearest, 0.0) + float(self.view.focal) * self.view.formulas.edge(yaw)) / self.scale
         width = round(self.view.size[0] / self.scale)
         limit = width - 1 - abs(matcher.min_disparity)
         wanted = max(16, next((n for n in RANGES if n >= widest), widest) - matcher.min_disparity)
         return replace(matcher, num_disparities=int(min(wanted, limit // 16 * 16)))
 
 
-def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REACH, *, aligned: bool = False) -> Survey:
+def survey(
+    images: Pyramid,
+    extrinsics: Extrinsics,
+    reach: float = _DEFAULT_REACH,
+    *,
+    aligned: bool = False,
+    yaw: bool = False,
+) -> Survey:
     """Match the images at a coarse scale over a grid of pitch and roll, since the rig may be decalibrated. Points are
-    searched beyond infinity, too: where little lies in front of it, and features say that the rig has turned, what lies
-    there tells the yaw, which brings it back. A yaw of the other sign only makes all points seem nearer.
+    searched beyond infinity, too: where little lies in front of it, and features fit the rig but for a rotation, the
+    farthest that a reach explains tell the yaw, which brings them to infinity. A yaw of the other sign only makes all
+    points seem nearer.
 
     Args:
         extrinsics: (6,) of the rig, the middle of the grid.
         reach: largest rotation error expected, radians.
         aligned: the rows are known to be aligned, so pitch and roll are not searched.
+        yaw: whether the offset may have one.
 
     Raises:
         InputError: if the images are certainly exchanged, upside down, or of different scenes.
@@ -74,9 +84,9 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
     size = images.view.size
     scale = min(1.0, max(_COARSE_WIDTH / size[0], _COARSE_HEIGHT / size[1]))
     data = images.at(scale, _FRAMES)
-    focal, edge = float(data.view.focal), data.view.formulas.edge
-    beyond = int(_BEYOND * np.ceil(focal * edge(max(reach, _DEFAULT_REACH)) / _BEYOND) / scale)
-    beyond = min(beyond, size[0] // 4)  # of a view that is hardly wider than the reach
+    focal, edge, infinity = float(data.view.focal), data.view.formulas.edge, float(data.view.at_infinity)
+    beyond = int(_STEP * np.ceil((focal * edge(max(reach, _DEFAULT_REACH)) - infinity) / _STEP) / scale)
+    beyond = min(max(beyond, 0), int(_MOST_BEYOND * size[0]))
     coarse = SAD(min_disparity=-beyond, num_disparities=size[0] // 2 + beyond, block_size=7)
     offsets = np.zeros((1, 6)) if aligned else _offset_grid(data.view, reach)
     candidates = np.asarray(with_unit_baseline(extrinsics) + offsets, np.float32)
@@ -85,14 +95,17 @@ def survey(images: Pyramid, extrinsics: Extrinsics, reach: float = _DEFAULT_REAC
         winner = int(np.argmax(counts(data, candidates, coarse)))
         runs += len(candidates)
     surveyed = disparities(data, candidates[winner], coarse)
-    ahead = sum(np.count_nonzero(found.valid & (found.values >= 0.0)) for found in surveyed)
-    turned = False  # of images that are exchanged, all is beyond infinity, too
+    angles = [_parallaxes(data.view, found) for found in surveyed]
+    ahead = sum(int(np.sum(found.valid & (some >= 0.0))) for found, some in zip(surveyed, angles, strict=True))
+    fits = False  # of images that are exchanged, all is beyond infinity, too
     if ahead < _SURELY_RIGHT * data.pixels and not aligned:
-        turned = refuse_swapped_images(images, farthest=2.0 * max(reach, _DEFAULT_REACH)).turned
-    offset, surfaces = offsets[winner], _surfaces(surveyed, -1.0 - focal * edge(reach))
-    farthest = np.quantile(surfaces, _FARTHEST) if surfaces.size > _FEWEST else 0.0
-    if farthest < -1.0 and turned:
-        offset, surfaces = offset - np.eye(6)[AXES.index("yaw")] * farthest / focal, surfaces - farthest
+        fits = refuse_swapped_images(images, largest_rotation=2.0 * max(reach, _DEFAULT_REACH)).turned
+    surfaces, parallaxes = _surfaces(surveyed, angles, -reach - 1.0 / focal)
+    offset, missing = offsets[winner], 0.0
+    if yaw and fits and surfaces.size > _FEWEST:
+        missing = -float(np.quantile(parallaxes, _FARTHEST))
+    if missing > 1.0 / focal:
+        offset, surfaces = offset + np.eye(6)[AXES.index("yaw")] * missing, surfaces + focal * edge(missing)
     return Survey(offset, surfaces, data.view, scale, runs * data.cost)
 
 
@@ -148,13 +161,29 @@ def _either_way(farthest: float, steps: int) -> Float[np.ndarray, "n"]:
     return np.arange(-steps, steps + 1) * (farthest / max(steps, 1))
 
 
-def _surfaces(surveyed: Sequence[Disparity], lowest: float) -> Float[np.ndarray, "n"]:
-    """The disparities that form patches, without the isolated pixels of false matches, and what lies below the lowest
-    that a reach explains."""
-    patches = []
-    for found in surveyed:
-        values = np.asarray(found.values)
-        fixed_point = np.where(found.valid & (values > lowest), 16 * values, _NOTHING).astype(np.int16)
-        cv2.filterSpeckles(fixed_point, _NOTHING, maxSpeckleSize=_SPECKLE, maxDiff=16)
-        patches.append(values[fixed_point > _NOTHING])
-    return np.concatenate(patches)
+def _parallaxes(view: View, found: Disparity) -> Float[np.ndarray, "h w"]:
+    """The angle [rad] along the baseline between what both cameras see of each point: 0 at infinity, negative beyond.
+    A yaw adds to all alike."""
+
+    def angle(columns: Float[np.ndarray, "..."], centre: float) -> Float[np.ndarray, "..."]:
+        x, _, z = view.formulas.directions((columns - centre) / float(view.focal), 0.0)
+        return np.arctan2(x, z)
+
+    columns, values = np.arange(found.values.shape[1], dtype=float), np.where(found.valid, found.values, 0.0)
+    return angle(columns, float(view.centre_left)) - angle(columns - values, float(view.centre_right))
+
+
+def _surfaces(
+    surveyed: Sequence[Disparity], parallaxes: Sequence[Float[np.ndarray, "h w"]], lowest: float
+) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
+    """The disparities that form patches, and their parallaxes, without the isolated pixels of false matches, and what
+    lies below the lowest parallax that a reach explains."""
+    found = []
+    for one, angles in zip(surveyed, parallaxes, strict=True):
+        values = np.asarray(one.values)
+        fixed_point = np.where(one.valid & (angles > lowest), 16 * values, _INVALID).astype(np.int16)
+        cv2.filterSpeckles(fixed_point, _INVALID, maxSpeckleSize=_SPECKLE, maxDiff=16)
+        in_patches = fixed_point > _INVALID
+        found.append((values[in_patches], angles[in_patches]))
+    surfaces, of_surfaces = zip(*found, strict=True)
+    return np.concatenate(surfaces), np.concatenate(of_surfaces)

@@ -63,20 +63,20 @@ class FeatureMotion:
 
 
 def refuse_swapped_images(
-    images: Pyramid, frames: Sequence[int] | None = None, *, farthest: float = _TURNED
+    images: Pyramid, frames: Sequence[int] | None = None, *, largest_rotation: float = _TURNED
 ) -> FeatureMotion:
     """Refuse images that are certainly no left and right image of this rig; what features of the others say of the
     motion between the cameras.
 
     Args:
         frames: indices of the pairs to check, which differ from the others; default all.
-        farthest: radians; a rotation by more is that of another rig.
+        largest_rotation: radians, from the given one; more is another rig.
 
     Raises:
         InputError: one sentence that names what is wrong, and the frames, where some were given.
     """
     pairs = images.pairs if frames is None else [images.pairs[frame] for frame in frames]
-    found = [_mistake_in(images.rig, pair, farthest) for pair in select_frames(pairs, _FRAMES)]
+    found = [_mistake_in(images.rig, pair, largest_rotation) for pair in select_frames(pairs, _FRAMES)]
     mistakes = {mistake for mistake, _ in found}
     if len(mistakes) == 1 and (sentence := mistakes.pop()) is not None:
         which = "" if frames is None else f"{', '.join(pair.name for pair in pairs)} (unlike the other pairs): "
@@ -85,13 +85,13 @@ def refuse_swapped_images(
     return FeatureMotion(turned, not turned and any(motion.aside for _, motion in found))
 
 
-def _mistake_in(rig: StereoRig, pair: Pair, farthest: float) -> tuple[str | None, FeatureMotion]:
+def _mistake_in(rig: StereoRig, pair: Pair, largest_rotation: float) -> tuple[str | None, FeatureMotion]:
     if not image_quality(pair).enough or pair.size[0] < _SMALLEST:
         return None, FeatureMotion(turned=False, aside=False)
     left, right = (_features(image) for image in (pair.left, pair.right))
     tolerance = _AGREE * max(1.0, pair.size[0] / _WIDTH) / float(rig.left.focal[0])  # at depth 1
     given = _cheirality(rig, left, right, tolerance)
-    turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < farthest
+    turned = given.share >= _AHEAD and given.aligned >= _ALIGNED and given.angle < largest_rotation
     motion = FeatureMotion(bool(turned), bool(given.agree >= _MOST and given.aside > _ASIDE))
     return _sentence(rig, pair, left, right, given, tolerance), motion
 
