@@ -98,7 +98,8 @@ class MonitorProcess:
         self._thread.start()
 
     def put(self, pair: Pair | Images | Timed) -> bool:
-        """Hand over a pair, at once; False if one that waited is dropped for it. The arrays must not change after.
+        """Hand over a pair, at once; False if one that waited is dropped for it, or this has been closed. The arrays
+        must not change after.
 
         Args:
             pair: a `Pair`, or (left, right), or (left, right, seconds): where the time is known, of any clock, no
@@ -111,7 +112,7 @@ class MonitorProcess:
         self._check_alive()
         sent = _images_alone(pair)
         with self._there:
-            dropped = self._waiting is not None
+            dropped = self._closed or self._waiting is not None
             self._waiting = sent
             self._dropped += dropped
             self._there.notify()

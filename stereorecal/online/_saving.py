@@ -133,6 +133,8 @@ def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as JSON; arrays go into `arrays`, and leave their names."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
+    if isinstance(value, np.generic):
+        return value.item()
     if hasattr(value, "__array__"):
         name = f"a{len(arrays)}"
         arrays[name] = np.asarray(value)

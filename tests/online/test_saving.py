@@ -65,6 +65,13 @@ def test_pairs_that_wait_for_a_repair_are_kept(ride: Ride, tmp_path: Path):
     assert np.isnan(again.row_error)
 
 
+def test_numbers_of_numpy_come_back(ride: Ride, tmp_path: Path):
+    state = init(ride.rig, Config())
+    object.__setattr__(state.config, "every", np.int64(3))  # past the types that tests check
+    save(state, tmp_path / "state")
+    assert load(tmp_path / "state").config == Config(every=3)
+
+
 def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
     path = tmp_path / "state"
     with pytest.raises(sr.InputError, match="cannot be read"):
