@@ -248,11 +248,12 @@ def _exact_matrix(matrix: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def same_camera(one: Camera, other: Camera, rounding: float = 0.0) -> bool:
-    """Whether two cameras have equal intrinsics, to a share of each number; coefficients that a model lacks are 0."""
+    """Whether two cameras have equal intrinsics but for rounding, a share of each number or of 1; coefficients that a
+    model lacks are 0."""
     if one is other:
         return True
     if one.model != other.model or not np.allclose(one.matrix, other.matrix, rtol=rounding, atol=rounding):
         return False
     length = max(one.distortion.size, other.distortion.size)
     lenses = [np.pad(np.asarray(c.distortion), (0, length - c.distortion.size)) for c in (one, other)]
-    return np.allclose(*lenses, rtol=rounding, atol=1e-6 * rounding)
+    return np.allclose(*lenses, rtol=rounding, atol=rounding)
