@@ -136,7 +136,7 @@ def _summary(options: MonitorOptions, state: State) -> None:
 
 def _reason(found: Reading, state: State) -> str:
     """Why nothing can be told, and what would tell; nothing where something can."""
-    if found.condition is not Condition.CANNOT_TELL or found.decision is None:
+    if found.condition is not Condition.CANNOT_TELL:
         return ""
     if found.late:
         return f" (the right shutter is late by {found.delay.value:.2f} of a frame)"

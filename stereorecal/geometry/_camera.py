@@ -24,13 +24,11 @@ def whole_size(given: Any) -> tuple[int, int]:
     Raises:
         InputError: if it is something else.
     """
-    try:
-        width, height = (float(side) for side in given)
-    except (TypeError, ValueError):
-        width = height = 0.5
-    if not (width.is_integer() and height.is_integer() and min(width, height) >= 1.0):
-        raise InputError(f"the size is {given!r}; give (width, height) in whole pixels.")
-    return int(width), int(height)
+    sides = np.asarray(given, object)
+    whole = all(isinstance(side, Real) and float(side).is_integer() and float(side) >= 1.0 for side in sides.flat)
+    if sides.shape != (2,) or not whole:
+        raise InputError(f"the image size is {given!r}; give (width, height) in whole pixels.")
+    return int(sides[0]), int(sides[1])
 
 
 @register_pytree
@@ -49,8 +47,8 @@ class Camera:
             alpha), "eucm" (extended unified: alpha beta) or "omni" (unified with distortion: xi k1 k2 p1 p2).
 
     Raises:
-        InputError: if the matrix is transposed, singular, negative, skewed or not finite, the size is not positive, or
-            the coefficients are none of a lens. Rounding of the matrix's zeros and one is taken out.
+        InputError: if the matrix is transposed, singular, negative, skewed or not finite, the size is not of whole
+            pixels, or the coefficients are none of a lens. Rounding of the matrix's zeros and one is taken out.
         UnsupportedModelError: if the model is not known, or has not so many coefficients.
     """
 
@@ -65,8 +63,7 @@ class Camera:
         if not is_host(self.matrix, self.distortion):
             return
         matrix, distortion = np.array(self.matrix, float), np.array(self.distortion, float).reshape(-1)
-        if np.shape(self.size) != (2,) or not all(isinstance(side, Real) and 1 <= side < np.inf for side in self.size):
-            raise InputError(f"the image size {self.size} is not (width, height) in pixels; correct it.")
+        object.__setattr__(self, "size", whole_size(self.size))
         if not (np.isfinite(matrix).all() and np.isfinite(distortion).all()):
             raise InputError("the intrinsics contain NaN or infinite numbers; correct the calibration.")
         matrix = np.asarray(_exact_matrix(matrix))
@@ -77,7 +74,6 @@ class Camera:
                 f"a distortion has {distortion.size} coefficients; this lens model takes others: {lens.ABOUT}."
             )
         lens.check(distortion)
-        object.__setattr__(self, "size", (int(self.size[0]), int(self.size[1])))
         object.__setattr__(self, "matrix", matrix)
         object.__setattr__(self, "distortion", distortion)
         if np.isnan(self.lens_radius):
@@ -252,11 +248,12 @@ def _exact_matrix(matrix: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def same_camera(one: Camera, other: Camera, rounding: float = 0.0) -> bool:
-    """Whether two cameras have equal intrinsics, to a share of each number; coefficients that a model lacks are 0."""
+    """Whether two cameras have equal intrinsics but for rounding, a share of each number or of 1; coefficients that a
+    model lacks are 0."""
     if one is other:
         return True
     if one.model != other.model or not np.allclose(one.matrix, other.matrix, rtol=rounding, atol=rounding):
         return False
     length = max(one.distortion.size, other.distortion.size)
     lenses = [np.pad(np.asarray(c.distortion), (0, length - c.distortion.size)) for c in (one, other)]
-    return np.allclose(*lenses, rtol=rounding, atol=1e-6 * rounding)
+    return np.allclose(*lenses, rtol=rounding, atol=rounding)

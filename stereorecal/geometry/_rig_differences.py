@@ -9,7 +9,7 @@ from jaxtyping import Float
 from stereorecal.geometry._camera import same_camera
 from stereorecal.geometry._rig import AXES, StereoRig, with_unit_baseline
 
-_SAME = 1e-9  # radians, and parts of numbers
+_SAME = 1e-9
 
 
 @dataclass(frozen=True)
@@ -40,14 +40,14 @@ def axis_changes(before: StereoRig, after: StereoRig) -> Float[np.ndarray, "6"]:
     return np.concatenate([np.degrees(change[:3]), 100.0 * change[3:]])
 
 
-def same_rig(one: StereoRig, other: StereoRig) -> bool:
-    """Whether all numbers, of images as they were taken, are equal to within 1e-9; coefficients that a lens model lacks
-    are 0."""
+def same_rig(one: StereoRig, other: StereoRig, rounding: float = _SAME) -> bool:
+    """Whether all numbers, of images as they were taken, are equal but for rounding, radians, metres, and parts of
+    intrinsics; coefficients that a lens model lacks are 0."""
     one, other = one.as_taken(), other.as_taken()
-    turned = np.abs(np.asarray(one.rotation) - other.rotation).max() < _SAME
-    shifted = np.allclose(one.translation, other.translation, rtol=0.0, atol=_SAME * float(one.baseline))
+    poses = ((one.rotation, other.rotation), (one.translation, other.translation))
     sides = ((one.left, other.left), (one.right, other.right))
-    return bool(turned and shifted) and all(a.size == b.size and same_camera(a, b, _SAME) for a, b in sides)
+    same_pose = all(np.allclose(a, b, rtol=rounding, atol=rounding) for a, b in poses)
+    return same_pose and all(a.size == b.size and same_camera(a, b, rounding) for a, b in sides)
 
 
 def same_cameras(one: StereoRig, other: StereoRig) -> bool:

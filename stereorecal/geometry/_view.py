@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -233,8 +234,8 @@ def checked_view_arguments(given: Mapping[str, Any]) -> dict[str, Any]:
         checked_choice(name, _ARGUMENTS, "argument of a view")
     projection, field, same_column = given.get("projection"), given.get("field"), given.get("zero_disparity", True)
     widest = projection_of(str(projection or EQUIRECTANGULAR)).widest
-    number = isinstance(field, int | float) and not isinstance(field, bool)
-    if field is not None and not (number and 0.0 < field <= widest):
+    number = isinstance(field, Real) and not isinstance(field, bool)
+    if field is not None and not (number and 0.0 < float(field) <= widest):
         of_it = f" of {projection}" if projection else ""
         raise InputError(f"the field of a view is {field!r}; give degrees, more than 0 and at most {widest:g}{of_it}.")
     if not isinstance(same_column, bool):

@@ -43,11 +43,6 @@ class Undetermined:
     half_width: float
     matters: float
 
-    @property
-    def excess(self) -> float:
-        """The half width, of the one that would do."""
-        return self.half_width / self.matters
-
 
 @dataclass(frozen=True)
 class Showing:
@@ -92,13 +87,11 @@ class Advice:
 def advice(state: State) -> Advice:
     """What is missing until the answer on the calibration in use stands, and what to show next."""
     blind = state.reported is Kind.TOO_LITTLE_TEXTURE
-    if not state.estimate.is_finite:
-        return Advice((), (), None, blind, stands=False)
     estimate = state.estimate.moved(state.posterior.mean, state.posterior.covariance)
     chart, near = _near(state)
     errors, matters = _errors(near), {"epipolar": state.config.tolerances.good_rows_px, "depth": DEPTH_MATTERS}
     every = [Undetermined(*key, _half_width(estimate, by), matters[key[0]]) for key, by in errors.items()]
-    wide = sorted((one for one in every if one.excess > 1.0), key=lambda one: -one.excess)
+    wide = sorted((one for one in every if one.half_width > one.matters), key=lambda one: one.matters / one.half_width)
     candidates = [*_looks(state, chart, near), *_motions(state, chart, near)] if wide else []
     show = next((best for one in wide if (best := _best(estimate, one, errors, candidates))), None)
     deviations = NORMAL_95 * np.sqrt(np.diag(state.of_offset))
@@ -202,6 +195,5 @@ def _motion_past(distance: float | None, chart: RigChart, points: Float[np.ndarr
     tracked = window(Tracks(seen[0], seen[1]).of(inside[0] & inside[1]), chart, np.zeros(chart.dim))
     if not tracked.informative:
         return []
-    a, b, c = tracked.normal.a, tracked.normal.b, tracked.normal.c
-    normal = Normal(tracked.scale**2 * a, tracked.scale**2 * b, c)  # tracks without errors fit better than any are
-    return [_Candidate(None, distance, True, motion_measurement(normal, np.zeros(3)))]
+    told = motion_measurement(tracked.normal, np.zeros(3))
+    return [_Candidate(None, distance, True, told.weighed(tracked.scale**2))]  # tracks fit better than any with errors

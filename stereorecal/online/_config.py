@@ -16,6 +16,9 @@ from stereorecal.geometry import checked_view_arguments
 from stereorecal.matching import AbstractMatcher
 
 EVENTS_SCHEMA = "stereorecal.events/1"
+# Chance that a switch does harm, at most, and that it does not gain; and the share of the loss that it must gain. More
+# than in a recording, since later pairs can correct it.
+_HARM = 0.2
 _GAINS = 0.2  # of what a change has to gain in a recording, whose repair somebody takes over by hand
 
 
@@ -33,13 +36,11 @@ def _is_spread(value: Any) -> bool:
 
 _CHECKS: tuple[tuple[tuple[str, ...], Callable[[Any], bool], str], ...] = (
     (("synchronous", "motion", "repair"), lambda value: isinstance(value, bool | np.bool_), "True or False"),
-    (("every", "together", "keep"), lambda value: _is_whole(value, 1), "a whole number, at least 1"),
+    (("every", "together"), lambda value: _is_whole(value, 1), "a whole number, at least 1"),
     (("rest",), lambda value: _is_whole(value, 0), "a whole number, at least 0"),
-    (("shift", "lasting", "knock", "harm"), lambda value: isinstance(value, Real), "a number"),
-    (("lasting",), lambda value: 1.0 <= value < np.inf, "at least 1 pair"),
+    (("shift",), lambda value: isinstance(value, Real), "a number"),
     (("wander", "heating"), lambda value: np.shape(value) == (3,), "three numbers, of pitch, yaw and roll"),
     (("wander", "shift", "heating"), _is_spread, "0 or more"),
-    (("knock", "harm"), lambda value: 0.0 < value < 1.0, "a chance within 0 and 1"),
 )
 
 
@@ -57,7 +58,6 @@ class Config:
         heating: standard deviations of the rates at which they drift one way for a while, degrees a pair. Heat bends
             the bar between the cameras, which is yaw, more than it twists it. How much more or less than this and
             `wander` it is, is learnt from how far looks lie from what was predicted.
-        lasting: pairs for which such a rate lasts.
         prior: of what the calibration left: "default" (also for None), as a chessboard calibration of this rig: lenses
             that are not what it says bend rows as a yaw does, which the rig's motion tells apart; or "exact": they are
             right, and rows alone tell the yaw.
@@ -66,11 +66,7 @@ class Config:
         motion: whether the rig's own motion is followed: pairs come in the order in which they were taken.
         together: looks that err together, since they show the same things in the same windows: each counts for that
             much less in what is fused.
-        knock: chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock.
-        harm: chance that a switch does harm, at most, and that it does not gain; and the share of the loss that it must
-            gain. More than in a recording, since later pairs can correct it.
         rest: pairs from one switch to the next, at least: each costs, such as new rectification maps. A knock ends it.
-        keep: calibrations that can be returned to: the first, and the last ones.
         tolerances: of the decision that a calibration is to be repaired; also some of their values by name.
         repair: False watches alone, and switches nothing: the freeze switch. What moved a rig of which hardly anything
             matches is still searched for, to say it.
@@ -83,15 +79,11 @@ class Config:
     wander: tuple[float, float, float] = (2e-4, 4e-4, 2e-4)
     shift: float = 1e-4
     heating: tuple[float, float, float] = (2e-4, 8e-4, 2e-4)
-    lasting: float = 250.0
     prior: str | None = None
     synchronous: bool = False
     motion: bool = True
     together: int = 8
-    knock: float = 1e-6
-    harm: float = 0.2
     rest: int = 10
-    keep: int = 8
     tolerances: Tolerances = USUAL
     repair: bool = True
 
@@ -107,8 +99,8 @@ class Config:
     @property
     def limits(self) -> Tolerances:
         """Tolerances of what may be switched: those of a recording where nothing is, and so nothing taken back."""
-        surely, gains = 1.0 - self.harm, _GAINS * self.tolerances.gains
-        loose = replace(self.tolerances, gains=gains, harm=self.harm, better=surely, leaves=surely)
+        surely, gains = 1.0 - _HARM, _GAINS * self.tolerances.gains
+        loose = replace(self.tolerances, gains=gains, harm=_HARM, better=surely, leaves=surely)
         return loose if self.repair else self.tolerances
 
     @property

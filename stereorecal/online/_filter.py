@@ -31,6 +31,7 @@ _TRAVEL = 3.0  # percent of the baseline: by what the rig may travel during a de
 _DELAY_WANDER = 5e-3  # a frame, likewise
 _TURN_ERROR = 0.1  # of the rig's turn: what is near seems to turn when the rig travels
 _LATE, _RATES = -4, slice(-3, None)  # after θ
+_LASTING = np.exp(-1.0 / 250.0)  # a frame: rates last for 250
 # Factors on `Config.wander` and `Config.heating`: calm, warm, hot; shaken.
 PACES = np.array([(1.0, 0.25), (1.0, 1.0), (1.0, 4.0), (8.0, 1.0), (32.0, 1.0)])
 USUAL = np.log([0.3, 0.5, 0.1, 0.05, 0.05])
@@ -92,11 +93,6 @@ class FilterEstimate:
         return self.covariance[..., :_LATE, :_LATE]
 
     @property
-    def is_finite(self) -> bool:
-        """Whether it holds nothing that is no number."""
-        return bool(np.isfinite(self.mean).all() and np.isfinite(self.covariance).all())
-
-    @property
     def delay(self) -> float:
         """How late the right shutter is, in frames."""
         return float(self.mean[_LATE])
@@ -112,13 +108,13 @@ class FilterEstimate:
         Args:
             paces: factors on `config.wander` and `config.heating`.
         """
-        onwards, lasting = np.eye(self.mean.shape[-1]), np.exp(-1.0 / config.lasting)
+        onwards = np.eye(self.mean.shape[-1])
         onwards[:3, _RATES] = np.eye(3)
-        onwards[_RATES, _RATES] = lasting * np.eye(3)
+        onwards[_RATES, _RATES] = _LASTING * np.eye(3)
         steps, shrinkage = np.zeros(self.mean.shape), np.ones(self.mean.shape)
         steps[..., :3], steps[..., 3:SIZE] = paces[..., :1] * config.wander, config.shift
         steps[..., _LATE] = 0.0 if config.synchronous else _DELAY_WANDER
-        steps[..., _RATES] = np.sqrt(1.0 - lasting**2) * paces[..., 1:] * config.heating
+        steps[..., _RATES] = np.sqrt(1.0 - _LASTING**2) * paces[..., 1:] * config.heating
         covariance = onwards @ self.covariance @ onwards.T + steps[..., None] ** 2 * np.eye(len(onwards))
         # Row and column together: an element that is cut alone leaves what is no covariance.
         shrinkage[..., _LATE] = _DELAY / np.maximum(_DELAY, np.sqrt(covariance[..., _LATE, _LATE]))

@@ -8,7 +8,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
@@ -30,6 +30,7 @@ Timed = tuple[np.ndarray, np.ndarray, float | None]  # and seconds
 Taken = tuple[np.ndarray, np.ndarray, float | None, float]  # and the readout of rolling shutters
 """The images of a pair, and when it was taken, seconds of any clock; None if that is not known."""
 
+_NICE = 10  # by how much the process gives way to others
 _PATIENCE = 10.0  # seconds that the process has to end by itself
 _LONGEST_REST = 10.0  # seconds
 _DEAD = "the worker process exited (exit code {}), and the rig is not watched; "
@@ -37,7 +38,7 @@ _AT_ONCE = 'it imports the program that starts it, which must do so under `if __
 _LATER = "look at what it printed, and start another."
 
 
-class MonitorProcess:
+class MonitorProcess(AbstractContextManager["MonitorProcess"]):
     """A rig that is watched and repaired by another process. The newest pair waits, at most one: those that come while
     it is busy take each other's place, and `dropped` counts them.
 
@@ -51,7 +52,6 @@ class MonitorProcess:
         *,
         keep: str | Path | None = None,
         keep_every: float = 0.0,
-        nice: int = 10,
         seconds: float | None = math.inf,
         share: float = 1.0,
     ) -> None:
@@ -66,7 +66,6 @@ class MonitorProcess:
                 this calibration.
             keep_every: seconds between two savings, at least, unless something has happened; the last state is saved
                 at the end. Where that fails it goes on, and says so: NOT_SAVED, and SAVED when it succeeds again.
-            nice: by how much the process gives way to others.
             seconds: of each step, for a repair, as `step` has it; default all that it takes: pairs that come meanwhile
                 are dropped.
             share: of one core, above 0 and at most 1: after each step the process rests until its processor time is
@@ -84,7 +83,7 @@ class MonitorProcess:
         # Not forked: JAX has threads, and a copy of a process without them hangs.
         context, begin = multiprocessing.get_context("spawn"), state.alone()
         ours, theirs = context.Pipe()
-        arguments = (theirs, begin, StateFile(keep, keep_every, written=begin), nice, seconds, share)
+        arguments = (theirs, begin, StateFile(keep, keep_every, written=begin), seconds, share)
         self._process = context.Process(target=_worker, args=arguments, daemon=True)
         self._there = threading.Condition()
         self._state, self._events, self._dropped = state, (), 0
@@ -98,7 +97,8 @@ class MonitorProcess:
         self._thread.start()
 
     def put(self, pair: Pair | Images | Timed) -> bool:
-        """Hand over a pair, at once; False if one that waited is dropped for it. The arrays must not change after.
+        """Hand over a pair, at once; False if one that waited is dropped for it, or this has been closed. The arrays
+        must not change after.
 
         Args:
             pair: a `Pair`, or (left, right), or (left, right, seconds): where the time is known, of any clock, no
@@ -111,7 +111,7 @@ class MonitorProcess:
         self._check_alive()
         sent = _images_alone(pair)
         with self._there:
-            dropped = self._waiting is not None
+            dropped = self._closed or self._waiting is not None
             self._waiting = sent
             self._dropped += dropped
             self._there.notify()
@@ -176,9 +176,6 @@ class MonitorProcess:
         if not self._closed and not self.alive:
             raise RuntimeError(_DEAD.format(self._process.exitcode) + (_LATER if self._answered else _AT_ONCE))
 
-    def __enter__(self) -> "MonitorProcess":
-        return self
-
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None):
         self.close()
 
@@ -233,9 +230,9 @@ def _timed(images: Taken) -> Pair | Images:
     return left, right
 
 
-def _worker(pipe: Connection, state: State, file: StateFile, nice: int, seconds: float | None, share: float) -> None:
+def _worker(pipe: Connection, state: State, file: StateFile, seconds: float | None, share: float) -> None:
     with suppress(OSError, AttributeError):
-        os.nice(nice)
+        os.nice(_NICE)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program that started it, which ends it in order
     at, ends = None, False
     while not ends:

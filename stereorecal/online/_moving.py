@@ -89,7 +89,10 @@ def _after_window(state: State, measured: Measurement) -> State:
     estimate = state.estimate
     of_rig, of_others = (one.log_likelihood(measured) for one in (estimate, estimate.widened([0.0, _OWN_YAW])))
     expected = _STAY * state.others + _COME * (1.0 - state.others)
-    share = float(expit(np.log1p(-expected) - np.log(expected) + of_rig - of_others))
+    odds = np.log1p(-expected) - np.log(expected) + of_rig - of_others
+    if not np.isfinite(odds):
+        return state
+    share = float(expit(odds))
     first, state = state.outlier_motion, state.replace(others=1.0 - share, outlier_motion=None)
     state = state.measured(measured.weighed(share))
     if share >= 0.5:

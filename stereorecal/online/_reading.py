@@ -25,7 +25,6 @@ DEPTH_MATTERS = 5.0  # percent there
 LATE = 4.0  # standard errors
 LATE_MATTERS = 0.03  # frames
 _ROTATION = EXTRINSICS[:3]  # y and z are left alone where a late shutter could pose as them
-_UNKNOWN = Interval(float("nan"), float("nan"), float("nan"))
 
 
 @lru_cache(maxsize=4)  # the same until another calibration is in use
@@ -55,26 +54,23 @@ class Reading:
         row_error: of the last look, pixels at full size: the mean over tiles of a tile's median |row difference|.
         rows_px: epipolar error of the calibration in use, over the view, pixels at full size.
         delay: of the right shutter, in frames.
-        decision: whether to change pitch, yaw and roll, and with `Config.synchronous` y and z, too; None if the state
-            holds what is no number.
+        decision: whether to change pitch, yaw and roll, and with `Config.synchronous` y and z, too.
         shifted: whether only a change of y and z as well would be better for sure. A bar that bends turns the cameras
             too; a shutter that is late on a rig that travels straight on looks like a shift.
-        estimate: of changes of the calibration in use; None without a decision.
+        estimate: of changes of the calibration in use.
     """
 
     axes: Mapping[str, Interval]
     row_error: float
     rows_px: Interval
     delay: Interval
-    decision: Decision | None
+    decision: Decision
     shifted: bool
-    estimate: Estimate | None = None
+    estimate: Estimate
 
     @cached_property
     def depth_percent(self) -> Mapping[int, Interval]:
         """The error of depth of the calibration in use at 5, 10, 30 and 100 baselines."""
-        if self.estimate is None:
-            return dict.fromkeys(DISTANCES, _UNKNOWN)
         estimate = replace(self.estimate)  # whose samples, some megabytes, go again: readings are kept for curves
         found = estimate.depth_error_percent(np.zeros(len(estimate.names)))
         return {int(distance): Interval(*ends) for distance, ends in found.items()}
@@ -82,8 +78,6 @@ class Reading:
     @property
     def condition(self) -> Condition:
         """What the decision says, as `health` has it; a calibration is not healthy while a shutter is late."""
-        if self.decision is None:
-            return Condition.CANNOT_TELL
         if self.change is not None or self.shifted:
             return Condition.REPAIR
         good = self.decision.verdict is Verdict.GOOD and not self.late
@@ -92,14 +86,14 @@ class Reading:
     @property
     def change(self) -> Float[np.ndarray, "5"] | None:
         """The change of pitch, yaw, roll [deg], y, z [percent] that the decision asks for; None if it asks for none."""
-        return None if self.decision is None or self.decision.refused else self.decision.theta[:SIZE]
+        return None if self.decision.refused else self.decision.theta[:SIZE]
 
     @property
     def matters(self) -> bool:
         """Whether epipolar errors are, as likely as not, none of a good calibration, or depth at 30 baselines is wrong
         by 5 %."""
-        limits = Tolerances() if self.decision is None else self.decision.tolerances
-        return self.rows_px.value > limits.good_rows_px or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
+        good_rows_px = self.decision.tolerances.good_rows_px
+        return self.rows_px.value > good_rows_px or abs(self.depth_percent[FAR].value) > DEPTH_MATTERS
 
     @property
     def late(self) -> bool:
@@ -113,8 +107,8 @@ class Reading:
             {
                 "condition": self.condition.name.lower(),
                 "shifted": self.shifted,
-                "probability_better": self.decision and self.decision.better,
-                "probability_worse": self.decision and self.decision.worse,
+                "probability_better": self.decision.better,
+                "probability_worse": self.decision.worse,
                 "axes": {name: axis.as_dict() for name, axis in self.axes.items()},
                 "row_error_px": self.row_error,
                 "rows_px": self.rows_px.as_dict(),
@@ -126,21 +120,20 @@ class Reading:
 
 def reading(state: State) -> Reading:
     """What a state says of the calibration in use."""
-    delay, delay_width = state.estimate.delay, NORMAL_95 * state.estimate.of_delay**0.5
-    late = Interval(delay, delay - delay_width, delay + delay_width)
-    if not state.estimate.is_finite:
-        return Reading(dict.fromkeys(EXTRINSICS, _UNKNOWN), state.row_error, _UNKNOWN, late, None, shifted=False)
-    offset, widths = state.offset - state.using, NORMAL_95 * np.sqrt(np.diag(state.of_offset))
-    axes = {
-        name: Interval(value, value - width, value + width)
-        for name, value, width in zip(EXTRINSICS, offset.tolist(), widths.tolist(), strict=True)
-    }
+    late = _interval(state.estimate.delay, state.estimate.of_delay)
+    offset, variances = (state.offset - state.using).tolist(), np.diag(state.of_offset).tolist()
+    axes = {name: _interval(*both) for name, both in zip(EXTRINSICS, zip(offset, variances, strict=True), strict=True)}
     config, using, coverage = state.config, tuple(state.using.tolist()), state.coverage.tobytes()
     free = EXTRINSICS if config.synchronous else _ROTATION
     given = (state.initial, using, state.posterior, state.view, coverage)
     estimate, decision, shifted = _decided(*given, free, config.limits, config.tolerances)
     rows = Interval(*decision.rows_px[0].tolist())
     return Reading(axes, state.row_error, rows, late, decision, shifted, estimate)
+
+
+def _interval(mean: float, variance: float) -> Interval:
+    half = NORMAL_95 * float(np.sqrt(variance))
+    return Interval(mean, mean - half, mean + half)
 
 
 @lru_cache(maxsize=4)  # a step asks several times

@@ -17,7 +17,7 @@ import numpy as np
 from stereorecal._errors import InputError, MatcherError
 from stereorecal.decision import Tolerances
 from stereorecal.estimation import Normal
-from stereorecal.geometry import Camera, StereoRig, View
+from stereorecal.geometry import Camera, StereoRig, View, same_rig
 from stereorecal.io import write_bytes
 from stereorecal.matching import AbstractMatcher, matcher, matchers, name_of
 from stereorecal.online._config import Config, Event, Kind
@@ -27,7 +27,7 @@ from stereorecal.recalibration import Progress
 from stereorecal.recordings import Pair
 from stereorecal.scoring.host import Corners
 
-SCHEMA = "stereorecal.state/15"
+SCHEMA = "stereorecal.state/16"
 _KNOWN: dict[str, Any] = {
     kind.__name__: kind
     for kind in (
@@ -49,11 +49,8 @@ _KNOWN: dict[str, Any] = {
 # What zipfile, NumPy and the classes raise for what is damaged; RuntimeError for flags that no archive of ours has.
 _DAMAGED = (ValueError, LookupError, TypeError, AttributeError, RuntimeError, EOFError, OSError, MemoryError)
 _DAMAGED += (zipfile.BadZipFile, zlib.error)
+_ROUNDING = 1e-6  # of a calibration that has been written with some digits less
 _ANEW = "remove it, or name another file, to start again"
-
-
-class _NotInstalled(Exception):
-    """A matcher of that name is not."""
 
 
 def save(state: State, path: str | Path) -> None:
@@ -86,7 +83,7 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
     """
     state = _loaded(path)
     if rig is not None and not any(
-        _same_calibration(rig.side_by_side(), known)
+        same_rig(rig.side_by_side(), known, _ROUNDING)
         for known in (state.initial, state.rig, *map(state.rig_at, state.previous))
     ):
         raise InputError(
@@ -94,19 +91,6 @@ def load(path: str | Path, rig: StereoRig | None = None) -> State:
             "with this one."
         )
     return state
-
-
-def _same_calibration(one: StereoRig, other: StereoRig) -> bool:
-    """Whether two calibrations are one, which may have been written with some digits less."""
-    lenses = [(rig.left.model, rig.right.model) for rig in (one, other)]
-    return lenses[0] == lenses[1] and np.allclose(_numbers(one), _numbers(other), rtol=1e-6, atol=1e-6)
-
-
-def _numbers(rig: StereoRig) -> np.ndarray:
-    """All that a calibration says; coefficients that a lens does not have are 0."""
-    lenses = [np.pad(camera.distortion, (0, 14 - len(camera.distortion))) for camera in (rig.left, rig.right)]
-    cameras = [np.concatenate([camera.size, np.ravel(camera.matrix)]) for camera in (rig.left, rig.right)]
-    return np.concatenate([*cameras, *lenses, rig.extrinsics])
 
 
 def _loaded(path: str | Path) -> State:
@@ -120,8 +104,8 @@ def _loaded(path: str | Path) -> State:
         content = json.loads(arrays["content"].tobytes())
         if content["schema"] == SCHEMA:
             return _decoded(content["state"], arrays).alone()
-    except _NotInstalled as error:
-        raise InputError(f"{path}: the matcher {error} is not installed; install it, or {_ANEW}.") from error
+    except InputError as error:  # such as: a matcher that is not installed
+        raise InputError(f"{path}: {error}") from error
     except MatcherError:
         raise
     except _DAMAGED as error:
@@ -133,6 +117,8 @@ def _encoded(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as JSON; arrays go into `arrays`, and leave their names."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
+    if isinstance(value, np.generic):
+        return value.item()
     if hasattr(value, "__array__"):
         name = f"a{len(arrays)}"
         arrays[name] = np.asarray(value)
@@ -163,8 +149,6 @@ def _decoded(value: Any, arrays: Mapping[str, np.ndarray]) -> Any:
     if "array" in value:
         return arrays[value["array"]]
     if "matcher" in value:
-        if value["matcher"] not in matchers():
-            raise _NotInstalled(value["matcher"])
         return matcher(value["matcher"], **{name: _decoded(item, arrays) for name, item in value["with"].items()})
     kind = _KNOWN[value["of"]]
     if "name" in value:

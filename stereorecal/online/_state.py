@@ -204,10 +204,6 @@ class State:
             state = replace(state.standing_at(wide), view=as_view(config.view, self.initial), outlier=None)
         return state
 
-    def using_now(self, offset: Offset) -> "State":
-        """The state with another calibration in use."""
-        return replace(self, using=offset)
-
     def replace(self, **changes) -> "State":
         """The same but for some of it."""
         return replace(self, **changes)

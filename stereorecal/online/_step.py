@@ -104,8 +104,6 @@ def rollback(state: State, to: Offset | None = None) -> State:
 def _after_pair(state: State, pair: Pair) -> State:
     config, before, current = state.config, state.last, small(pair.left)
     state = state.later().replace(last=current)
-    if not state.estimate.is_finite:
-        return state
     if state.job is not None:
         return continued(state)
     if state.frame % config.every:

@@ -32,18 +32,18 @@ from stereorecal.recordings import Pairs
 from stereorecal.scoring import Correspondences, pyramid
 
 _TRUSTED = 0.1  # degrees and percent: how well an estimate by few frames is trusted, beyond its own covariance
+_KNOCK = 1e-6  # chance that a look is taken for a sign of a knock though nothing happened; two that agree are a knock
 _AGREE = 1e-3  # chance, of two looks after a knock
 _DISAGREEING = 4  # looks that fit nothing, until it is said
+_KEPT = 8  # calibrations that can be returned to: the first, and the last ones
 
 
 def switched(state: State, offset: Offset) -> State:
     """Another calibration in use; the first and the last ones before it are kept."""
-    previous, keep = (*state.previous, state.using), state.config.keep
-    if len(previous) > keep:
-        previous = (previous[0], *previous[len(previous) - keep + 1 :])
+    first, *last = *state.previous, state.using
     return state.replace(
         using=offset,
-        previous=previous,
+        previous=(first, *last[1 - _KEPT :]),
         ready=state.frame + state.config.rest,
         reported=None,
         job=None,
@@ -62,7 +62,7 @@ def decided(state: State, found: Correspondences) -> State:
     if not state.config.repair or state.outlier is not None or state.frame < state.ready:
         return state
     stands = reading(state)
-    if stands.late or stands.shifted or stands.decision is None or stands.change is None:
+    if stands.late or stands.shifted or stands.change is None:
         return state
     offset = state.using + stands.change
     if row_error(found, state.chart, theta_of(offset, state.chart)) > state.row_error:
@@ -90,7 +90,7 @@ def _switched_by(state: State, offset: Offset, kind: Kind, decision: Decision, b
 def prior_now(state: State) -> Prior:
     """What is known of the calibration in use, for an estimate by other pairs: of exact intrinsics only that they are;
     else all that looks have told, lenses included."""
-    if is_exact(state.config.prior) or not state.estimate.is_finite:
+    if is_exact(state.config.prior):
         return state.config.prior
     names, covariance = state.chart.names, state.posterior.covariance
     some = np.flatnonzero(np.diag(covariance) > 0.0)
@@ -113,8 +113,7 @@ def told_by(state: State, estimate: Estimate) -> State:
 
 def followed(state: State, measured: Measurement) -> State:
     """The state after an informative look."""
-    config = state.config
-    if state.estimate.chance_of(measured) >= config.knock:
+    if state.estimate.chance_of(measured) >= _KNOCK:
         state = state.measured(measured, state.config.together).replace(outlier=None, outliers_in_a_row=0)
         return standing(state)
     first = state.outlier
@@ -130,7 +129,7 @@ def followed(state: State, measured: Measurement) -> State:
     before, state = state.offset, state.standing_at(estimate).replace(outlier=None, outliers_in_a_row=0)
     if knocked:
         state = state.replace(ready=0)
-    if not (knocked and reading(state.using_now(before)).matters):
+    if not (knocked and reading(state.replace(using=before)).matters):
         return standing(state)
     change = dict(zip(EXTRINSICS, (state.offset - before).tolist(), strict=True))
     farthest = sorted(("pitch", "yaw", "roll"), key=lambda name: -abs(change[name]))[:2]

@@ -19,7 +19,7 @@ from jaxtyping import Float, UInt8
 from platformdirs import user_cache_path
 
 from stereorecal import InputError
-from stereorecal.geometry import StereoRig
+from stereorecal.geometry import StereoRig, rig_as_data
 from stereorecal.recordings import Pair
 from stereorecal.synthetic._noise import Texture
 from stereorecal.synthetic._patch import Patch
@@ -198,11 +198,12 @@ def photographs(drive: Drive, first: int = 0, *, folder: str | os.PathLike[str] 
 def _cached(drive: Drive, place: int, folder: Path) -> _Images:
     """The images at a place, left and right, from the cache or rendered."""
     frames = drive.frames_at(place)
-    key = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], _sources()]
+    cameras = rig_as_data(drive.rig)
+    key = [drive.tour, drive.seed, place, drive.moving, drive.weather[frames[0]], cameras, _sources()]
     numbers = drive.extrinsics[frames[0] : frames[-1] + 1].tobytes() + drive.late[frames[0] : frames[-1] + 1].tobytes()
     name = hashlib.sha256(repr(key).encode() + numbers).hexdigest()[:24]
     path = folder / f"{drive.tour}-{name}.npy"
-    with suppress(OSError, ValueError):  # missing, or truncated
+    with suppress(OSError, ValueError, EOFError):  # missing, truncated, or empty
         return np.load(path)
     images = _rendered(drive, place)
     with suppress(OSError):  # a full disk: not cached

@@ -160,7 +160,7 @@ def test_no_lens_distorts_so_much(place: int):
         Camera(SIZE, MATRIX, np.where(np.arange(5) == place, 1e300, 0.0))
 
 
-@pytest.mark.parametrize("size", [(0, 10), (10, -1), None, 10, ("10", "10"), (10, np.nan)])
+@pytest.mark.parametrize("size", [(0, 10), (10, -1), None, 10, ("10", "10"), (10, np.nan), (10.5, 10)])
 def test_sizes_that_are_none(size: Any):
     given = Camera(SIZE, MATRIX)
     object.__setattr__(given, "size", size)  # past the types that tests check, which users' programs do not

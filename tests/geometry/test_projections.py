@@ -13,6 +13,7 @@ from stereorecal.geometry import (
     Camera,
     StereoRig,
     View,
+    checked_view_arguments,
     mapped_area,
     pixel_map,
     projection,
@@ -150,6 +151,7 @@ def test_fields_and_names_that_are_none():
     shown = view(RIG, projection="equirectangular")
     assert shown.degrees == pytest.approx(160.0)  # the lens has 188
     assert view(RIG, projection="equirectangular", field=180.0).degrees == pytest.approx(180.0)
+    assert checked_view_arguments({"field": np.int64(180)}) == {"field": 180}
     assert str(shown) == f"640 x 480 pixels, equirectangular, 160 degrees across, focal length {shown.focal:.3f} px"
     for field in (0.0, 180.1, np.nan):
         with pytest.raises(InputError, match="makes no equirectangular view; give more than 0 and at most 180"):

@@ -65,8 +65,10 @@ def test_put_never_waits(ride: Ride):
         assert told(beside, Kind.BAD_FRAME)[0].kind is Kind.BAD_FRAME
         assert beside.latest()[0].using.shape == (5,)
         assert beside.alive
-        process = beside._process
+        process, dropped = beside._process, beside.dropped
     assert not process.is_alive()
+    assert not beside.put((black, black))
+    assert beside.dropped == dropped + 1
     assert process.pid != os.getpid()
 
 

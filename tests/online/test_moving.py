@@ -146,7 +146,7 @@ def test_the_turn_of_a_window_is_that_of_one_pair(ride, ridden, monkeypatch):
 
 def test_what_a_window_tells_counts_from_the_first_calibration_also_after_a_switch(ride, ridden, monkeypatch):
     """Tracks of the rig in use, wherever that is, tell the yaw of that rig."""
-    state = with_corners(ridden[-1].state.using_now(np.array([0.1, 0.4, -0.2, 1.0, -2.0])), pairs=4)
+    state = with_corners(ridden[-1].state.replace(using=np.array([0.1, 0.4, -0.2, 1.0, -2.0])), pairs=4)
     monkeypatch.setattr(_moving, "corner_tracks", lambda before, pair: tracks_of(state.rig, noise=0.0))
     told: list[Measurement] = []
     monkeypatch.setattr(_moving, "_after_window", lambda state, measured: told.append(measured) or state)

@@ -65,6 +65,12 @@ def test_pairs_that_wait_for_a_repair_are_kept(ride: Ride, tmp_path: Path):
     assert np.isnan(again.row_error)
 
 
+@pytest.mark.usefixtures("unchecked")
+def test_numbers_of_numpy_come_back(ride: Ride, tmp_path: Path):
+    save(init(ride.rig, Config(every=np.int64(3))), tmp_path / "state")  # pyright: ignore[reportArgumentType]
+    assert load(tmp_path / "state").config == Config(every=3)
+
+
 def test_what_is_no_state_is_refused(ride: Ride, tmp_path: Path):
     path = tmp_path / "state"
     with pytest.raises(sr.InputError, match="cannot be read"):
@@ -95,7 +101,7 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
     path = tmp_path / "state"
     began = init(ride.rig)
     before = np.array([0.2, 0.0, 0.0, 0.0, 0.0])
-    save(began.using_now(np.array([0.3, 0.0, 0.0, 0.0, 0.0])).replace(previous=(np.zeros(5), before)), path)
+    save(began.replace(using=np.array([0.3, 0.0, 0.0, 0.0, 0.0]), previous=(np.zeros(5), before)), path)
     used = load(path).rig
     assert not np.allclose(used.extrinsics, ride.rig.extrinsics)
     sr.io.save_rig(used, (tmp_path / "ros_left.yaml", tmp_path / "ros_right.yaml"), format="ros")
@@ -113,6 +119,18 @@ def test_a_state_of_another_calibration_is_refused(ride: Ride, tmp_path: Path):
             load(path, other)
         with pytest.raises(sr.InputError, match="belongs to another calibration"):
             sr.online.MonitorProcess(other, keep=path)
+
+
+def test_a_matcher_that_is_not_installed(ride: Ride, tmp_path: Path):
+    path = tmp_path / "state"
+    save(init(ride.rig, Config(matcher=sr.SAD(num_disparities=48))), path)
+    with np.load(path) as file:
+        arrays = {name: file[name] for name in file.files}
+    content = arrays["content"].tobytes().replace(b'{"matcher": "sad"', b'{"matcher": "mine"')
+    with open(path, "wb") as file:
+        np.savez(file, **{**arrays, "content": np.frombuffer(content, np.uint8)})  # pyright: ignore[reportArgumentType]
+    with pytest.raises(sr.InputError, match="state: unknown matcher 'mine'"):
+        load(path)
 
 
 def test_a_failed_save_leaves_the_old_file(ride: Ride, tmp_path: Path):

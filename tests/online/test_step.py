@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from json_page import differences
+from parts_of_estimates import Measurement
+from parts_of_repairs import _moving, _switching
 from rides import BEFORE, Ride, error, kinds
 
 import stereorecal as sr
+from stereorecal.estimation import Normal
 from stereorecal.online import Config, Kind, Stepped, freeze, init, reading, rollback, run, step
 from stereorecal.scoring.host import Corners
 
@@ -63,7 +66,7 @@ def test_rollback_returns_and_stays(ride: Ride, ridden: list[Stepped]):
 
 def test_rollback_to_one_of_several(ride: Ride):
     one, two, three = (0.1 * number * np.eye(5)[0] for number in (1, 2, 3))
-    state = init(ride.rig).using_now(three).replace(previous=(np.zeros(5), one, two))
+    state = init(ride.rig).replace(using=three, previous=(np.zeros(5), one, two))
     back = rollback(state, one)
     assert np.array_equal(back.using, one)
     assert np.array_equal(back.previous, [np.zeros(5)])
@@ -144,7 +147,7 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
         state = start.configured(replace(start.config, synchronous=synchronous)).replace(outlier=None)
         pitch = -0.2 * np.eye(len(state.estimate.mean))[0]
         state = state.standing_at(replace(state.estimate, mean=state.estimate.mean + pitch))
-        state = state.using_now(state.using + pitch[:5])
+        state = state.replace(using=state.using + pitch[:5])
         happened = []
         for pair in ride.pairs[BEFORE - 2 : BEFORE]:
             turned = replace(pair, left=np.roll(pair.left, 6, axis=0))
@@ -155,26 +158,21 @@ def test_a_look_that_fits_a_late_shutter_is_a_knock_of_cameras_with_a_trigger(ri
     assert told == [[Kind.LATE], [Kind.KNOCK]]
 
 
-def test_a_state_that_holds_no_number_takes_pairs(ride: Ride):
-    """And says that nothing can be told."""
+def test_what_is_no_number_does_not_reach_the_estimate(ride: Ride):
+    """Neither of a look nor of a window."""
     state = init(ride.rig)
-    mean = state.estimate.mean.copy()
-    mean[3] = np.nan
-    broken = state.standing_at(replace(state.estimate, mean=mean))
-    for pair in ride.pairs[:2]:
-        broken, events = step(broken, pair)
-        assert not events
-    assert reading(broken).decision is None
+    normal = Normal(np.eye(len(state.theta)), np.full(len(state.theta), np.nan), 0.0)
+    measured = Measurement(normal, np.zeros(3))
+    for after in (_switching.followed(state, measured), _moving._after_window(state, measured)):
+        assert after.estimate is state.estimate
+        assert after.others == state.others
 
 
 WRONG: tuple[dict[str, Any], ...] = (
-    {"harm": "much"},
     {"heating": (0.0, -1.0, 0.0)},
     {"shift": np.inf},
-    {"lasting": 0.5},
     {"every": 0},
     {"together": 0},
-    {"knock": 0.0},
     {"wander": (0.0, -1.0, 0.0)},
     {"rest": -1},
     {"rest": 1.5},

@@ -1,5 +1,6 @@
 """Simulated drives: the truth of each frame, what is rendered by it, and what lies in the cache."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,19 @@ def test_pairs_are_kept_and_the_same(tmp_path: Path):
     third = list(photographs(drive, folder=tmp_path))
     np.testing.assert_array_equal(first[1].right, third[1].right)
     assert (next(photographs(drive, 1, folder=tmp_path)).left == first[1].left).all()
+
+
+def test_each_camera_has_its_own_images_and_an_empty_file_is_rendered_anew(tmp_path: Path):
+    drive = plan_drive("street", 4, 1, moving=False)
+    small, smaller = (replace(drive, rig=drive.rig.resized(size)) for size in ((64, 48), (32, 24)))
+    (first,) = photographs(small, folder=tmp_path)
+    assert first.size == (64, 48)
+    (kept,) = tmp_path.iterdir()
+    (other,) = photographs(smaller, folder=tmp_path)
+    assert other.size == (32, 24)
+    kept.write_bytes(b"")
+    (again,) = photographs(small, folder=tmp_path)
+    np.testing.assert_array_equal(again.left, first.left)
 
 
 @pytest.mark.parametrize("wrong", [("moon", 0, 10), ("street", -1, 10), ("street", 0, 0)])

@@ -49,7 +49,7 @@ class Applied:
     def published(self) -> State:
         """A state that uses it."""
         # What the calibration left takes half a second to find, and says nothing of what is used.
-        return init(self.initial, Config(prior="exact")).using_now(self.offset)
+        return init(self.initial, Config(prior="exact")).replace(using=self.offset)
 
     def goes_on(self, rig: StereoRig) -> bool:
         """Whether a calibration that is given now is the one that was given before, or that is published and has been

@@ -83,7 +83,7 @@ class Work:
 
     def accept(self, offset: np.ndarray) -> None:
         """As `stereorecal.online` does when it switches."""
-        state = self.state.using_now(offset)
+        state = self.state.replace(using=offset)
         self.state = state.replace(previous=(*self.state.previous, self.state.using), frame=self.state.frame + 1)
         self.events.append(Event(self.state.frame, Kind.REPAIRED))
 
