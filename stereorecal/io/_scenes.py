@@ -1,13 +1,12 @@
 """A scene from its parts: image pairs and a calibration that fits them, with what else its file says of the scene."""
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal._errors import CalibrationWarning, InputError, warn
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._strict_json import read_json
@@ -19,7 +18,7 @@ from stereorecal.io.formats._read_rig import at_common_size, checked_cameras, na
 from stereorecal.io.formats._rig_file import KEY, file_of
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
-from stereorecal.io.images._load_pairs import Sizes, common_size, load_pairs
+from stereorecal.io.images._load_pairs import Sizes, common_size
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 
@@ -57,38 +56,6 @@ def load_calibration(
     return Calibration(rig, "truth" if own.get("reference") == "truth" else "stored", info, size)
 
 
-def gather_scene(
-    left: AnyPath,
-    right: AnyPath,
-    calibration: AnyPath | tuple[AnyPath, AnyPath],
-    limit: int | None = None,
-    *,
-    format: str | None = None,
-    unit: str | None = None,
-    cameras: tuple[str, str] | None = None,
-) -> Scene:
-    """The scene of files in any places: images as `load_pairs` finds them, and a calibration in any format that
-    `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size;
-    where it says two, the larger images are resampled to the smaller size, and `save_rig` writes the file's own.
-
-    Args:
-        calibration: a file, a folder that holds one, or the left and the right camera's file.
-        limit: read only the first `limit` pairs.
-        format, unit, cameras: as of `load_rig`.
-
-    Raises:
-        InputError, UnsupportedModelError: as `load_pairs` and `load_rig`.
-
-    Warns:
-        CalibrationWarning: as `load_rig`.
-    """
-
-    def read(sizes: Sizes | None) -> Sequence[Pair]:
-        return load_pairs(left, right, limit, sizes=sizes)
-
-    return calibrated_scene(str(left), read, calibration, format=format, unit=unit, cameras=cameras)
-
-
 def calibrated_scene(
     name: str,
     pairs: Callable[[Sizes | None], Sequence[Pair]],
@@ -98,8 +65,22 @@ def calibrated_scene(
     unit: str | None = None,
     cameras: tuple[str, str] | None = None,
 ) -> Scene:
-    """The scene of pairs, which are read once it is sure that there is a file of a calibration, for cameras of the
-    sizes that it says; else as `gather_scene`."""
+    """The scene of pairs in any place, and a calibration in any format that `load_rig` reads: without image size it is
+    for images of this size; where it says two, the larger images are read at the smaller size, and `save_rig` writes
+    the file's own.
+
+    Args:
+        pairs: reads them, once it is sure that there is a file of a calibration, for the sizes of the left and the
+            right camera, or None, such as `lambda sizes: load_pairs(left, right, sizes=sizes)`.
+        calibration: a file, a folder that holds one, or the left and the right camera's file.
+        format, unit, cameras: as of `load_rig`.
+
+    Raises:
+        InputError, UnsupportedModelError: as `load_rig`, and as `pairs` does.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
+    """
     paths = paths_of(calibration)
     for path in paths:
         check_there(path)
@@ -160,11 +141,10 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
     """Say that the cameras of a calibration have images of two sizes."""
     if sizes is not None and sizes[0] != sizes[1]:
         (left, right), (width, height) = (f"{wide}x{high}" for wide, high in sizes), common_size(sizes)
-        warnings.warn(
+        warn(
             f"{where}: the images are {left} (left) and {right} (right); the larger are read at {width}x{height}, and "
             "the file keeps its sizes.",
             CalibrationWarning,
-            stacklevel=3,
         )
 
 

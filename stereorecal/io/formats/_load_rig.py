@@ -1,7 +1,6 @@
 """From paths to a rig: the files of a calibration, alone or in a folder; and what is said of one that was read."""
 
 import os
-import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -11,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError
+from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError, warn
 from stereorecal.geometry import StereoRig, checked_unit, described_turns, doubt_of_length, fitted_to, whole_size
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
@@ -69,8 +68,9 @@ def load_rig(
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     if len(paths) > 2 and len(set(paths)) < len(paths):
         raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
+    size = None if size is None else whole_size(size)
     rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
-    if size is not None and rig.left.size != (size := whole_size(size)):
+    if size is not None and rig.left.size != size:
         wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
@@ -119,7 +119,7 @@ def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> None:
     """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
     than its own; of turned images; and of principal points far from the middle of images, where the user and not the
-    file says the size of these (`sized`: it may). To be called by what users call: the warning points at their line."""
+    file says the size of these (`sized`: it may)."""
     known = [rig for rig in rigs if rig is not None]
     doubts = [_doubt_of_size] if sized else []
     said = [next(filter(None, map(doubt, known)), None) for doubt in (*doubts, _doubt_of_unit)]
@@ -128,7 +128,7 @@ def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> 
             f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
         )
     for message in filter(None, said):
-        warnings.warn(f"{path}: {message}", CalibrationWarning, stacklevel=3)
+        warn(f"{path}: {message}", CalibrationWarning)
 
 
 def _doubt_of_size(rig: StereoRig) -> str | None:
@@ -251,11 +251,6 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     if format is None and len(found) <= 2:
         return found
     raise InputError(f"{folder}: {_unknown(found)}")
-
-
-def looks_calibrated(folder: Path) -> bool:
-    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
-    return bool(_files_in(folder))
 
 
 def _files_in(folder: Path, endings: tuple[str, ...] = _ENDINGS) -> list[Path]:

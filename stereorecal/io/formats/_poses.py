@@ -1,7 +1,8 @@
 """Rigid motions, and how the cameras of a file stand: each on a body, or on another camera that has a place itself."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -9,8 +10,11 @@ from jaxtyping import Float
 from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
+from stereorecal.io.formats._numbers import key_name, numbers
+from stereorecal.io.formats.text._nodes import Keys
 
 Motion = Float[np.ndarray, "4 4"]
+_ROUNDING = 1e-3  # of the last row of a pose
 
 
 def pose(rotation: Mat3, translation: Vec3) -> Motion:
@@ -18,6 +22,20 @@ def pose(rotation: Mat3, translation: Vec3) -> Motion:
     made = np.eye(4)
     made[:3, :3], made[:3, 3] = rotation, translation
     return made
+
+
+def stated_pose(content: Mapping[str, Any], key: str | Keys) -> Motion:
+    """The rigid motion under a key, stated as four rows or as sixteen numbers."""
+    motion, name = numbers(content, key, (4, 4)), key_name(key)
+    if not np.allclose(motion[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=_ROUNDING):
+        raise InputError(f"the last row of {name} is not 0 0 0 1; correct it, or copy the file again.")
+    try:
+        extrinsics_of(motion[:3, :3], motion[:3, 3])
+    except InputError:
+        raise InputError(
+            f"{name} is not a rotation (orthonormal, determinant +1) beside a translation; correct it."
+        ) from None
+    return motion
 
 
 def inverse(motion: Motion) -> Motion:

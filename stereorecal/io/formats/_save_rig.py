@@ -81,10 +81,7 @@ def save_rig(
         CalibrationWarning: if the unit of the template was inferred from its baseline.
     """
     checked_rig(rig)
-    paths = paths_of(path)
-    if len({place.resolve() for place in paths}) < len(paths):
-        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
-    source = file_of(rig)
+    paths, source = paths_of(path), file_of(rig)
     if template is not None:
         template_rig = _read_template(template, unit, rig)
         source = file_of(template_rig)
@@ -103,9 +100,6 @@ def save_rig(
     contents = dict(zip(paths, texts, strict=True))
     if known is not None and prior_path is not None:
         contents[prior_path] = prior_text(known)
-    for place in paths:
-        if not place.parent.is_dir():  # before the first of two is written
-            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     write_files({place: text.encode() for place, text in contents.items()}, replace=overwrite)
 
 
@@ -188,6 +182,11 @@ def _texts_of(
 
     It is written into the source, if the format is its own; else `unit` is that of a format that says none.
     """
+    if len({place.resolve() for place in paths}) < len(paths):
+        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
+    for place in paths:
+        if not place.parent.is_dir():
+            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)
     before = rig

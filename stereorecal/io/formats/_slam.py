@@ -13,7 +13,7 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about, check_there
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints
 from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
-from stereorecal.io.formats._poses import inverse, pose, rig_of
+from stereorecal.io.formats._poses import inverse, pose, rig_of, stated_pose
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document, read_document
 from stereorecal.io.formats.text._nodes import Values
@@ -138,7 +138,7 @@ _CAMERAS = {  # by model_type
 def _read_vins(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of VINS' settings and of the files that they name, which lie beside them."""
     content, folder = documents[0].content, Path(documents[0].name).parent
-    poses = [numbers(content, f"body_T_cam{side}", (4, 4)) for side in (0, 1)]
+    poses = [stated_pose(content, f"body_T_cam{side}") for side in (0, 1)]
     left, right = (_camera_of_vins(folder / Path(str(value(content, f"cam{side}_calib"))).name) for side in (0, 1))
     return rig_of(left, right, inverse(poses[1]) @ poses[0])
 

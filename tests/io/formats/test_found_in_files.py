@@ -283,6 +283,18 @@ def test_kalibr_without_poses(tmp_path: Path, changes, said: str):
     refused(lambda: load_rig(paths), said)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("0.0, 0.0, 0.0, 1.0]", "0.0, 0.0, 0.0, 2.0]", "the last row of T_BS is not 0 0 0 1"),
+        ("[0.0, -1.0, 0.0", "[0.0, 1.0, 0.0", "T_BS is not a rotation (orthonormal, determinant +1)"),
+    ],
+)
+def test_euroc_without_poses(tmp_path: Path, old: str, new: str, said: str):
+    paths = SAMPLES["euroc"].changed((old, new)).write(tmp_path)
+    refused(lambda: load_rig(paths), said)
+
+
 @pytest.mark.parametrize("name", ["middlebury", "kitti-odometry"])
 def test_rounding_is_no_rotation(tmp_path: Path, name: str):
     paths = SAMPLES[name].write(tmp_path)

@@ -270,7 +270,8 @@ def test_zed(tmp_path: Path, name: str, seed: int):
     rig = load_rig(path, size=ZED_SIZES[name])
     width, height = rig.left.size
     assert (rig.left.size, rig.source.format, rig.source.unit) == (ZED_SIZES[name], "zed", "mm")
-    np.testing.assert_array_equal(load_rig(path, size=ZED_SIZES[name], format="zed").extrinsics, rig.extrinsics)
+    again = load_rig(path, size=list(ZED_SIZES[name]), format="zed")  # pyright: ignore[reportArgumentType]
+    np.testing.assert_array_equal(again.extrinsics, rig.extrinsics)
     np.testing.assert_allclose(rig.T, [-0.12025, 0.000125, -0.0005], rtol=1e-12)
     np.testing.assert_allclose(rig.R, cv2.Rodrigues(TURN)[0], rtol=0, atol=1e-12)
     right = [[width / 2 + 3, 0, width / 2 - 3], [0, width / 2, height / 2], [0, 0, 1]]

@@ -12,7 +12,7 @@ from refusals import refused
 
 from stereorecal import CalibrationWarning, UnsupportedModelError
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig, save_rig
+from stereorecal.io import check_savable, load_rig, save_rig
 
 # --- reading ------------------------------------------------------------------------------------------------
 
@@ -246,7 +246,8 @@ TWELVE = samples.rig_of(samples.RIG.extrinsics, np.arange(12) * 1e-3)
     ],
 )
 def test_what_a_format_cannot_hold(tmp_path: Path, rig: StereoRig, name: str, format: str | None, words: str):
-    refused(lambda: save_rig(rig, tmp_path / name, format=format), words)
+    for call in (save_rig, check_savable):
+        refused(lambda call=call: call(rig, tmp_path / name, format=format), words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -284,7 +285,9 @@ def test_two_files_or_none(tmp_path: Path):
     full = Path("/dev/full")
     if full.exists():
         refused(lambda: save_rig(moved, (left, full), format="ros", overwrite=True), "/dev/full: cannot be written")
-    refused(lambda: save_rig(moved, (left, tmp_path / "." / left.name), overwrite=True), "give two names")
+    same = left, tmp_path / "." / left.name
+    refused(lambda: save_rig(moved, same, overwrite=True), "give two names")
+    refused(lambda: check_savable(moved, same), "give two names")
     for places in (paths, beside(paths)):
         with full_disk(nth=2):
             refused(lambda places=places: save_rig(moved, places, overwrite=True), f"{places[1]}: cannot be written")
