@@ -50,7 +50,7 @@ def test_other_keys_are_carried_along(scene, tmp_path: Path):
 
 def test_one_file_has_one_size(tmp_path: Path):
     smaller = StereoRig(RIG.left, RIG.right.resized((80, 60)), RIG.extrinsics)
-    refused(lambda: save_rig(smaller, tmp_path / "c.json"), "one size for both")
+    refused(lambda: save_rig(smaller, tmp_path / "c.json"), "one size of images for both cameras")
     assert list(tmp_path.iterdir()) == []
 
 

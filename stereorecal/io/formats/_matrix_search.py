@@ -29,7 +29,7 @@ _WAY_OUT = (  # of a message
 _LONGEST = 200  # characters of a name
 _DEEPEST = 6  # levels of maps
 _MOST = 1000  # items of a list
-_SHOWN, _SHOWN_PARTS = 12, 8
+_SHOWN = 12
 _LARGEST = 16  # numbers of a matrix of a camera
 _ROWS = {"K": [[None, 0, None], [0, None, None], [0, 0, 1]], "D": [None] * 5}
 
@@ -127,10 +127,15 @@ def _several(what: str, names: Sequence[str]) -> InputError:
 
 def said_of(documents: Documents) -> str:
     """The arrays that documents hold, with their shapes, and how to say which is which."""
-    found = [str(entry) for entry in entries_of(documents) if entry.array is not None and entry.array.size > 1]
+    found = _listed(entries_of(documents))
+    return f"{f' It has {found}.' if found else ''} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
+
+
+def _listed(entries: Sequence[Entry]) -> str:
+    """The arrays among some entries, with their shapes."""
+    found = [str(entry) for entry in entries if entry.array is not None and entry.array.size > 1]
     more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
-    has = f" It has {', '.join(found[:_SHOWN])}{more}." if found else ""
-    return f"{has} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
+    return ", ".join(found[:_SHOWN]) + more
 
 
 def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
@@ -186,20 +191,13 @@ class Matrices:
 
     def check_whole(self) -> None:
         """Refuse one file of the two that stereo_calib writes, and matrices whose names do not say what they are."""
-        content, names = self.content, self.names
-        cameras = any(names[role] in content for role in ("K1", "K2"))
-        between = bool({names["R"], names["T"]} & content.keys())
-        if cameras and between:
-            return
-        of_kind = [str(entry) for entry in self.entries if (_may_be_between if cameras else _may_be_camera)(entry)]
-        if of_kind and (cameras or between):
-            missing = "rotation (R) and translation (T)" if cameras else "a left and a right camera matrix (K1, K2)"
-            raise InputError(f"{missing} are not found among {', '.join(of_kind[:_SHOWN_PARTS])}; {_WAY_OUT}")
-        there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
-        raise InputError(
-            f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
-            "give both, intrinsics first."
-        )
+        cameras, between = self.has("K1") or self.has("K2"), self.has("R") or self.has("T")
+        if not (cameras and between):
+            lack = "rotation and translation (R, T)" if cameras else "camera matrices (K1 or M1, K2 or M2)"
+            raise InputError(
+                f"no {lack} are found among {_listed(self.entries) or 'the values'}; give both files that OpenCV's "
+                f"stereo_calib writes, intrinsics.yml and extrinsics.yml, or {_WAY_OUT}"
+            )
 
 
 def matrices_in(documents: Documents) -> Matrices:
@@ -236,7 +234,6 @@ _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
 _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "coefs", "kc"}
 _NO_LENS = {"roi", "size", "resolution", "quat", "quaternion", "q", "intrinsics", "intrinsic", "shape"}
-_INTRINSICS = {"fx", "fy", "cx", "cy", "f", "focal", "intrinsic", "intrinsics", "intr", "k", "mtx", "principal"}
 _OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undistorted", "projection", "p", "error"}
 _ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground", "h",
               "homography"}  # fmt: skip
@@ -284,18 +281,6 @@ def _size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     if len(set(found.values())) > 1:
         raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
     return next(iter(found.values()), None)
-
-
-def _may_be_between(entry: Entry) -> bool:
-    """Whether it may be a rotation, a translation, or both in a matrix."""
-    array = entry.array
-    pose = array is not None and array.shape in ((3, 4), (4, 4)) and np.abs(array[:3, :3]).max() < 1.001
-    return _is_rotation(entry) or _is_vector(entry) or pose
-
-
-def _may_be_camera(entry: Entry) -> bool:
-    """Whether it may be the intrinsics of a camera, or one number of them."""
-    return _is_camera(entry) or (entry.array is not None and entry.says(_INTRINSICS))
 
 
 def _is_camera(entry: Entry) -> bool:

@@ -102,8 +102,6 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
 
 def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
-    if rig.left.size != rig.right.size:
-        raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     matrices, arrays = matrices_in(documents), dict[str, Array]()
     for side, camera in changed.items():
         least = size_of(matrices.content, (matrices.names[f"D{side + 1}"],))
@@ -149,6 +147,7 @@ FORMAT = Format(
     None,
     lambda document: _looks_together((document,)),
     _read,
+    one_size=True,
     looks_together=_looks_together,
     syntax={**YAML, ".xml": Syntax.XML, **JSON},
     blank=_blank,

@@ -288,6 +288,11 @@ def _checked(
     rig: StereoRig, format: Format, old: Documents, hints: Hints, unit: str, sides: Sequence[int] = (0, 1)
 ) -> tuple[str, ...]:
     """The texts of documents with the numbers of a rig, and of the cameras of these sides, which were read again."""
+    if format.one_size and rig.left.size != rig.right.size:
+        raise InputError(
+            f"{format.name} has one size of images for both cameras, and these have two; write the rig as kalibr, ros "
+            "or basalt instead."
+        )
     asked, exchanged = chosen_cameras(format, old, hints)
     taken = as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged)
     changed = {side: (taken.left, taken.right)[side] for side in (1 - side if exchanged else side for side in sides)}

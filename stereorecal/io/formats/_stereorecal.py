@@ -48,12 +48,6 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 
 def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
     """R, T and the baseline, and the intrinsics of cameras that have changed; a changed rig is no ground truth."""
-    if rig.left.size != rig.right.size:
-        one, other = (f"{width}x{height}" for width, height in (rig.left.size, rig.right.size))
-        raise InputError(
-            f"the cameras have images of {one} and {other}, but a calib.json has one size for "
-            "both; write the rig as kalibr or ros, or resize the images of one and its camera with `Camera.resized`."
-        )
     content = documents[0].content
     keep = {f"{key}_{side}" for number, side in enumerate(_SIDES) if number not in changed for key in ("K", "D")}
     keep |= {"image_size", "distortion_model"} & content.keys()
@@ -93,6 +87,7 @@ FORMAT = Format(
     "m",
     _looks,
     _read,
+    one_size=True,
     syntax=JSON,
     blank=lambda rig, syntax: (calibration_text(calibration_of(rig)),),
     write=_write,

@@ -163,11 +163,10 @@ class Table:
 
     def lens(self, content: Any, name: str) -> Lens:
         """What the file says that a lens is."""
-        said = [value(content, keys_of(content, place, name)) for place in self.words]
-        found = self.lenses.get(" ".join(map(str, said)))
-        if found is None:
-            raise unsupported(said[-1], *said[:-1])
-        return found
+        said = " ".join(str(value(content, keys_of(content, place, name))) for place in self.words)
+        if said not in self.lenses:
+            raise unsupported(said)
+        return self.lenses[said]
 
     def camera(self, content: Any, name: str) -> Camera:
         """The camera of a name."""

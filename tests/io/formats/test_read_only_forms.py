@@ -134,7 +134,7 @@ def test_forms(tmp_path: Path, name: str):
 VGA, SMALL = (672, 376), (640, 480)
 REFUSED = [
     ("mrcal", "OPENCV5", "SPLINED_STEREOGRAPHIC", None, "mrcal-convert-lensmodel"),
-    ("orbslam", "PinHole", "Sphere", None, "the camera type 'Sphere' is not supported"),
+    ("orbslam", "PinHole", "Sphere", None, "the lens model 'Sphere' is not supported"),
     ("vins", "cam1_pinhole", "cam7_pinhole", None, "there is no such file; put it beside the settings"),
     ("vins", "cam1_pinhole", "../../cam7_pinhole", None, "there is no such file; put it beside the settings"),
     ("matlab", "millimeters", "furlongs", None, "WorldUnits is 'furlongs'"),

@@ -28,8 +28,16 @@ from stereorecal.io import check_savable, load_rig, save_rig
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
         ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
         ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
-        ("a.yaml", SAMPLES["opencv pair"].texts[0], "intrinsics only, no extrinsics (R, T): OpenCV's stereo_calib"),
-        ("a.yaml", SAMPLES["opencv pair"].texts[1], "extrinsics only, no intrinsics (K1 or M1"),
+        (
+            "a.yaml",
+            SAMPLES["opencv pair"].texts[0],
+            "no rotation and translation (R, T) are found among M1 (3x3), D1 (5), M2 (3x3), D2 (5), imageSize (2); give both files that OpenCV",
+        ),
+        (
+            "a.yaml",
+            SAMPLES["opencv pair"].texts[1],
+            "no camera matrices (K1 or M1, K2 or M2) are found among R (3x3), T (3)",
+        ),
         ("a.yaml", samples.KALIBR.partition("cam1:")[0], "the chain has no cam1"),
         ("a.yaml", samples.KALIBR.replace("61.25", ".nan"), "intrinsics contains NaN or infinite"),
         ("a.yaml", samples.KALIBR.replace("61.25", '"61.25"'), "intrinsics is not an array"),
@@ -297,7 +305,7 @@ def test_two_files_or_none(tmp_path: Path):
 
 def test_rigs_that_another_file_would_not_hold(tmp_path: Path):
     two_sizes = StereoRig(samples.RIG.left, samples.RIG.right.resized((32, 24)), samples.RIG.extrinsics)
-    words = "different sizes; write the rig as kalibr"
+    words = "one size of images for both cameras, and these have two; write the rig as kalibr"
     refused(lambda: save_rig(two_sizes, tmp_path / "a.yaml", format="opencv"), words)
     save_rig(two_sizes, tmp_path / "a.yaml", format="kalibr")
     assert load_rig(tmp_path / "a.yaml").right.size == (32, 24)
