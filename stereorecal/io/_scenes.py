@@ -9,13 +9,12 @@ from typing import Any
 from stereorecal._errors import CalibrationWarning, InputError, warn
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import AnyPath, about, check_there
-from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
+from stereorecal.io.formats._load_rig import documents_of, paths_of, rig_of_documents, warn_of_file
 from stereorecal.io.formats._numbers import image_size
 from stereorecal.io.formats._read_rig import at_common_size, checked_cameras, named, rig_in
-from stereorecal.io.formats._rig_file import KEY, file_of
+from stereorecal.io.formats._rig_file import KEY
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
 from stereorecal.io.images._load_pairs import Sizes, common_size
@@ -37,20 +36,16 @@ class Calibration:
         return (self.stated, self.stated) if self.rig is None else self.rig.sizes_taken
 
 
-def load_calibration(
-    paths: Sequence[Path], format: str | None = None, unit: str | None = None, hints: Hints | None = None
-) -> Calibration:
+def load_calibration(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Calibration:
     """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
-    own, rig, size = None, None, (0, 0)
-    if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
-        own = read_json(paths[0])
-    if isinstance(own, dict) and own.get("K_left", ()) is None and own.get("K_right", ()) is None:
-        with about(paths[0]):
+    rig, size = None, (0, 0)
+    documents, found = documents_of(paths, format, hints)
+    own = documents[0].content if found is _stereorecal.FORMAT else {}
+    if own.get("K_left", ()) is None and own.get("K_right", ()) is None:
+        with about(documents[0].name):
             size = image_size(own, "image_size")
     else:
-        rig = read_files(paths, format, unit, hints).side_by_side()
-        source = file_of(rig)
-        own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
+        rig = rig_of_documents(documents, found, unit, hints).side_by_side()
     known = {*_stereorecal.KEYS, "reference", KEY}
     info = {key: item for key, item in own.items() if key not in known}
     return Calibration(rig, "truth" if own.get("reference") == "truth" else "stored", info, size)

@@ -61,8 +61,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
-    along = _links(content, chain[chain.index(first) : chain.index(last) + 1], _FROM_LAST)
-    motion = motions_from(names[0], along).get(names[1])
+    motion = motions_from(names[0], _links(content, chain, _FROM_LAST)).get(names[1])
     if motion is None:
         ways = (_links(content, (last, first), key) for key in (_FROM_IMU, _TO_IMU))
         stated = [motions_from(names[0], links)[names[1]] for links in ways if len(links) == 2]

@@ -18,7 +18,8 @@ from stereorecal.io.formats._matrix_search import said_of
 from stereorecal.io.formats._read_rig import FORMATS, checked_cameras, named, recognised, rig_in
 from stereorecal.io.formats._rig_file import ENDING, RigFile, file_of, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
-from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
+from stereorecal.io.formats.text._nodes import DOCUMENTS
+from stereorecal.io.formats.text._yaml import SEVERAL
 
 _FAR = 0.15  # of the width or height: principal points of cameras whose images are whole lie nearer to the middle
 _MOST_FILES = 12  # one for each matrix, and some beside; and those of a folder that are tried in pairs
@@ -96,16 +97,20 @@ def read_files(
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
         UnsupportedModelError: if the model of a lens is not known.
     """
-    checked_unit(unit)
     hints = hints or Hints()
-    documents, found = _documents_of(paths, format, hints)
-    rig = rig_in(documents, found, unit, hints)
+    return rig_of_documents(*documents_of(paths, format, hints), unit, hints)
+
+
+def rig_of_documents(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
+    """As `read_files`, of files that are parsed."""
+    checked_unit(unit)
+    rig = rig_in(documents, format, unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
     """Whether the format of files has a unit of lengths; InputError, as of `read_files`, if it is not recognised."""
-    return _documents_of(paths, format, Hints())[1].unit is not None
+    return documents_of(paths, format, Hints())[1].unit is not None
 
 
 def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
@@ -168,7 +173,8 @@ def _doubt_of_unit(rig: StereoRig) -> str | None:
 # --- which files, and of which format
 
 
-def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
+def documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
+    """The files of a calibration, parsed, and their format."""
     chosen = None if format is None else named(format)
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
@@ -190,32 +196,27 @@ def _half_of(document: Document) -> Format | None:
 
 
 def _recognised(documents: Documents) -> Format:
-    """The format of documents; of two that none can read together, that of one, whose reader says what the other one
-    lacks."""
+    """The format of documents; of two of which one is a half of a calibration, that of this one, whose reader says what
+    the other one lacks."""
     found = recognised(documents)
     if found is not None:
         return found
-    names = " and ".join(document.name for document in documents)
     looks = [recognised((document,)) or _half_of(document) for document in documents]
     known = [format for format in looks if format is not None]
-    if known and len(documents) == 1:
-        raise InputError(
-            f"{names}: this is one of two files ({known[0].name}: {known[0].about}); give both, left before right."
-        )
+    if len(documents) == 2 and len(known) == 1 and known[0].files == 2:
+        return known[0]
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
-        raise InputError(f"{names}: {SEVERAL}")
-    if not known or len(documents) > 2:
-        raise InputError(f"{names}: {_unknown(documents)}")
-    if len(known) == 2 and known[0] is known[1]:
-        raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
-    if len(known) == 2 or known[0].files == 1:
-        first, second = (document.name for document in documents)
-        one, other = ("nothing that is known" if format is None else format.name for format in looks)
-        raise InputError(
-            f"these two do not belong together: {first} looks like {one}, {second} like {other}; give two of one kind, "
-            "or the whole one alone."
+        raise InputError(f"{' and '.join(document.name for document in documents)}: {SEVERAL}")
+    if known:
+        said = (
+            f"{document.name} looks like {'nothing that is known' if format is None else format.name}"
+            for document, format in zip(documents, looks, strict=True)
         )
-    return known[0]
+        raise InputError(
+            f"{', '.join(said)}: this is not one whole calibration; give one file, or the two files of one kind, left "
+            f"before right ({known[0].name}: {known[0].about})."
+        )
+    raise InputError(f"{' and '.join(document.name for document in documents)}: {_unknown(documents)}")
 
 
 def _unknown(documents: Documents) -> str:

@@ -204,7 +204,6 @@ _OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has
 ROUNDING = 1e-9  # radians; and parts of the baseline
 # Formats that have a place for a lens model, for messages.
 _HOLDERS = {
-    "radtan": "opencv, ros or depthai",
     "equidistant": "kalibr, ros or stereorecal",
     "ds": "kalibr, basalt or stereorecal",
     "eucm": "kalibr, basalt or stereorecal",

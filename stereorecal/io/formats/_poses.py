@@ -46,6 +46,13 @@ def inverse(motion: Motion) -> Motion:
         raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
 
 
+def pose_of_rectified(left: tuple[Mat3, Vec3], right: tuple[Mat3, Vec3]) -> Motion:
+    """The motion from a left camera to a right one, of which each is known by the rotation that rectifies it and t of
+    its projection matrix K [I | t]; t has x, of cameras one above the other y, of KITTI's all three."""
+    (to_left, left_place), (to_right, place) = left, right
+    return pose(to_right.T @ to_left, to_right.T @ (place - left_place))
+
+
 def left_to_right(rig: StereoRig) -> Motion:
     """The pose that takes points of the left camera's frame to the right one's."""
     return pose(np.asarray(rig.rotation), np.asarray(rig.translation))

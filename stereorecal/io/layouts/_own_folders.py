@@ -17,6 +17,7 @@ from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._scenes import Calibration, fitting, load_calibration
+from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
@@ -49,7 +50,7 @@ def is_scene_folder(folder: Path) -> bool:
 def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, LazyPairs]:
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
     check_there(folder / _CALIBRATION_FILE, _ADVICE)
-    calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
+    calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME, None, Hints())
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
         pairs = pairs.mapped(methodcaller("read_out", readout))

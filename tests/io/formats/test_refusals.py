@@ -26,12 +26,20 @@ from stereorecal.io import check_savable, load_rig, save_rig
         ("a.conf", "\r\n[LEFT_CAM_HD] ; the left one\r\nfx=3\r\n", "the format is unknown"),
         ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
-        ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
-        ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
+        (
+            "a.yaml",
+            samples.ROS_PAIR[0],
+            "a.yaml looks like ros: this is not one whole calibration; give one file, or the two files of",
+        ),
+        (
+            "a.yaml",
+            samples.EUROC_PAIR[1],
+            "a.yaml looks like euroc: this is not one whole calibration; give one file, or the two files of",
+        ),
         (
             "a.yaml",
             SAMPLES["opencv pair"].texts[0],
-            "no rotation and translation (R, T) are found among M1 (3x3), D1 (5), M2 (3x3), D2 (5), imageSize (2); give both files that OpenCV",
+            "no rotation and translation (R, T) are found among M1 (3x3), D1 (5), M2",
         ),
         (
             "a.yaml",
@@ -112,7 +120,7 @@ CAMERA_INFO = samples.ROS_PAIR[1].partition("projection_matrix")[0]
     ("texts", "words"),
     [
         ((samples.ROS_PAIR[0], CAMERA_INFO), "b.yaml: the key 'projection_matrix' is missing"),
-        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml like euroc; give two of one"),
+        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml looks like euroc: this is not"),
         ((samples.ROS_PAIR[0], "a: 1"), "b.yaml: the key 'image_width' is missing"),
         (("b: 2", "a: 1"), "b.yaml: the format is unknown"),
         (
@@ -132,8 +140,12 @@ def test_files_that_do_not_belong_together(tmp_path: Path):
     (kalibr,) = SAMPLES["kalibr"].write(tmp_path)
     (tmp_path / "ros").mkdir()
     left, right = SAMPLES["ros"].write(tmp_path / "ros")
-    refused(lambda: load_rig(kalibr, kalibr), "each is a calibration by itself (kalibr); give one")
-    refused(lambda: load_rig(left, kalibr), "these two do not belong together")
+    refused(
+        lambda: load_rig(kalibr, kalibr), "0.yaml looks like kalibr: this is not one whole calibration; give one file"
+    )
+    refused(
+        lambda: load_rig(left, kalibr), "0.yaml looks like kalibr: this is not one whole calibration; give one file"
+    )
     assert np.array_equal(load_rig([left, right]).extrinsics, load_rig(left, right).extrinsics)
     refused(lambda: load_rig([left, right], left), "3 calibration files were given, and one of them twice")
     refused(lambda: load_rig(right, left), "left and right are exchanged")
