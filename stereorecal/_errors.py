@@ -2,6 +2,8 @@
 
 import difflib
 import glob
+import inspect
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from os import PathLike
@@ -51,6 +53,14 @@ class PairingWarning(UserWarning):
 
     The command line prints it as a line and goes on.
     """
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warn; the warning points at the line that called this library, or a distribution of its own."""
+    frame, depth = inspect.currentframe(), 1
+    while frame is not None and str(frame.f_globals.get("__name__")).startswith("stereorecal"):
+        frame, depth = frame.f_back, depth + 1
+    warnings.warn(message, category, stacklevel=depth)
 
 
 def checked_choice(name: str, names: Iterable[str], what: str) -> str:

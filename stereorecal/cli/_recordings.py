@@ -125,7 +125,7 @@ def _scene(folder: str, options: RecordingOptions, choose: _Choose, how: dict[st
     scene = load_scene(Path(folder), choose=partial(choose, about=folder))
     if options.calibration is None:
         return scene
-    return replace(scene, rig=load_rig(value_of(options, "calibration"), size=scene.pairs[0].size, **how))
+    return replace(scene, rig=load_rig(value_of(options, "calibration"), size=scene.pairs[0].as_taken().size, **how))
 
 
 def _joined(name: str, parts: Sequence[Scene]) -> Scene:

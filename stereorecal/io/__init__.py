@@ -18,11 +18,7 @@ from stereorecal.io._atomic import (
     write_text as write_text,
 )
 from stereorecal.io._read_files import about as about, files_read as files_read
-from stereorecal.io._scenes import (
-    bag_scene as bag_scene,
-    calibrated_scene as calibrated_scene,
-    gather_scene as gather_scene,
-)
+from stereorecal.io._scenes import bag_scene as bag_scene, calibrated_scene as calibrated_scene
 from stereorecal.io._strict_json import (
     json_line as json_line,
     json_text as json_text,
@@ -45,8 +41,8 @@ from stereorecal.io.formats._save_rig import (
 )
 from stereorecal.io.images._bags import image_of_message as image_of_message
 from stereorecal.io.images._image_files import IMAGE_SUFFIXES as IMAGE_SUFFIXES, write_png as write_png
-from stereorecal.io.images._load_pairs import load_pair as load_pair, load_pairs as load_pairs
-from stereorecal.io.images._open_pairs import Recorded as Recorded, open_pairs as open_pairs
+from stereorecal.io.images._load_pairs import load_pair as load_pair
+from stereorecal.io.images._open_pairs import Recorded as Recorded, load_pairs as load_pairs, open_pairs as open_pairs
 from stereorecal.io.images._videos import camera_pairs as camera_pairs
 from stereorecal.io.layouts._load_data_set import (
     is_data_set as is_data_set,

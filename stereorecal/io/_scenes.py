@@ -1,25 +1,23 @@
 """A scene from its parts: image pairs and a calibration that fits them, with what else its file says of the scene."""
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal._errors import CalibrationWarning, InputError, warn
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import AnyPath, about, check_there
-from stereorecal.io._strict_json import read_json
 from stereorecal.io.formats import _stereorecal
 from stereorecal.io.formats._format import Hints
-from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
+from stereorecal.io.formats._load_rig import documents_of, paths_of, rig_of_documents, warn_of_file
 from stereorecal.io.formats._numbers import image_size
 from stereorecal.io.formats._read_rig import at_common_size, checked_cameras, named, rig_in
-from stereorecal.io.formats._rig_file import KEY, file_of
+from stereorecal.io.formats._rig_file import KEY
 from stereorecal.io.formats.text._document import Syntax, document
 from stereorecal.io.images._bags import bag_folder, camera_infos
-from stereorecal.io.images._load_pairs import Sizes, common_size, load_pairs
+from stereorecal.io.images._load_pairs import Sizes, common_size
 from stereorecal.recordings import LazyPairs, Pair, Scene, check_pairs
 
 
@@ -38,55 +36,19 @@ class Calibration:
         return (self.stated, self.stated) if self.rig is None else self.rig.sizes_taken
 
 
-def load_calibration(
-    paths: Sequence[Path], format: str | None = None, unit: str | None = None, hints: Hints | None = None
-) -> Calibration:
+def load_calibration(paths: Sequence[Path], format: str | None, unit: str | None, hints: Hints) -> Calibration:
     """The calibration in files as `read_files` takes them; a calib.json may lack the rig."""
-    own, rig, size = None, None, (0, 0)
-    if format in (None, _stereorecal.NAME) and len(paths) == 1 and paths[0].suffix == ".json":
-        own = read_json(paths[0])
-    if isinstance(own, dict) and own.get("K_left", ()) is None and own.get("K_right", ()) is None:
-        with about(paths[0]):
+    rig, size = None, (0, 0)
+    documents, found = documents_of(paths, format, hints)
+    own = documents[0].content if found is _stereorecal.FORMAT else {}
+    if own.get("K_left", ()) is None and own.get("K_right", ()) is None:
+        with about(documents[0].name):
             size = image_size(own, "image_size")
     else:
-        rig = read_files(paths, format, unit, hints).side_by_side()
-        source = file_of(rig)
-        own = source.documents[0].content if source is not None and source.format == _stereorecal.NAME else {}
+        rig = rig_of_documents(documents, found, unit, hints).side_by_side()
     known = {*_stereorecal.KEYS, "reference", KEY}
     info = {key: item for key, item in own.items() if key not in known}
     return Calibration(rig, "truth" if own.get("reference") == "truth" else "stored", info, size)
-
-
-def gather_scene(
-    left: AnyPath,
-    right: AnyPath,
-    calibration: AnyPath | tuple[AnyPath, AnyPath],
-    limit: int | None = None,
-    *,
-    format: str | None = None,
-    unit: str | None = None,
-    cameras: tuple[str, str] | None = None,
-) -> Scene:
-    """The scene of files in any places: images as `load_pairs` finds them, and a calibration in any format that
-    `load_rig` reads. The scene is named after `left`. A calibration without image size is for images of this size;
-    where it says two, the larger images are resampled to the smaller size, and `save_rig` writes the file's own.
-
-    Args:
-        calibration: a file, a folder that holds one, or the left and the right camera's file.
-        limit: read only the first `limit` pairs.
-        format, unit, cameras: as of `load_rig`.
-
-    Raises:
-        InputError, UnsupportedModelError: as `load_pairs` and `load_rig`.
-
-    Warns:
-        CalibrationWarning: as `load_rig`.
-    """
-
-    def read(sizes: Sizes | None) -> Sequence[Pair]:
-        return load_pairs(left, right, limit, sizes=sizes)
-
-    return calibrated_scene(str(left), read, calibration, format=format, unit=unit, cameras=cameras)
 
 
 def calibrated_scene(
@@ -98,8 +60,22 @@ def calibrated_scene(
     unit: str | None = None,
     cameras: tuple[str, str] | None = None,
 ) -> Scene:
-    """The scene of pairs, which are read once it is sure that there is a file of a calibration, for cameras of the
-    sizes that it says; else as `gather_scene`."""
+    """The scene of pairs in any place, and a calibration in any format that `load_rig` reads: without image size it is
+    for images of this size; where it says two, the larger images are read at the smaller size, and `save_rig` writes
+    the file's own.
+
+    Args:
+        pairs: reads them, once it is sure that there is a file of a calibration, for the sizes of the left and the
+            right camera, or None, such as `lambda sizes: load_pairs(left, right, sizes=sizes)`.
+        calibration: a file, a folder that holds one, or the left and the right camera's file.
+        format, unit, cameras: as of `load_rig`.
+
+    Raises:
+        InputError, UnsupportedModelError: as `load_rig`, and as `pairs` does.
+
+    Warns:
+        CalibrationWarning: as `load_rig`.
+    """
     paths = paths_of(calibration)
     for path in paths:
         check_there(path)
@@ -160,11 +136,10 @@ def remark_sizes(where: str, sizes: Sizes | None) -> None:
     """Say that the cameras of a calibration have images of two sizes."""
     if sizes is not None and sizes[0] != sizes[1]:
         (left, right), (width, height) = (f"{wide}x{high}" for wide, high in sizes), common_size(sizes)
-        warnings.warn(
+        warn(
             f"{where}: the images are {left} (left) and {right} (right); the larger are read at {width}x{height}, and "
             "the file keeps its sizes.",
             CalibrationWarning,
-            stacklevel=3,
         )
 
 

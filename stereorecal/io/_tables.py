@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,8 @@ from stereorecal._errors import InputError
 from stereorecal.io._read_files import about, check_there, read_text
 from stereorecal.recordings import Odometer, Range
 
-_SIGNS = ";\t|"  # that divide the columns of other tables
-_COLUMNS = ("pair", "column", "row", "metres", "sigma")
 _ALONG = {"metres": "ray", "depth": "axis"}  # by the name of the column
+_OF_RANGES = [f"pair,column,row,{metres}{sigma}" for metres in _ALONG for sigma in (",sigma", "")]
 _KINDS = {  # of odometers, by the header
     "time_s,metres": Odometer,
     "time_s,speed_mps": Odometer.from_speeds,
@@ -29,28 +29,12 @@ def load_ranges(path: str | Path) -> tuple[Range, ...]:
     Raises:
         InputError: if the file cannot be read, or names the line that makes no sense.
     """
-    header, *lines = _lines(path, "one line for each range")
-    if len(header) == 1 and any(sign in header[0] for sign in _SIGNS):
-        raise InputError(f"{path}: the columns are not divided by commas; write {','.join(_COLUMNS)}.")
-    along = _ALONG.get(header[3]) if len(header) > 3 else None
-    if along is None or [*header[:3], "metres", *header[4:]] not in ([*_COLUMNS], [*_COLUMNS[:4]]):
-        raise InputError(
-            f"{path}: the first line is not {','.join(_COLUMNS)} (metres along the ray; call them depth if they are "
-            "along the optical axis); write one."
-        )
+    header, lines = _table(path, _OF_RANGES)
     found = []
-    for number, line in enumerate(lines, start=2):
-        if not any(line):
-            continue
-        try:
-            pair, *cells = line
-            column, row, metres, sigma = (_parsed_number(cell) if cell else math.nan for cell in [*cells, ""][:4])
-            if len(line) > len(header):
-                raise ValueError(f"there are {len(line)} cells under {len(header)} headings")
-            sigma = None if len(cells) < 4 or not cells[3] else sigma
-            found.append(Range(pair, (column, row), metres, sigma, along))
-        except (ValueError, InputError) as error:
-            raise InputError(f"{path}, line {number}: {error}") from None
+    for where, (pair, column, row, metres, *sigma) in lines:
+        with about(where):
+            pixel, deviation = (_number(column), _number(row)), _number(sigma[0]) if any(sigma) else None
+            found.append(Range(pair, pixel, _number(metres), deviation, _ALONG[header.split(",")[3]]))
     if not found:
         raise InputError(f"{path}: the table has no ranges; give at least one.")
     return tuple(found)
@@ -63,37 +47,45 @@ def load_odometer(path: str | Path) -> Odometer:
     Raises:
         InputError: if the file cannot be read, or says what makes no sense.
     """
-    header, *lines = [line for line in _lines(path, "one line for each time") if any(line)] or [[]]
+    header, lines = _table(path, [*_KINDS])
+    rows = []
+    for where, cells in lines:
+        with about(where):
+            rows.append([_number(cell) for cell in cells])
+    times, *columns = np.array(rows, float).reshape(-1, header.count(",") + 1).T
     with about(path):
-        make = _KINDS.get(",".join(header))
-        if make is None:
-            headers = " or ".join(_KINDS)
-            raise InputError(f"the first line is not a header of an odometer file; it must be {headers}.")
-        try:
-            table = np.array([[float(cell) for cell in line] for line in lines], float).reshape(-1, len(header))
-        except ValueError as error:
+        return _KINDS[header](times, columns[0] if len(columns) == 1 else np.stack(columns, axis=1))
+
+
+def _table(path: str | Path, headers: Sequence[str]) -> tuple[str, list[tuple[str, list[str]]]]:
+    """The header of a CSV file, one of these, and the cells of each line, "" where the last ones are missing, with what
+    messages call the line; empty lines are left out."""
+    check_there(Path(path), "add it.")
+    text = read_text(Path(path))
+    try:
+        lines = [[cell.strip() for cell in line] for line in csv.reader(text.splitlines())]
+    except csv.Error as error:
+        raise InputError(f"{path}: not a table ({error}); write one line for each row.") from None
+    (_, first), *others = [(number, line) for number, line in enumerate(lines, 1) if any(line)] or [(1, [""])]
+    if ",".join(first) not in headers:
+        raise InputError(
+            f"{path}: the first line must be {' or '.join(headers)}, divided by commas; write one of these."
+        )
+    for number, line in others:
+        if len(line) > len(first):
             raise InputError(
-                f"a line does not hold {len(header)} numbers ({error}); write them separated by commas."
-            ) from None
-        return make(table[:, 0], table[:, 1] if len(header) == 2 else table[:, 1:])
+                f"{path}, line {number}: there are {len(line)} cells under {len(first)} headings; remove some."
+            )
+    blank = [""] * len(first)
+    return ",".join(first), [(f"{path}, line {number}", (line + blank)[: len(first)]) for number, line in others]
 
 
-def _parsed_number(cell: str) -> float:
+def _number(cell: str) -> float:
     """A number as people write it; `inf`, but no overflow and none of Python's underscores."""
     try:
         value = float(cell)
         if "_" in cell or (math.isinf(value) and "inf" not in cell.lower()):
             raise ValueError
     except ValueError:
-        raise ValueError(f"{cell!r} is no number that can be used; write one such as 12.5") from None
+        raise InputError(f"{cell!r} is no number that can be used; write one such as 12.5.") from None
     return value
-
-
-def _lines(path: str | Path, wanted: str) -> list[list[str]]:
-    """The cells of each line of a CSV file, without space around them; there is one line, at least."""
-    check_there(Path(path), "add it.")
-    text = read_text(Path(path))
-    try:
-        return [[cell.strip() for cell in line] for line in csv.reader(text.splitlines())]
-    except csv.Error as error:
-        raise InputError(f"{path}: not a table ({error}); write {wanted}.") from None

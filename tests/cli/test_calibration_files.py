@@ -9,7 +9,7 @@ import pytest
 from machine import write_protected
 
 import stereorecal as sr
-from stereorecal.io import load_rig, load_scene, save_rig
+from stereorecal.io import load_rig, load_scene, save_rig, save_scene
 
 COUNT = ("--schedule", "count")  # improves the drifted scene
 
@@ -163,15 +163,25 @@ def test_diff_of_two_files_or_their_folder(command, rig: sr.StereoRig, drifted_s
 
 
 def test_a_folder_of_images_and_another_format(command, rig: sr.StereoRig, drifted_scene: Path, tmp_path: Path):
-    """The refusal holds the words that work."""
+    """The refusal names the options that work."""
     for side in ("left", "right"):
         (tmp_path / f"{side}.png").write_bytes((drifted_scene / f"{side}.png").read_bytes())
-    assert "calib.json: there is no such file" in command("score", tmp_path).err
     save_rig(rig, tmp_path / "stereo.yaml", format="opencv")
-    answer = command("score", tmp_path)
-    answer.refuses(f"{tmp_path}: there is no calib.json; for a calibration in another format say --left")
-    words = answer.err.partition(" say ")[2].partition(" (in Python")[0].split()
+    said = "calib.json: there is no such file; check the path, or write a calib.json there; or, for a calibration in "
+    command("score", tmp_path).refuses(f"{said}another format, say --left, --right and --calibration")
+    words = ("--left", tmp_path / "left.png", "--right", tmp_path / "right.png", "--calibration", tmp_path)
     assert command("score", *words, "--unit", "m") == command("score", drifted_scene)
+
+
+def test_cameras_one_above_the_other_with_another_calibration(command, clean_scene: Path, tmp_path: Path):
+    scene = load_scene(clean_scene)
+    assert scene.rig is not None
+    pairs = tuple(sr.Pair(np.rot90(pair.left, -1), np.rot90(pair.right, -1)) for pair in scene.pairs)
+    save_scene(replace(scene, rig=None, pairs=pairs), tmp_path / "scene")
+    save_rig(replace(scene.rig, turns=(1, 1), source=None), tmp_path / "scene" / "calib.json", overwrite=True)
+    save_rig(load_rig(tmp_path / "scene" / "calib.json"), tmp_path / "other.yaml", format="opencv")
+    answer = command("score", tmp_path / "scene", "--calibration", tmp_path / "other.yaml", "--unit", "m")
+    assert answer == command("score", tmp_path / "scene")
 
 
 # --- recalibrate --------------------------------------------------------------------------------------------

@@ -86,6 +86,12 @@ def test_frames_that_lie_apart(cameras: Path, tmp_path: Path, drive: Ride):
     assert all(isinstance(pair, Pair) for pair in near[1:])
 
 
+def test_an_odd_width_cannot_be_halved(tmp_path: Path):
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 63), np.uint8))
+    with pytest.raises(sr.InputError, match=r"%d\.png: the image is 63 pixels wide, which cannot be halved"):
+        next(camera_pairs([str(tmp_path / "%d.png")]))
+
+
 def test_a_camera_that_is_unplugged(monkeypatch):
     """Anything that is no file is expected to go on."""
 

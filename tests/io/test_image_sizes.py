@@ -11,12 +11,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from gathered import gathered
 from parts_of_repairs import decode_image
 from refusals import refused
 
 import stereorecal as sr
 from stereorecal import CalibrationWarning, InputError
-from stereorecal.io import gather_scene, load_log, load_pair, load_rig, load_scene, open_pairs, save_rig
+from stereorecal.io import load_log, load_pair, load_rig, load_scene, open_pairs, save_rig
 
 SMALL, LARGE = (96, 64), (144, 128)
 _LENS = np.array([-0.2, 0.05, 0.0, 0.0])
@@ -116,7 +117,7 @@ def test_a_scene_folder_whose_images_have_orientations(tmp_path: Path, tag: int,
         assert words[0].startswith(f"{folder / 'left.png'}: ")
         assert f"EXIF orientation {tag} {'' if turned else 'not '}applied" in words[0]
         assert ("the calibration may be for turned images" in words[0]) is not turned
-    scene, again = said(gather_scene, *paths, folder / "calib.json")
+    scene, again = said(gathered, *paths, folder / "calib.json")
     np.testing.assert_array_equal(scene.pairs[0].right, stored(picture(1), tag) if turned is False else picture(1))
     assert again == words
 
@@ -144,7 +145,7 @@ def two_sizes(folder: Path) -> tuple[Path, Path]:
 def test_the_larger_images_are_read_at_the_smaller_size(tmp_path: Path, format: str, names: list[str]):
     files, out = [tmp_path / name for name in names], [tmp_path / f"out_{name}" for name in names]
     save_rig(TWO, files, format=format)
-    scene, words = said(gather_scene, *two_sizes(tmp_path), files[0] if len(files) == 1 else tuple(files), unit="m")
+    scene, words = said(gathered, *two_sizes(tmp_path), files[0] if len(files) == 1 else tuple(files), unit="m")
     (pair,), rig = scene.pairs, scene.rig
     assert rig is not None
     assert rig.left.size == rig.right.size == pair.size == SMALL
@@ -183,11 +184,11 @@ def test_sizes_that_are_not_those_of_the_cameras_are_refused(tmp_path: Path):
     cv2.imwrite(str(tmp_path / "small.png"), picture(1))
     for one, other, found in ((right, left, "144x128 .left. and"), (left, tmp_path / "small.png", "96x64 .left. and")):
         with pytest.raises(InputError, match=rf"are {found} 96x64 .right., but .* for 96x64 .left. and 144x128"):
-            gather_scene(one, other, tmp_path / "chain.yaml")
+            gathered(one, other, tmp_path / "chain.yaml")
     for rig, name, format in ((RIG, "one.yaml", "kalibr"), (RIG, "calib.json", None)):
         save_rig(rig, tmp_path / name, format=format)
         with pytest.raises(InputError, match=r"both must have the same size, or each that of its camera"):
-            gather_scene(left, right, tmp_path / name)
+            gathered(left, right, tmp_path / name)
 
 
 def test_videos_of_two_sizes(tmp_path: Path):

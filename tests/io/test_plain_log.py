@@ -69,6 +69,15 @@ def test_one_sequence_of_several(folder: Path, mission: Mission, calibrations, m
         assert len(found.pairs) == len(mission.pairs)
 
 
+def test_a_calibration_that_looks_wrong_is_named_once(folder: Path):
+    for path in (folder / "calibrations").iterdir():
+        content = json.loads(path.read_text())
+        path.write_text(json.dumps(content | {"T": [1000 * x for x in content["T"]]}))
+    with pytest.warns(sr.CalibrationWarning, match="the baseline is") as found:
+        load_log(folder)
+    assert len(found) == 1
+
+
 @pytest.mark.parametrize(
     ("name", "calibration"),
     [("2020-05-01", "2020-05-01"), ("2020-12-31-x", "2020-05-01"), ("2022-x", "2021-01-01"), ("2019-01-01-x", None)],

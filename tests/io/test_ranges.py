@@ -27,15 +27,21 @@ def test_distances_along_the_optical_axis(tmp_path):
     [
         ("", "empty"),
         ("pair,x,y\n", "first line"),
-        ("pair,column,row,distance\n0,1,2,3\n", "call them depth if"),
+        (
+            "pair,column,row,distance\n0,1,2,3\n",
+            "must be pair,column,row,metres,sigma or .* or pair,column,row,depth, div",
+        ),
+        (",,\n", "first line"),
         ("pair,column,row,metres\n", "no ranges"),
         ("pair,column,row,metres\n0,1,2,far\n", "line 2"),
         ("pair,column,row,metres\n0,1,2,-3\n", "line 2: a range of -3.0 m"),
-        ("pair,column,row,metres,sigma\n0,1,2,3,4,5\n", "line 2"),
+        ("pair,column,row,metres,sigma\n0,1,2,3,4,5\n", "line 2: there are 6 cells under 5 headings"),
+        ("pair,column,row,metres\n0,1,2,3\n\n0\n", "line 4: '' is no number"),
         ("pair,column,row,metres,sigma\n0,1,2,3,nan\n", "line 2"),
         ("pair,column,row,metres,sigma\n0,1,2,1e400,\n", "no number that can be used"),
-        ("pair;column;row;metres\n0;1;2;3\n", "not divided by commas"),
-        ("pair\tcolumn\trow\tmetres\n0\t1\t2\t3\n", "not divided by commas"),
+        ("pair,column,row,metres\n0,1,2,1_0\n", "no number that can be used"),
+        ("pair;column;row;metres\n0;1;2;3\n", "divided by commas"),
+        ("pair\tcolumn\trow\tmetres\n0\t1\t2\t3\n", "divided by commas"),
     ],
 )
 def test_tables_that_make_no_sense(tmp_path, text, said):

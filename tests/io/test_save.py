@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gathered import gathered
 from refusals import refused
 
 from stereorecal import InputError
 from stereorecal.geometry import Camera, StereoRig
-from stereorecal.io import gather_scene, load_rig, load_scene, save_rig, save_scene
+from stereorecal.io import load_rig, load_scene, save_rig, save_scene
 
 SIZE = (160, 120)
 MATRIX = np.array([[150.1, 0, 79.3], [0, 149.9, 60.7], [0, 0, 1]])
@@ -49,7 +50,7 @@ def test_other_keys_are_carried_along(scene, tmp_path: Path):
 
 def test_one_file_has_one_size(tmp_path: Path):
     smaller = StereoRig(RIG.left, RIG.right.resized((80, 60)), RIG.extrinsics)
-    refused(lambda: save_rig(smaller, tmp_path / "c.json"), "one size for both")
+    refused(lambda: save_rig(smaller, tmp_path / "c.json"), "one size of images for both cameras")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -72,7 +73,7 @@ def test_files_that_lie_anywhere_are_the_scene_that_a_folder_is(scene, tmp_path:
     whole = load_scene(tmp_path / "s")
     path.rename(tmp_path / "elsewhere.json")
     pattern = str(tmp_path / "s" / "left" / "*.png")
-    found = gather_scene(pattern, tmp_path / "s" / "right", tmp_path / "elsewhere.json")
+    found = gathered(pattern, tmp_path / "s" / "right", tmp_path / "elsewhere.json")
     assert found.name == pattern
     assert (found.info, found.reference) == (whole.info, whole.reference)
     assert (found.info["boat"], found.reference) == ("Ladja", "truth")
@@ -82,7 +83,6 @@ def test_files_that_lie_anywhere_are_the_scene_that_a_folder_is(scene, tmp_path:
     assert len(found.pairs) == 2
     for one, two in zip(found.pairs, whole.pairs, strict=True):
         np.testing.assert_array_equal(one.right, two.right)
-    assert len(gather_scene(pattern, tmp_path / "s" / "right", tmp_path / "elsewhere.json", limit=1).pairs) == 1
 
 
 def test_files_that_do_not_fit_are_blamed_by_name(scene, tmp_path: Path):
@@ -90,9 +90,9 @@ def test_files_that_do_not_fit_are_blamed_by_name(scene, tmp_path: Path):
     save_scene(scene(), tmp_path / "s")
     save_rig(RIG.resized((80, 60)), tmp_path / "c.json")
     places = (tmp_path / "s" / "left.png", tmp_path / "s" / "right.png", tmp_path / "c.json")
-    refused(lambda: gather_scene(*places), "c.json: ", "the images are 160x120, but the calibration is for 80x60")
+    refused(lambda: gathered(*places), "c.json: ", "the images are 160x120, but the calibration is for 80x60")
     copy = tmp_path / "copy.png"
     copy.write_bytes(places[0].read_bytes())
     words = f"^{places[0]} and {copy}: left and right are the same image"
     with pytest.raises(InputError, match=words):
-        gather_scene(places[0], copy, tmp_path / "s" / "calib.json")
+        gathered(places[0], copy, tmp_path / "s" / "calib.json")

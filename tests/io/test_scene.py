@@ -119,7 +119,7 @@ def test_names_of_opencvs_fisheye(make: Make, model: Any):
 
 @pytest.mark.parametrize("model", ["omnidir", "opencv omni", "equirectangular", "fov", 4])
 def test_other_models_are_unsupported(make: Make, model: Any):
-    refused_scene(make(distortion_model=model), "distortion model .* is not supported", UnsupportedModelError)
+    refused_scene(make(distortion_model=model), "lens model .* is not supported", UnsupportedModelError)
 
 
 @pytest.mark.parametrize("distortion", [None, [], [[]]])

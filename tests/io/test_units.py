@@ -1,5 +1,6 @@
 """A baseline in other units than metres is said, not refused."""
 
+import shutil
 import subprocess
 import sys
 import warnings
@@ -8,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gathered import gathered
 
 from stereorecal import CalibrationWarning
 from stereorecal.geometry import StereoRig
-from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_rig, save_scene
+from stereorecal.io import load_log, load_rig, load_scene, save_rig, save_scene
 from stereorecal.synthetic import default_rig, render
 
 RIG = default_rig().resized((160, 120))
@@ -47,9 +49,15 @@ def test_lengths(tmp_path: Path, length: float, usual: bool):
 def test_it_points_at_the_line_of_the_user(millimetres: Path, tmp_path: Path):
     """In a process of its own: the type checker of the tests stands between a function and its caller."""
     program = tmp_path / "program.py"
-    program.write_text(f"import stereorecal as sr\nsr.io.load_scene({str(millimetres)!r})\n")
-    done = subprocess.run([sys.executable, program], capture_output=True, text=True, check=True)
+    for side, names in (("left", "ab"), ("right", "xy")):
+        (tmp_path / side).mkdir()
+        for name in names:
+            shutil.copy(millimetres / f"{side}.png", tmp_path / side / f"{name}.png")
+    lines = f"sr.io.load_scene({str(millimetres)!r})", "sr.io.load_pairs('left', 'right')"
+    program.write_text("\n".join(["import stereorecal as sr", *lines, ""]))
+    done = subprocess.run([sys.executable, program], capture_output=True, text=True, check=True, cwd=tmp_path)
     assert done.stderr.startswith(f"{program}:2: CalibrationWarning: {millimetres}: the baseline is 356 m long")
+    assert f"{program}:3: PairingWarning: " in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -57,7 +65,7 @@ def test_it_points_at_the_line_of_the_user(millimetres: Path, tmp_path: Path):
     [
         lambda folder: load_rig(folder / "calib.json"),
         lambda folder: load_scene(folder).rig,
-        lambda folder: gather_scene(folder / "left.png", folder / "right.png", folder / "calib.json").rig,
+        lambda folder: gathered(folder / "left.png", folder / "right.png", folder / "calib.json").rig,
         lambda folder: load_log(folder).calibrations["stored"],
     ],
 )

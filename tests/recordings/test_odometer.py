@@ -92,8 +92,10 @@ def test_tables(content, way, tmp_path):
     [
         ("", "empty"),
         ("time,metres\n0,0\n", "first line"),
-        ("time_s,metres\n0,0\n1\n", "does not hold 2 numbers"),
-        ("time_s,metres\n0,x\n1,2\n", "does not hold 2 numbers"),
+        ("time_s,metres\n0,0\n1\n", "line 3: '' is no number"),
+        ("time_s,metres\n0,x\n1,2\n", "line 2: 'x' is no number"),
+        ("time_s,metres\n0,1_0\n1,2\n", "line 2: '1_0' is no number"),
+        ("time_s,metres\n0,0,0\n1,2\n", "line 2: there are 3 cells under 2 headings"),
         ("time_s,metres\n1,0\n0,1\n", "do not rise"),
         ("time_s,metres\n", "two at least"),
     ],

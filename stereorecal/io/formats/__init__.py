@@ -1,9 +1,7 @@
 """Calibration files: one module per format, or per family of small ones.
 
-A new format is one new module here, with a `FORMAT` as `_format.py` describes it, and a place in the list in
-`_read_rig.py`: a table of places and conventions (`_table.py`) where the file has the cameras and how they stand
-(`_poses.py`), else two functions. It works in the file's own unit. It refuses a rig that it cannot hold, and names a
-format that can.
+A format works in the file's own unit, refuses a rig that it cannot hold, and names one that can; `docs/CONTRIBUTING.md`
+says how to add one.
 
 - Texts are parsed, and changed in place, by `text/`; each value is read by `_numbers.py`.
 - `_load_rig.py` has `load_rig`, and finds the files and their format; `_read_rig.py` makes the rig, says which camera

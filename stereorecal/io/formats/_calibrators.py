@@ -13,7 +13,7 @@ from stereorecal.geometry import METRES, Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Documents, Format, Hints
 from stereorecal.io.formats._numbers import image_size, numbers, pinhole_matrix, unsupported, value
-from stereorecal.io.formats._poses import Motion, inverse, pose, rig_of
+from stereorecal.io.formats._poses import Motion, inverse, pose, rig_of, stated_pose
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document
 
@@ -57,7 +57,7 @@ def _motion(content: Mapping[str, Any]) -> tuple[Mat3, Any]:
             if "R" in newer:
                 found.append((numbers(newer, "R", (3, 3)), numbers(newer, "Translation", (3,))))
             else:
-                matrix = numbers(newer, "A", (4, 4))
+                matrix = stated_pose(newer, "A")
                 found.append((matrix[:3, :3], matrix[:3, 3]))
     if not found:
         value(content, "RotationOfCamera2")

@@ -8,12 +8,20 @@ from typing import Any
 import cv2
 import numpy as np
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._numbers import coefficients, image_size, numbers, pinhole_matrix, scalars, value
+from stereorecal.io.formats._numbers import (
+    coefficients,
+    image_size,
+    numbers,
+    pinhole_matrix,
+    scalars,
+    unsupported,
+    value,
+)
 from stereorecal.io.formats._poses import Link, inverse, left_to_right, motions_from, moved, pose, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, rectification_of
 from stereorecal.io.formats.text._nodes import Keys, Values, at
@@ -138,10 +146,7 @@ def _camera_of_depthai(content: Mapping[str, Any], socket: int, hints: Hints) ->
     with about(f"socket {socket}"):
         kind = data.get("cameraType", 0)
         if kind not in (0, 1):
-            raise UnsupportedModelError(
-                "the camera is neither of the perspective model (cameraType 0) nor a fisheye (1); undistort the "
-                "images, or calibrate it as such."
-            )
+            raise unsupported(f"cameraType {kind}")
         size, matrix = image_size(data, "width", "height"), numbers(data, "intrinsicMatrix", (3, 3))
         lens = numbers(data, "distortionCoeff", (-1,))
         camera = Camera(size, matrix, lens[:4] if kind else lens, model=_MODELS[kind])
@@ -287,9 +292,7 @@ def _camera_of_realsense(stated: Sequence[Mapping[str, Any]], name: str, size: t
             lens = numbers(each, "Coeffs", (5,))
             fisheye = model == _KANNALA_BRANDT
             if np.any(lens) and model not in (_RADTAN, _KANNALA_BRANDT):
-                raise UnsupportedModelError(
-                    f"the distortion model {model!r} is not supported; use rectified images (Y8)."
-                )
+                raise unsupported(model)
             terms = lens[:4] if fisheye else lens
             cameras.append(Camera(size, matrix, terms, model="equidistant" if fisheye else Camera.model))
         if any(not np.array_equal(camera.matrix, cameras[0].matrix) for camera in cameras):

@@ -60,6 +60,7 @@ class Format:
     unit: str | None  # of length, "m", "cm" or "mm"; None if the format says none
     looks: Callable[[Document], bool]  # whether a document, and each of two, looks like this format
     read: Callable[[Documents, Hints], StereoRig]  # makes the rig, with T in the file's unit
+    one_size: bool = False  # whether it has one size of images for both cameras
     files: int = 1  # how many a new calibration takes: 1, or 2, one for each camera
     looks_together: Callable[[Documents], bool] | None = None  # `looks`, where numbers may be in any number of files
     # Names the cameras: the first two are read unless hints name others. None if the files name none.

@@ -10,8 +10,8 @@ from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import YAML, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._numbers import matrix_values, numbers, optional
-from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, rig_of
+from stereorecal.io.formats._numbers import matrix_values, optional
+from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, rig_of, stated_pose
 from stereorecal.io.formats._table import Lens, Table, yaml_text
 from stereorecal.io.formats.text._nodes import Keys, Values
 
@@ -61,8 +61,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
             raise InputError(f"the chain has no {key}; give that of both cameras, calibrated together.")
     left, right = (_TABLE.camera(content, key) for key in names)
     first, last = sorted(names, key=chain.index)
-    along = _links(content, chain[chain.index(first) : chain.index(last) + 1], _FROM_LAST)
-    motion = motions_from(names[0], along).get(names[1])
+    motion = motions_from(names[0], _links(content, chain, _FROM_LAST)).get(names[1])
     if motion is None:
         ways = (_links(content, (last, first), key) for key in (_FROM_IMU, _TO_IMU))
         stated = [motions_from(names[0], links)[names[1]] for links in ways if len(links) == 2]
@@ -80,15 +79,8 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 
 
 def _pose(content: Mapping[str, Any], name: str, key: str) -> Motion:
-    """A rigid motion, stated as four rows or as sixteen numbers."""
     with about(name):
-        motion = numbers(content[name], key, (4, 4))
-        turn = motion[:3, :3]
-        if not np.allclose(turn @ turn.T, np.eye(3), rtol=0.0, atol=_ROUNDING) or np.linalg.det(turn) < 0.0:
-            raise InputError(f"{key} is not a rotation (orthonormal, determinant +1) beside a translation; correct it.")
-        if not np.allclose(motion[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=_ROUNDING):
-            raise InputError(f"the last row of {key} is not 0 0 0 1; correct it, or copy the file again.")
-    return motion
+        return stated_pose(content[name], key)
 
 
 def _blank(rig: StereoRig, syntax: Syntax) -> list[str]:

@@ -1,7 +1,6 @@
 """From paths to a rig: the files of a calibration, alone or in a folder; and what is said of one that was read."""
 
 import os
-import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -11,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError
+from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError, warn
 from stereorecal.geometry import StereoRig, checked_unit, described_turns, doubt_of_length, fitted_to, whole_size
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
@@ -19,7 +18,8 @@ from stereorecal.io.formats._matrix_search import said_of
 from stereorecal.io.formats._read_rig import FORMATS, checked_cameras, named, recognised, rig_in
 from stereorecal.io.formats._rig_file import ENDING, RigFile, file_of, read_stored_prior
 from stereorecal.io.formats.text._document import Document, Syntax, read_document
-from stereorecal.io.formats.text._yaml import DOCUMENTS, SEVERAL
+from stereorecal.io.formats.text._nodes import DOCUMENTS
+from stereorecal.io.formats.text._yaml import SEVERAL
 
 _FAR = 0.15  # of the width or height: principal points of cameras whose images are whole lie nearer to the middle
 _MOST_FILES = 12  # one for each matrix, and some beside; and those of a folder that are tried in pairs
@@ -69,8 +69,9 @@ def load_rig(
         raise InputError(f"{len(paths)} calibration files were given; give one, or two where each camera has its own.")
     if len(paths) > 2 and len(set(paths)) < len(paths):
         raise InputError(f"{len(paths)} calibration files were given, and one of them twice; give each once.")
+    size = None if size is None else whole_size(size)
     rig = read_files(paths, format, unit, Hints(size=size, cameras=checked_cameras(cameras)))
-    if size is not None and rig.left.size != (size := whole_size(size)):
+    if size is not None and rig.left.size != size:
         wide, high = rig.left.size
         raise InputError(
             f"{paths[0]}: the file is for images of {wide}x{high}, and the size that was given is {size[0]}x{size[1]}; "
@@ -96,16 +97,20 @@ def read_files(
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
         UnsupportedModelError: if the model of a lens is not known.
     """
-    checked_unit(unit)
     hints = hints or Hints()
-    documents, found = _documents_of(paths, format, hints)
-    rig = rig_in(documents, found, unit, hints)
+    return rig_of_documents(*documents_of(paths, format, hints), unit, hints)
+
+
+def rig_of_documents(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
+    """As `read_files`, of files that are parsed."""
+    checked_unit(unit)
+    rig = rig_in(documents, format, unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 
 
 def has_own_unit(paths: Sequence[Path], format: str | None = None) -> bool:
     """Whether the format of files has a unit of lengths; InputError, as of `read_files`, if it is not recognised."""
-    return _documents_of(paths, format, Hints())[1].unit is not None
+    return documents_of(paths, format, Hints())[1].unit is not None
 
 
 def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
@@ -119,7 +124,7 @@ def paths_of(path: AnyPath | Sequence[AnyPath]) -> list[Path]:
 def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> None:
     """Warn, once for what `path` holds, of a baseline whose unit was inferred, or whose length speaks of another unit
     than its own; of turned images; and of principal points far from the middle of images, where the user and not the
-    file says the size of these (`sized`: it may). To be called by what users call: the warning points at their line."""
+    file says the size of these (`sized`: it may)."""
     known = [rig for rig in rigs if rig is not None]
     doubts = [_doubt_of_size] if sized else []
     said = [next(filter(None, map(doubt, known)), None) for doubt in (*doubts, _doubt_of_unit)]
@@ -128,7 +133,7 @@ def warn_of_file(path: AnyPath, *rigs: StereoRig | None, sized: bool = True) -> 
             f"{described_turns(turns)} when they are read, and the calibration with them; files stay as they are."
         )
     for message in filter(None, said):
-        warnings.warn(f"{path}: {message}", CalibrationWarning, stacklevel=3)
+        warn(f"{path}: {message}", CalibrationWarning)
 
 
 def _doubt_of_size(rig: StereoRig) -> str | None:
@@ -168,7 +173,8 @@ def _doubt_of_unit(rig: StereoRig) -> str | None:
 # --- which files, and of which format
 
 
-def _documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
+def documents_of(paths: Sequence[Path], format: str | None, hints: Hints) -> tuple[Documents, Format]:
+    """The files of a calibration, parsed, and their format."""
     chosen = None if format is None else named(format)
     if len(paths) == 1 and paths[0].is_dir() and paths[0].suffix.lower() not in _ENDINGS:
         documents = _in_folder(paths[0], chosen, hints)
@@ -190,32 +196,27 @@ def _half_of(document: Document) -> Format | None:
 
 
 def _recognised(documents: Documents) -> Format:
-    """The format of documents; of two that none can read together, that of one, whose reader says what the other one
-    lacks."""
+    """The format of documents; of two of which one is a half of a calibration, that of this one, whose reader says what
+    the other one lacks."""
     found = recognised(documents)
     if found is not None:
         return found
-    names = " and ".join(document.name for document in documents)
     looks = [recognised((document,)) or _half_of(document) for document in documents]
     known = [format for format in looks if format is not None]
-    if known and len(documents) == 1:
-        raise InputError(
-            f"{names}: this is one of two files ({known[0].name}: {known[0].about}); give both, left before right."
-        )
+    if len(documents) == 2 and len(known) == 1 and known[0].files == 2:
+        return known[0]
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
-        raise InputError(f"{names}: {SEVERAL}")
-    if not known or len(documents) > 2:
-        raise InputError(f"{names}: {_unknown(documents)}")
-    if len(known) == 2 and known[0] is known[1]:
-        raise InputError(f"{names}: each is a calibration by itself ({known[0].name}); give one.")
-    if len(known) == 2 or known[0].files == 1:
-        first, second = (document.name for document in documents)
-        one, other = ("nothing that is known" if format is None else format.name for format in looks)
-        raise InputError(
-            f"these two do not belong together: {first} looks like {one}, {second} like {other}; give two of one kind, "
-            "or the whole one alone."
+        raise InputError(f"{' and '.join(document.name for document in documents)}: {SEVERAL}")
+    if known:
+        said = (
+            f"{document.name} looks like {'nothing that is known' if format is None else format.name}"
+            for document, format in zip(documents, looks, strict=True)
         )
-    return known[0]
+        raise InputError(
+            f"{', '.join(said)}: this is not one whole calibration; give one file, or the two files of one kind, left "
+            f"before right ({known[0].name}: {known[0].about})."
+        )
+    raise InputError(f"{' and '.join(document.name for document in documents)}: {_unknown(documents)}")
 
 
 def _unknown(documents: Documents) -> str:
@@ -251,11 +252,6 @@ def _in_folder(folder: Path, format: Format | None, hints: Hints) -> Documents:
     if format is None and len(found) <= 2:
         return found
     raise InputError(f"{folder}: {_unknown(found)}")
-
-
-def looks_calibrated(folder: Path) -> bool:
-    """Whether there is a file in a folder whose name may be that of a calibration; opens none."""
-    return bool(_files_in(folder))
 
 
 def _files_in(folder: Path, endings: tuple[str, ...] = _ENDINGS) -> list[Path]:

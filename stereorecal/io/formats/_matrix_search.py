@@ -3,7 +3,7 @@ in its name, and the side of a camera that it names; and the calib.json into whi
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +29,7 @@ _WAY_OUT = (  # of a message
 _LONGEST = 200  # characters of a name
 _DEEPEST = 6  # levels of maps
 _MOST = 1000  # items of a list
-_SHOWN, _SHOWN_PARTS = 12, 8
+_SHOWN = 12
 _LARGEST = 16  # numbers of a matrix of a camera
 _ROWS = {"K": [[None, 0, None], [0, None, None], [0, 0, 1]], "D": [None] * 5}
 
@@ -127,10 +127,15 @@ def _several(what: str, names: Sequence[str]) -> InputError:
 
 def said_of(documents: Documents) -> str:
     """The arrays that documents hold, with their shapes, and how to say which is which."""
-    found = [str(entry) for entry in entries_of(documents) if entry.array is not None and entry.array.size > 1]
+    found = _listed(entries_of(documents))
+    return f"{f' It has {found}.' if found else ''} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
+
+
+def _listed(entries: Iterable[Entry]) -> str:
+    """The arrays among some entries, with their shapes."""
+    found = [str(entry) for entry in entries if entry.array is not None and entry.array.size > 1]
     more = f" and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
-    has = f" It has {', '.join(found[:_SHOWN])}{more}." if found else ""
-    return f"{has} {_WAY_OUT[0].upper()}{_WAY_OUT[1:]}"
+    return ", ".join(found[:_SHOWN]) + more
 
 
 def save_template(paths: Sequence[AnyPath], path: AnyPath, *, overwrite: bool = False) -> None:
@@ -158,11 +163,10 @@ _SIZES = ("imageSize", "image_size", "imgSize", "size", "res1")
 class Matrices:
     """The values of some documents, and which of them is which."""
 
-    content: Mapping[str, Any]  # every value by its name: the keys that lead to it, joined by dots
-    places: Mapping[str, Keys]  # for each name, the number of its document, and its keys
+    entries: Mapping[str, Entry]  # by name
+    content: Mapping[str, Any]  # their values
     # Of K1, D1, K2, D2, R, T, and, where the file has them, R1, R2, P1, P2; of others, as OpenCV's samples name them.
     names: Mapping[str, str]
-    entries: Sequence[Entry]
 
     def has(self, *roles: str) -> bool:
         """Whether all of these are there."""
@@ -172,7 +176,7 @@ class Matrices:
         """What a derived matrix, such as P1 or Q, is called: its usual key, which may stand below others."""
         if key in self.names or key in self.content:
             return self.names.get(key, key)
-        inside = [name for name, place in self.places.items() if place[-1] == key]
+        inside = [name for name, entry in self.entries.items() if entry.place[-1] == key]
         return inside[0] if len(inside) == 1 else key
 
     def size(self, hints: Hints) -> tuple[int, int]:
@@ -182,24 +186,18 @@ class Matrices:
                 return image_size(self.content, key)
         if "image_width" in self.content:
             return image_size(self.content, "image_width", "image_height")
-        return _size_in(self.entries) or hints.needed_size("the file has no image size (imageSize)")
+        return _size_in(self.entries.values()) or hints.needed_size("the file has no image size (imageSize)")
 
     def check_whole(self) -> None:
         """Refuse one file of the two that stereo_calib writes, and matrices whose names do not say what they are."""
-        content, names = self.content, self.names
-        cameras = any(names[role] in content for role in ("K1", "K2"))
-        between = bool({names["R"], names["T"]} & content.keys())
-        if cameras and between:
-            return
-        of_kind = [str(entry) for entry in self.entries if (_may_be_between if cameras else _may_be_camera)(entry)]
-        if of_kind and (cameras or between):
-            missing = "rotation (R) and translation (T)" if cameras else "a left and a right camera matrix (K1, K2)"
-            raise InputError(f"{missing} are not found among {', '.join(of_kind[:_SHOWN_PARTS])}; {_WAY_OUT}")
-        there, missing = ("intrinsics", "extrinsics (R, T)") if cameras else ("extrinsics", "intrinsics (K1 or M1 …)")
-        raise InputError(
-            f"there are {there} only, no {missing}: OpenCV's stereo_calib writes intrinsics.yml and extrinsics.yml; "
-            "give both, intrinsics first."
-        )
+        cameras, between = self.has("K1") or self.has("K2"), self.has("R") or self.has("T")
+        if not (cameras and between):
+            lack = "rotation and translation (R, T)" if cameras else "camera matrices (K1 or M1, K2 or M2)"
+            found = _listed(self.entries.values()) or "the values"
+            raise InputError(
+                f"no {lack} are found among {found}; give both files that OpenCV's stereo_calib writes, intrinsics.yml "
+                f"and extrinsics.yml, or {_WAY_OUT}"
+            )
 
 
 def matrices_in(documents: Documents) -> Matrices:
@@ -228,7 +226,7 @@ def matrices_in(documents: Documents) -> Matrices:
         if rotations and projections:
             names |= {f"R{side}": entry.name for side, entry in enumerate(rotations, start=1)}
             names |= {f"P{side}": entry.name for side, entry in enumerate(projections, start=1)}
-    return Matrices(content, {entry.name: entry.place for entry in entries}, names, entries)
+    return Matrices({entry.name: entry for entry in entries}, content, names)
 
 
 _COUNTS = (0, 1, 2, 3, 4, 5, 8, 12, 14)
@@ -236,17 +234,11 @@ _ROTATION = {"r", "rot", "rotation", "rvec", "rmat", "om", "rodrigues"}
 _TRANSLATION = {"t", "trans", "translation", "tvec", "tra", "tvecs"}
 _LENS = {"d", "dist", "distortion", "distorted", "distcoeffs", "coef", "coeff", "coeffs", "coefficients", "coefs", "kc"}
 _NO_LENS = {"roi", "size", "resolution", "quat", "quaternion", "q", "intrinsics", "intrinsic", "shape"}
-_INTRINSICS = {"fx", "fy", "cx", "cy", "f", "focal", "intrinsic", "intrinsics", "intr", "k", "mtx", "principal"}
 _OF_RECTIFIED = {"new", "rect", "rectified", "rectification", "optimal", "undistorted", "projection", "p", "error"}
 _ELSEWHERE = {"imu", "body", "lidar", "velo", "world", "base", "gps", "target", "board", "robot", "ground", "h",
               "homography"}  # fmt: skip
 _BESIDE_SIZE = {"board", "pattern", "square", "grid", "marker", "new", "window", "win", "chessboard", "corner", "roi"}
 _SMALLEST = 16  # pixels: fewer are squares of a chessboard
-
-
-def has_cameras(documents: Documents) -> bool:
-    """Whether there are any camera matrices."""
-    return any(_is_camera(entry) for entry in entries_of(documents))
 
 
 def _between(
@@ -264,7 +256,7 @@ def _between(
     return chosen[0] if chosen else None
 
 
-def _size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
+def _size_in(entries: Iterable[Entry]) -> tuple[int, int] | None:
     """The (width, height) of the images, under any name that says so."""
     found: dict[str, tuple[int, int]] = {}
     sides: dict[tuple[str, ...], dict[str, int]] = {}
@@ -284,18 +276,6 @@ def _size_in(entries: Sequence[Entry]) -> tuple[int, int] | None:
     if len(set(found.values())) > 1:
         raise _several("the image size", [f"{name} {wide}x{high}" for name, (wide, high) in found.items()])
     return next(iter(found.values()), None)
-
-
-def _may_be_between(entry: Entry) -> bool:
-    """Whether it may be a rotation, a translation, or both in a matrix."""
-    array = entry.array
-    pose = array is not None and array.shape in ((3, 4), (4, 4)) and np.abs(array[:3, :3]).max() < 1.001
-    return _is_rotation(entry) or _is_vector(entry) or pose
-
-
-def _may_be_camera(entry: Entry) -> bool:
-    """Whether it may be the intrinsics of a camera, or one number of them."""
-    return _is_camera(entry) or (entry.array is not None and entry.says(_INTRINSICS))
 
 
 def _is_camera(entry: Entry) -> bool:

@@ -204,7 +204,6 @@ _OF_OPENCV = (Camera.model, "equidistant")  # the models that OpenCV has
 ROUNDING = 1e-9  # radians; and parts of the baseline
 # Formats that have a place for a lens model, for messages.
 _HOLDERS = {
-    "radtan": "opencv, ros or depthai",
     "equidistant": "kalibr, ros or stereorecal",
     "ds": "kalibr, basalt or stereorecal",
     "eucm": "kalibr, basalt or stereorecal",
@@ -261,11 +260,11 @@ def coefficients(
     )
 
 
-def unsupported(model: object, camera: object = "pinhole") -> UnsupportedModelError:
-    """What to raise for a camera model, or a distortion model of it, that is not known."""
+def unsupported(model: object) -> UnsupportedModelError:
+    """What to raise for a lens model that is not known, as the file calls it."""
     return UnsupportedModelError(
-        f"the camera model {camera!r} with the distortion model {model!r} is not supported; undistort the images, or "
-        "calibrate as pinhole with radial-tangential distortion, or as equidistant."
+        f"the lens model {str(model)!r} is not supported; undistort the images, or calibrate as pinhole with "
+        "radial-tangential distortion, or as equidistant."
     )
 
 
@@ -296,8 +295,5 @@ def model_named(stated: Any) -> str:
     if base in ("ds", "eucm", "omni"):
         return base
     if not (base in _PINHOLE or base.startswith("opencv")) or any(word in name for word in _OTHER):
-        raise UnsupportedModelError(
-            f"the distortion model {stated!r} is not supported; undistort the images, or calibrate with OpenCV's "
-            "pinhole model (plumb_bob or rational_polynomial) or its fisheye (equidistant)."
-        )
+        raise unsupported(stated)
     return Camera.model

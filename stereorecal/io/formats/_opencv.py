@@ -2,7 +2,7 @@
 in one file or in several; the stereo_calib sample writes two."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -12,6 +12,7 @@ from stereorecal._errors import InputError, UnsupportedModelError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints, Syntax
+from stereorecal.io.formats._kitti import camera_and_place
 from stereorecal.io.formats._matrix_search import MATRICES, Matrices, matrices_in
 from stereorecal.io.formats._numbers import (
     Array,
@@ -24,7 +25,7 @@ from stereorecal.io.formats._numbers import (
     rotation_matrix,
     size_of,
 )
-from stereorecal.io.formats._poses import pose, rig_of
+from stereorecal.io.formats._poses import pose, pose_of_rectified, rig_of
 from stereorecal.io.formats._rectification_matrices import (
     RectifyOptions,
     epipolar_matrices,
@@ -78,7 +79,9 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
             cameras.append(Camera(size, matrix, distortion, model=model))
     left, right = cameras
     if implied:
-        return rig_of(left, right, pose(*_implied(content, names)))
+        first, second = (numbers(content, names[key], (3, 3)) for key in ("R1", "R2"))
+        (_, place), (_, other) = (camera_and_place(content, names[key], size) for key in ("P1", "P2"))
+        return rig_of(left, right, pose_of_rectified((first, place), (second, other)))
     rotation, translation = rotation_matrix(content, names["R"]), numbers(content, names["T"], (3,))
     return rig_of(left, right, pose(rotation, translation))
 
@@ -102,8 +105,6 @@ def _blank(rig: StereoRig, syntax: Syntax) -> tuple[str]:
 
 def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> Sequence[Values]:
     """R and T; what the file has of R1, R2, P1, P2, Q (with its own options, or those of stereo_calib), E and F."""
-    if rig.left.size != rig.right.size:
-        raise InputError("the cameras have images of different sizes; write the rig as kalibr, ros or basalt instead.")
     matrices, arrays = matrices_in(documents), dict[str, Array]()
     for side, camera in changed.items():
         least = size_of(matrices.content, (matrices.names[f"D{side + 1}"],))
@@ -116,7 +117,7 @@ def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras)
     for key, array in arrays.items():
         name = matrices.own_name(key)
         if name in matrices.content:
-            document, *place = matrices.places[name]
+            document, *place = matrices.entries[name].place
             values = matrix_values(matrices.content, (name,), array)
             found[int(document)] |= {(*place, *rest): value for (_, *rest), value in values.items()}
     return found
@@ -130,25 +131,13 @@ def _rectify_options(documents: Documents, hints: Hints, matrices: Matrices) -> 
     return options_of(lambda: _read(documents, hints), P1, P2, _RECTIFY)
 
 
-def _implied(content: Mapping[str, Any], names: Mapping[str, str]) -> tuple[Array, Array]:
-    """R and T of the rotations that rectify, and the projections: R = R2^T R1, T = R2^T (P2[0, 3] / P2[0, 0], 0, 0); of
-    cameras one above the other R2^T (0, P2[1, 3] / P2[1, 1], 0)."""
-    R1, R2 = (numbers(content, names[key], (3, 3)) for key in ("R1", "R2"))
-    P1, P2 = (numbers(content, names[key], (3, 4)) for key in ("P1", "P2"))
-    if np.any(P1[:, 3]) or P2[2, 3] or np.all(P2[:2, 3]) or P2[0, 0] <= 0 or P2[1, 1] <= 0:
-        raise InputError(
-            f"R and T cannot be told from {names['P1']} and {names['P2']}, whose fourth columns are not (0, 0, 0) and "
-            "(t, 0, 0) or (0, t, 0); add R and T to the file."
-        )
-    return R2.T @ R1, R2.T @ np.array([P2[0, 3] / P2[0, 0], P2[1, 3] / P2[1, 1], 0.0])
-
-
 FORMAT = Format(
     "opencv",
     "OpenCV's FileStorage (K1 or M1, D1, K2, D2, R, T), one file, or intrinsics and extrinsics",
     None,
     lambda document: _looks_together((document,)),
     _read,
+    one_size=True,
     looks_together=_looks_together,
     syntax={**YAML, ".xml": Syntax.XML, **JSON},
     blank=_blank,

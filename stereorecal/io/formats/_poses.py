@@ -1,7 +1,8 @@
 """Rigid motions, and how the cameras of a file stand: each on a body, or on another camera that has a place itself."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -9,8 +10,11 @@ from jaxtyping import Float
 from stereorecal._arrays import Mat3, Vec3
 from stereorecal._errors import InputError
 from stereorecal.geometry import AS_IN_FILE, Camera, StereoRig, extrinsics_of
+from stereorecal.io.formats._numbers import key_name, numbers
+from stereorecal.io.formats.text._nodes import Keys
 
 Motion = Float[np.ndarray, "4 4"]
+_ROUNDING = 1e-3  # of the last row of a pose
 
 
 def pose(rotation: Mat3, translation: Vec3) -> Motion:
@@ -20,12 +24,33 @@ def pose(rotation: Mat3, translation: Vec3) -> Motion:
     return made
 
 
+def stated_pose(content: Mapping[str, Any], key: str | Keys) -> Motion:
+    """The rigid motion under a key, stated as four rows or as sixteen numbers."""
+    motion, name = numbers(content, key, (4, 4)), key_name(key)
+    if not np.allclose(motion[3], [0.0, 0.0, 0.0, 1.0], rtol=0.0, atol=_ROUNDING):
+        raise InputError(f"the last row of {name} is not 0 0 0 1; correct it, or copy the file again.")
+    try:
+        extrinsics_of(motion[:3, :3], motion[:3, 3])
+    except InputError:
+        raise InputError(
+            f"{name} is not a rotation (orthonormal, determinant +1) beside a translation; correct it."
+        ) from None
+    return motion
+
+
 def inverse(motion: Motion) -> Motion:
     """The inverse of a rigid motion (4, 4)."""
     try:
         return np.linalg.inv(motion)
     except np.linalg.LinAlgError:
         raise InputError("R is not a rotation (orthonormal, determinant +1); correct the calibration.") from None
+
+
+def pose_of_rectified(left: tuple[Mat3, Vec3], right: tuple[Mat3, Vec3]) -> Motion:
+    """The motion from a left camera to a right one, of which each is known by the rotation that rectifies it and t of
+    its projection matrix K [I | t]; t has x, of cameras one above the other y, of KITTI's all three."""
+    (to_left, left_place), (to_right, place) = left, right
+    return pose(to_right.T @ to_left, to_right.T @ (place - left_place))
 
 
 def left_to_right(rig: StereoRig) -> Motion:

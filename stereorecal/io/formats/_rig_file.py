@@ -4,12 +4,11 @@ beside a calibration of any other format.
 The content of a prior is that of `SavedPrior.as_dict`; here it is JSON data, of which only the rig is read.
 """
 
-import json
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, rig_from_data, same_rig
@@ -69,18 +68,6 @@ def file_of(rig: StereoRig | None) -> RigFile | None:
     return rig.source if rig is not None and isinstance(rig.source, RigFile) else None
 
 
-@runtime_checkable
-class PriorData(Protocol):
-    """The interface of `SavedPrior`."""
-
-    @property
-    def rig(self) -> StereoRig: ...
-
-    def as_dict(self) -> dict[str, Any]: ...
-
-    def check(self, rig: StereoRig) -> None: ...
-
-
 def prior_file(path: Path) -> Path:
     """The file beside a calibration, beside what a link leads to."""
     path = path.resolve() if path.is_symlink() else path
@@ -110,12 +97,6 @@ def prior_place(paths: Sequence[Path], format: str) -> Path | None:
     if format == NAME or (paths[0].exists() and not paths[0].is_file()):
         return None
     return prior_file(paths[0])
-
-
-def prior_text(content: dict[str, Any]) -> str:
-    """The text of that file: a line for each key."""
-    lines = (f"{json.dumps(key)}: {json.dumps(item, allow_nan=False)}" for key, item in content.items())
-    return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def with_prior(text: str, content: dict[str, Any] | None) -> str:

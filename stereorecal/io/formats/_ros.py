@@ -25,12 +25,11 @@ from stereorecal.io.formats._numbers import (
     unsupported,
     value,
 )
-from stereorecal.io.formats._poses import pose, rig_of
+from stereorecal.io.formats._poses import pose_of_rectified, rig_of
 from stereorecal.io.formats._rectification_matrices import RectifyOptions, options_of, rectification_of
 from stereorecal.io.formats._table import yaml_text
 from stereorecal.io.formats.text._document import Document
-from stereorecal.io.formats.text._nodes import Keys, Values, at
-from stereorecal.io.formats.text._yaml import DOCUMENTS
+from stereorecal.io.formats.text._nodes import DOCUMENTS, Keys, Values, at
 
 _ROLES = ("width", "height", "matrix", "lens", "rotation", "projection")
 _SPELLINGS: list[dict[str, str]] = [  # of files, and of the messages of ROS 1 and ROS 2
@@ -66,20 +65,12 @@ def _parts_of(document: Document) -> list[_Part]:
     """The different cameras in a document: of one message or file, of several messages, or of an ost.txt."""
     several, found = document.content.get(DOCUMENTS), list[_Part]()
     maps = [((DOCUMENTS, number), one) for number, one in enumerate(several)] if isinstance(several, list) else []
-    if document.syntax is Syntax.SECTIONS:
-        sections = dict(document.content)
-        image = sections.pop("image", {})
-        maps = [
-            ((key,), {name.replace(" ", "_"): item for name, item in {**image, **one}.items()})
-            for key, one in sections.items()
-        ]
     for place, content in maps or [((), document.content)]:
         keys = _spelling(content) if isinstance(content, Mapping) else None
         if keys is None:
             continue
         frame = at(content, ("header", "frame_id"))
-        name = content.get("camera_name") or frame or (place[0] if len(place) == 1 else "")
-        part = _Part(document.name, content, keys, (place,), str(name))
+        part = _Part(document.name, content, keys, (place,), str(content.get("camera_name") or frame or ""))
         known = next((number for number, other in enumerate(found) if other.said == part.said), None)
         if known is None:
             found.append(part)
@@ -131,8 +122,7 @@ def _spelling(content: Mapping[str, Any]) -> dict[str, str] | None:
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
-    """The rig of a left and a right camera: R = R_right^T R_left, and T = R_right^T (t_right - t_left), P = K [I | t];
-    t has x, of cameras one above the other y, of KITTI's all three."""
+    """The rig of a left and a right camera."""
     parts = _chosen(documents, hints)
     (left, to_left, left_place), (right, to_right, place) = map(_camera, parts)
     with about(" and ".join(dict.fromkeys(part.where for part in parts))):
@@ -141,7 +131,7 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
                 f"{parts[1].keys['projection']} has no baseline (its fourth column is the same in both files); "
                 "calibrate the two as stereo."
             )
-        return rig_of(left, right, pose(to_right.T @ to_left, to_right.T @ (place - left_place)))
+        return rig_of(left, right, pose_of_rectified((to_left, left_place), (to_right, place)))
 
 
 def _camera(part: _Part) -> tuple[Camera, Array, Vec3]:

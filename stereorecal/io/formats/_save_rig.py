@@ -2,6 +2,7 @@
 maps."""
 
 import io
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -30,12 +31,10 @@ from stereorecal.io.formats._load_rig import paths_of, read_files, warn_of_file
 from stereorecal.io.formats._read_rig import as_in_file, at_common_size, chosen_cameras, named, rig_in, scaled
 from stereorecal.io.formats._rig_file import (
     KEY,
-    PriorData,
     RigFile,
     file_of,
     own_prior,
     prior_place,
-    prior_text,
     with_prior,
 )
 from stereorecal.io.formats.text._document import Syntax, document
@@ -52,7 +51,7 @@ def save_rig(
     format: str | None = None,
     template: Paths | None = None,
     unit: str | None = None,
-    prior: PriorData | None = None,
+    prior: Any = None,
 ) -> None:
     """Write a rig into a copy of the file that it came from, whole or not at all: what was not estimated stays as it
     was there, what is derived is computed anew. A rig from nowhere, or in another format, becomes a new file.
@@ -69,8 +68,8 @@ def save_rig(
         unit: "m", "cm", "mm" or "in": of a template, by default that of its format, or, if it has none, that of the
             file that the rig came from, if its format is the same, else inferred from the template's baseline; or of a
             new file whose format has none, by default metres.
-        prior: the prior of the next repair, such as `solution.prior`; default the one in the file that the rig came
-            from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
+        prior: the `SavedPrior` of the next repair, such as `solution.prior`; default the one in the file that the rig
+            came from, if the rig is unchanged. A calib.json has a key for it; any other format gets the file
             NAME.prior.json beside the (left camera's) file: both are written, or none.
 
     Raises:
@@ -81,10 +80,7 @@ def save_rig(
         CalibrationWarning: if the unit of the template was inferred from its baseline.
     """
     checked_rig(rig)
-    paths = paths_of(path)
-    if len({place.resolve() for place in paths}) < len(paths):
-        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
-    source = file_of(rig)
+    paths, source = paths_of(path), file_of(rig)
     if template is not None:
         template_rig = _read_template(template, unit, rig)
         source = file_of(template_rig)
@@ -102,10 +98,7 @@ def save_rig(
         texts[0] = with_prior(text, known)
     contents = dict(zip(paths, texts, strict=True))
     if known is not None and prior_path is not None:
-        contents[prior_path] = prior_text(known)
-    for place in paths:
-        if not place.parent.is_dir():  # before the first of two is written
-            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
+        contents[prior_path] = json.dumps(known, allow_nan=False) + "\n"
     write_files({place: text.encode() for place, text in contents.items()}, replace=overwrite)
 
 
@@ -134,8 +127,8 @@ def prior_beside(rig: StereoRig, path: Paths) -> Path | None:
     return prior_place(paths, _chosen_format(paths, file_of(rig), None).name)
 
 
-def calibration_json(rig: StereoRig, prior: PriorData | None = None) -> str:
-    """A rig as a calib.json, with what is known of it."""
+def calibration_json(rig: StereoRig, prior: Any = None) -> str:
+    """A rig as a calib.json, with the `SavedPrior` of its next repair."""
     taken = as_in_file(rig, exchanged=False)
     text = _stereorecal.calibration_text(_stereorecal.calibration_of(taken))
     return text if prior is None else with_prior(text, prior.as_dict())
@@ -188,6 +181,11 @@ def _texts_of(
 
     It is written into the source, if the format is its own; else `unit` is that of a format that says none.
     """
+    if len({place.resolve() for place in paths}) < len(paths):
+        raise InputError(f"{paths[0]}: both cameras' files are the same one; give two names.")
+    for place in paths:
+        if not place.parent.is_dir():
+            raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     chosen = _chosen_format(paths, source, format)
     checked_unit(unit)
     before = rig
@@ -289,6 +287,11 @@ def _checked(
     rig: StereoRig, format: Format, old: Documents, hints: Hints, unit: str, sides: Sequence[int] = (0, 1)
 ) -> tuple[str, ...]:
     """The texts of documents with the numbers of a rig, and of the cameras of these sides, which were read again."""
+    if format.one_size and rig.left.size != rig.right.size:
+        raise InputError(
+            f"{format.name} has one size of images for both cameras, and these have two; write the rig as kalibr, ros "
+            "or basalt instead."
+        )
     asked, exchanged = chosen_cameras(format, old, hints)
     taken = as_in_file(scaled(rig, 1.0 / METRES[unit]), exchanged)
     changed = {side: (taken.left, taken.right)[side] for side in (1 - side if exchanged else side for side in sides)}

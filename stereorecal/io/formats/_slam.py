@@ -8,12 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError, UnsupportedModelError
+from stereorecal._errors import InputError
 from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about, check_there
 from stereorecal.io.formats._format import JSON, YAML, Cameras, Documents, Format, Hints
-from stereorecal.io.formats._numbers import Array, image_size, numbers, pinhole_matrix, scalars, size_of, value
-from stereorecal.io.formats._poses import inverse, pose, rig_of
+from stereorecal.io.formats._numbers import (
+    Array,
+    image_size,
+    numbers,
+    pinhole_matrix,
+    scalars,
+    size_of,
+    unsupported,
+    value,
+)
+from stereorecal.io.formats._poses import inverse, pose, rig_of, stated_pose
 from stereorecal.io.formats._table import Lens, Pose, Table, places
 from stereorecal.io.formats.text._document import Document, read_document
 from stereorecal.io.formats.text._nodes import Values
@@ -138,7 +147,7 @@ _CAMERAS = {  # by model_type
 def _read_vins(documents: Documents, hints: Hints) -> StereoRig:
     """The rig of VINS' settings and of the files that they name, which lie beside them."""
     content, folder = documents[0].content, Path(documents[0].name).parent
-    poses = [numbers(content, f"body_T_cam{side}", (4, 4)) for side in (0, 1)]
+    poses = [stated_pose(content, f"body_T_cam{side}") for side in (0, 1)]
     left, right = (_camera_of_vins(folder / Path(str(value(content, f"cam{side}_calib"))).name) for side in (0, 1))
     return rig_of(left, right, inverse(poses[1]) @ poses[0])
 
@@ -148,10 +157,7 @@ def _camera_of_vins(path: Path) -> Camera:
     content = read_document(path).content
     with about(path):
         if content.get("model_type") not in _CAMERAS:
-            raise UnsupportedModelError(
-                f"the model_type {content.get('model_type')!r} is not supported; calibrate as one of "
-                f"{', '.join(_CAMERAS)}."
-            )
+            raise unsupported(content.get("model_type"))
         return _CAMERAS[content["model_type"]].camera(content, "")
 
 
@@ -203,7 +209,7 @@ def _read_orb_slam(documents: Documents, hints: Hints) -> StereoRig:
 def _camera_of_orb_slam(content: Mapping[str, Any], name: str, hints: Hints) -> Camera:
     kind = str(content.get("Camera.type", "PinHole")).lower()
     if kind not in _LENSES:
-        raise UnsupportedModelError(f"the camera type {content['Camera.type']!r} is not supported; calibrate anew.")
+        raise unsupported(content["Camera.type"])
     model, terms = _LENSES[kind]
     four = scalars(content, [f"{name}.{key}" for key in ("fx", "fy", "cx", "cy")])
     lens = scalars({f"{name}.{term}": 0.0 for term in terms} | dict(content), [f"{name}.{term}" for term in terms])

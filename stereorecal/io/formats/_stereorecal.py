@@ -10,25 +10,13 @@ from stereorecal.geometry import Camera, StereoRig
 from stereorecal.io._read_files import about
 from stereorecal.io._strict_json import strict_json_text
 from stereorecal.io.formats._format import JSON, Cameras, Documents, Format, Hints, Syntax
-from stereorecal.io.formats._matrix_search import has_cameras
 from stereorecal.io.formats._numbers import image_size, model_named, numbers, optional, value
 from stereorecal.io.formats._poses import pose, rig_of
-from stereorecal.io.formats.text._document import Document
 from stereorecal.io.formats.text._nodes import Keys, Values
 
 NAME = "stereorecal"
 KEYS = ("image_size", "K_left", "D_left", "K_right", "D_right", "distortion_model", "R", "T", "baseline_m")
 _SIDES = ("left", "right")
-
-
-def _looks(document: Document) -> bool:
-    """Whether there is JSON with the matrix of a left or right camera, or with a size of images and nothing of
-    OpenCV's: no R, no T, no numbered camera, and no camera matrix of another name."""
-    keys = document.content.keys()
-    if document.syntax is not Syntax.JSON or {"K_left", "K_right"} & keys:
-        return document.syntax is Syntax.JSON
-    foreign = {"R", "T"} & keys or any(key.endswith(("1", "2")) for key in keys)
-    return "image_size" in keys and not foreign and not has_cameras((document,))
 
 
 def _read(documents: Documents, hints: Hints) -> StereoRig:
@@ -48,12 +36,6 @@ def _read(documents: Documents, hints: Hints) -> StereoRig:
 
 def _write(rig: StereoRig, documents: Documents, hints: Hints, changed: Cameras) -> list[Values]:
     """R, T and the baseline, and the intrinsics of cameras that have changed; a changed rig is no ground truth."""
-    if rig.left.size != rig.right.size:
-        one, other = (f"{width}x{height}" for width, height in (rig.left.size, rig.right.size))
-        raise InputError(
-            f"the cameras have images of {one} and {other}, but a calib.json has one size for "
-            "both; write the rig as kalibr or ros, or resize the images of one and its camera with `Camera.resized`."
-        )
     content = documents[0].content
     keep = {f"{key}_{side}" for number, side in enumerate(_SIDES) if number not in changed for key in ("K", "D")}
     keep |= {"image_size", "distortion_model"} & content.keys()
@@ -91,8 +73,9 @@ FORMAT = Format(
     NAME,
     "calib.json of a scene folder (K_left, D_left, K_right, D_right, R, T in metres)",
     "m",
-    _looks,
+    lambda document: document.syntax is Syntax.JSON and bool({"K_left", "K_right"} & document.content.keys()),
     _read,
+    one_size=True,
     syntax=JSON,
     blank=lambda rig, syntax: (calibration_text(calibration_of(rig)),),
     write=_write,

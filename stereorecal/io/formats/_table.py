@@ -31,7 +31,7 @@ from stereorecal.io.formats._numbers import (
     unsupported,
     value,
 )
-from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, pose, rig_of
+from stereorecal.io.formats._poses import Link, Motion, left_to_right, motions_from, moved, pose, rig_of, stated_pose
 from stereorecal.io.formats.text._document import Syntax
 from stereorecal.io.formats.text._nodes import Keys, at
 
@@ -60,7 +60,8 @@ class Pose:
         """The motion of the camera of a name, as the file has it."""
         with _about_place(self.rotation, name):
             if not self.translation:
-                return stated(content, self.rotation, name, (4, 4))
+                assert isinstance(self.rotation, str)
+                return stated_pose(content, keys_of(content, self.rotation, name))
             turn = self.decode(stated(content, self.rotation, name, self.encode(np.eye(3)).shape))
             return pose(turn, stated(content, self.translation, name, (3,)))
 
@@ -162,11 +163,10 @@ class Table:
 
     def lens(self, content: Any, name: str) -> Lens:
         """What the file says that a lens is."""
-        said = [value(content, keys_of(content, place, name)) for place in self.words]
-        found = self.lenses.get(" ".join(map(str, said)))
-        if found is None:
-            raise unsupported(said[-1], *said[:-1])
-        return found
+        said = " ".join(str(value(content, keys_of(content, place, name))) for place in self.words)
+        if said not in self.lenses:
+            raise unsupported(said)
+        return self.lenses[said]
 
     def camera(self, content: Any, name: str) -> Camera:
         """The camera of a name."""

@@ -5,7 +5,6 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,11 +24,6 @@ class FrameSource:
     times: Float[np.ndarray, "n"] | None  # (n,) seconds, ascending; None if they are not known
     read: Callable[[int], Image]  # makes the image of a number; raises InputError if it is damaged
 
-    @staticmethod
-    def of_files(where: str, files: Sequence[Path], times: Float[np.ndarray, "n"]) -> "FrameSource":
-        """Files, of which times are known, in place of their images."""
-        return FrameSource(where, tuple(file.name for file in files), times, files.__getitem__)
-
 
 def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
     """The left and the right half of frames that show both images side by side. A frame is read once for both: to read
@@ -37,16 +31,20 @@ def halves(source: FrameSource) -> tuple[FrameSource, FrameSource]:
     cached = lru_cache(maxsize=1)(source.read)
 
     def half(index: int, side: int) -> Image:
-        image = cached(index)
-        width = image.shape[1]
-        if width % 2:
-            raise InputError(
-                f"{source.names[index]}: the image is {width} pixels wide, which cannot be halved; left and right "
-                "image must have the same size."
-            )
-        return image[:, side * width // 2 : (side + 1) * width // 2]
+        return halved(cached(index), source.names[index])[side]
 
     return replace(source, read=partial(half, side=0)), replace(source, read=partial(half, side=1))
+
+
+def halved(image: Image, where: str) -> tuple[Image, Image]:
+    """The left and the right half of an image."""
+    width = image.shape[1]
+    if width % 2:
+        raise InputError(
+            f"{where}: the image is {width} pixels wide, which cannot be halved; left and right image must have the "
+            "same size."
+        )
+    return image[:, : width // 2], image[:, width // 2 :]
 
 
 _OF_INTERVAL = 0.25  # of the time from one left frame to the next: the largest difference within a pair
@@ -54,10 +52,11 @@ _OF_INTERVAL = 0.25  # of the time from one left frame to the next: the largest 
 _EXACT = 1e-6  # seconds: the resolution of float64 for nanoseconds since 1970
 
 
-def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None) -> list[tuple[int, int]]:
-    """Numbers of left and right frames that belong together: each the other's nearest, and near enough, in seconds; by
-    default within a quarter of the usual interval between left frames."""
-    first, second = np.asarray(left.times), np.asarray(right.times)
+def pairs_by_time(
+    first: Float[np.ndarray, "n"], second: Float[np.ndarray, "m"], tolerance: float | None
+) -> list[tuple[int, int]]:
+    """Numbers of left and right frames that belong together, of their ascending times: each the other's nearest, and
+    near enough, in seconds; by default within a quarter of the usual interval between left frames."""
     if tolerance is None:
         tolerance = _OF_INTERVAL * float(np.median(np.diff(first))) if len(first) > 1 else float("inf")
     if not tolerance >= 0.0:
@@ -74,8 +73,8 @@ def pairs_by_time(left: FrameSource, right: FrameSource, tolerance: float | None
     if not found:
         gap = float(np.min(np.abs(first - second[partners])))
         raise InputError(
-            f"{left.where} and {right.where}: no two frames lie within {tolerance:.4g} s of each other, the nearest "
-            f"{gap:.4g} s apart; check the clocks, or the tolerance."
+            f"no two frames lie within {tolerance:.4g} s of each other, the nearest {gap:.4g} s apart; check the "
+            "clocks, or the tolerance."
         )
     return found
 

@@ -3,7 +3,6 @@ one's size."""
 
 import glob
 import os
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -12,11 +11,11 @@ from typing import Any
 
 import cv2
 
-from stereorecal._errors import CalibrationWarning, InputError, check_exists
+from stereorecal._errors import CalibrationWarning, InputError, check_exists, warn
 from stereorecal.io._read_files import AnyPath, note_input
 from stereorecal.io.images._frame_source import counted_times
 from stereorecal.io.images._image_files import image_bytes, images_in, natural_order, read_image
-from stereorecal.io.images._match_by_name import Matched, find_partners, without_lost_frames
+from stereorecal.io.images._match_by_name import Matched
 from stereorecal.recordings import LazyPairs, Pair, check_two_images, make_pair
 
 Size = tuple[int, int]
@@ -127,32 +126,7 @@ def _remark(left: str, right: str, sizes: Sizes | None) -> None:
             f"{', or say --fix turned' if first == second == 3 else ''}."
         )
     said = f"EXIF orientation {first}" if first == second else f"EXIF orientations {first} and {second}"
-    warnings.warn(f"{left if first > 1 else right}: {said} {what}", CalibrationWarning, stacklevel=3)
-
-
-def load_pairs(
-    left: AnyPath, right: AnyPath, limit: int | None = None, *, sizes: Sizes | None = None
-) -> tuple[Pair, ...]:
-    """Pairs from two sets of image files, each a glob pattern, a folder or one file.
-
-    Files whose names are equal, or equal but for what all names of a side have in common (cam1_0007 and cam2_0007, A7
-    and B7) or for left/right, L/R or 0/1, belong together. Those that one camera lost are left out, as long as at
-    least half have a partner. If no name has one, files are matched in natural order (9 before 10).
-
-    Args:
-        limit: read only the first `limit` pairs.
-        sizes: (width, height) of the left and of the right camera, if they differ: images of these are resampled to
-            the smaller size.
-
-    Raises:
-        InputError: if nothing matches, most images have no partner, or a file is bad (see `load_pair`).
-
-    Warns:
-        PairingWarning: if images were left out, or files matched by their order.
-        CalibrationWarning: as `load_pair`.
-    """
-    found = find_partners(find_images(left), find_images(right))
-    return tuple(load_matched(without_lost_frames(found), limit, sizes=sizes))
+    warn(f"{left if first > 1 else right}: {said} {what}", CalibrationWarning)
 
 
 def load_matched(
@@ -171,8 +145,7 @@ def load_matched(
     Warns:
         CalibrationWarning: if the first images have an EXIF orientation.
     """
-    if limit is not None and limit < 1:
-        raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
+    check_limit(limit)
     for path in (path for paths in matched for path in paths):
         note_input(path)
     # Absolute: they are read where the working directory may be another.
@@ -185,6 +158,12 @@ def load_matched(
         _remark(*files[0], sizes)
     reads = [partial(read_pair, *paths, time, sizes) for paths, time in zip(files, known, strict=True)]
     return LazyPairs(reads, names, known)
+
+
+def check_limit(limit: int | None) -> None:
+    """Refuse a number of pairs that leaves none."""
+    if limit is not None and limit < 1:
+        raise InputError(f"the limit of {limit} pairs leaves none; give 1 or more.")
 
 
 def find_images(where: AnyPath) -> list[Path]:

@@ -2,14 +2,13 @@
 camera have in common."""
 
 import re
-import warnings
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from stereorecal._errors import InputError, PairingWarning
+from stereorecal._errors import InputError, PairingWarning, warn
 from stereorecal.io.images._image_files import images_in
 
 Files = Sequence[Path]
@@ -21,7 +20,6 @@ _MARKERS = (("left", "right"), ("Left", "Right"), ("L", "R"), ("l", "r"), ("0", 
 # A number, or a word, which ends where capitals begin: LeftImage7 has three parts.
 _PARTS = re.compile(r"[0-9]+|[A-Z]?[a-z]+|[A-Z]+|[^\W\d_]+")
 _WHOLE = re.compile(r"(?:^|[^A-Za-z0-9])[0-9]+\.$")  # and no cam1.
-_FEW = 3  # names that a message mentions
 _HOW = "give both images of a pair the same number, or a tolerance if the names are times"
 
 
@@ -48,19 +46,6 @@ def find_partners(left: Files, right: Files) -> MatchedFiles:
             f"one of {_found(left, right)}; {_HOW}."
         )
     return MatchedFiles([*partners.items()], (*alone, *other_alone))
-
-
-def without_lost_frames(found: MatchedFiles) -> Matched:
-    """The files of pairs."""
-    if found.unmatched:
-        number, few = len(found.unmatched), ", ".join(map(str, found.unmatched[:_FEW]))
-        warnings.warn(
-            f"{number} of {number + 2 * len(found.matched)} images have no partner in the other camera and are left "
-            f"out: {few}{', …' if number > _FEW else ''}.",
-            PairingWarning,
-            stacklevel=3,
-        )
-    return found.matched
 
 
 def match_all(left: Files, right: Files) -> Matched:
@@ -149,12 +134,11 @@ def _in_order(left: Files, right: Files) -> Matched:
         path = left[shorter] if len(left) > shorter else right[shorter]
         raise InputError(f"{path}: names of {_found(left, right)} have nothing in common that pairs them; {_HOW}.")
     if len(left) > 1:
-        warnings.warn(
+        warn(
             f"{left[0]}: no name on the left has a partner on the right, so {len(left)} pairs are made in the order of "
             f"the names, this one with {right[0].name}; check that none is missing, or give a tolerance if the names "
             "are times.",
             PairingWarning,
-            stacklevel=2,
         )
     return list(zip(left, right, strict=True))
 

@@ -1,6 +1,6 @@
 """Image pairs of a recording (files, side-by-side images, videos, bags), read one by one."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -8,15 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, PairingWarning, warn
 from stereorecal.io._read_files import AnyPath, about
 from stereorecal.io.images._bags import bag_folder, bag_sources, is_bag
 from stereorecal.io.images._frame_source import FrameSource, counts_per_second, halves, has_time, pairs_by_time, time_of
 from stereorecal.io.images._image_files import read_image
-from stereorecal.io.images._load_pairs import Sizes, find_images, fitted_pair, load_matched
+from stereorecal.io.images._load_pairs import Sizes, check_limit, find_images, fitted_pair, load_matched
 from stereorecal.io.images._match_by_name import find_partners
 from stereorecal.io.images._videos import is_video, video_source
 from stereorecal.recordings import LazyPairs, Pair
+
+_FEW = 3  # names that a message mentions
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +56,7 @@ def open_pairs(
         right: the right images or the right video.
         left_topic, right_topic: of the bag: images, raw or compressed.
         tolerance: the largest difference of times [s] within a pair; default a quarter of the time between left frames.
-            Files are matched by their names, as `load_pairs` does; with a tolerance by the times that are their
+            Files are matched by their names, as `load_pairs` says; with a tolerance by the times that are their
             names, in seconds, or in nanoseconds if they have 16 digits and more (in microseconds, if frames would
             else lie closer than a millisecond); without one, too, if names have times since 1970 (seconds with a
             fraction, or nanoseconds) and hardly any name is on both sides.
@@ -78,6 +80,39 @@ def open_pairs(
         )
     place = bag_folder(Path(left)).absolute()
     return _opened(place, None if right is None else Path(right).absolute(), topics, tolerance, sizes)
+
+
+def load_pairs(
+    left: AnyPath, right: AnyPath, limit: int | None = None, *, sizes: Sizes | None = None
+) -> tuple[Pair, ...]:
+    """The pairs that `open_pairs` finds in left and right images, each a glob pattern, a folder or one file.
+
+    Files whose names are equal, or equal but for what all names of a side have in common (cam1_0007 and cam2_0007, A7
+    and B7) or for left/right, L/R or 0/1, belong together. Those that one camera lost are left out, as long as at
+    least half have a partner. If no name has one, files are matched in natural order (9 before 10).
+
+    Args:
+        limit: read only the first `limit` pairs.
+        sizes: (width, height) of the left and of the right camera, if they differ: images of these are resampled to
+            the smaller size.
+
+    Raises:
+        InputError: if nothing matches, most images have no partner, or a file is bad (see `load_pair`).
+
+    Warns:
+        PairingWarning: if images were left out, or files matched by their order.
+        CalibrationWarning: as `load_pair`.
+    """
+    check_limit(limit)
+    found = open_pairs(left, right, sizes=sizes)
+    if found.unpaired:
+        number, few = len(found.unpaired), ", ".join(found.unpaired[:_FEW])
+        warn(
+            f"{number} of {number + 2 * len(found.pairs)} images have no partner in the other camera and are left "
+            f"out: {few}{', …' if number > _FEW else ''}.",
+            PairingWarning,
+        )
+    return tuple(found.pairs[:limit])
 
 
 def _opened(
@@ -108,7 +143,10 @@ def _opened(
         found = find_partners(*files)
         alone = tuple("/".join(path.parts[-2:]) for path in found.unmatched)  # with the folder, which tells whose it is
         return Recorded(load_matched(found.matched, sizes=sizes), alone, False, found.by_order)
-    return _paired_frames(told, *sources, pairs_by_time(*sources, tolerance), stream=True)
+    first, second = sources
+    with about(f"{first.where} and {second.where}"):
+        found = pairs_by_time(np.asarray(first.times), np.asarray(second.times), tolerance)
+    return _paired_frames(told, *sources, found, stream=True)
 
 
 def _paired_frames(
@@ -126,7 +164,7 @@ def _paired_frames(
 
     frames = [_Frame(told, number, read) for number in range(len(found))]
     pairs = LazyPairs(frames, [left.names[first] for first, _ in found], times)
-    return Recorded(pairs, _alone(left, right, found), stream)
+    return Recorded(pairs, _alone(left.names, right.names, found), stream)
 
 
 def _files_by_time(
@@ -138,20 +176,18 @@ def _files_by_time(
         with about(file.parent):
             return time_of(file.stem, per_second)
 
-    first, second = (
-        FrameSource.of_files(str(where), sorted(side, key=time), np.array(sorted(map(time, side))))
-        for where, side in zip(places, files, strict=True)
-    )
-    found = pairs_by_time(first, second, tolerance)
-    matched = [(first.read(one), second.read(other)) for one, other in found]
+    left, right = (sorted(side, key=time) for side in files)
+    with about(" and ".join(map(str, places))):
+        found = pairs_by_time(np.array([*map(time, left)]), np.array([*map(time, right)]), tolerance)
+    matched = [(left[one], right[other]) for one, other in found]
     pairs = load_matched(matched, times=[time(path) for path, _ in matched], sizes=sizes)
-    return Recorded(pairs, _alone(first, second, found), False)
+    return Recorded(pairs, _alone([path.name for path in left], [path.name for path in right], found), False)
 
 
-def _alone(left: FrameSource, right: FrameSource, found: list[tuple[int, int]]) -> tuple[str, ...]:
+def _alone(left: Sequence[str], right: Sequence[str], found: list[tuple[int, int]]) -> tuple[str, ...]:
     """The names of frames without partner."""
     sides = ((left, {first for first, _ in found}), (right, {second for _, second in found}))
-    return tuple(name for one, paired in sides for index, name in enumerate(one.names) if index not in paired)
+    return tuple(name for names, paired in sides for index, name in enumerate(names) if index not in paired)
 
 
 _opened_once = lru_cache(maxsize=2)(_opened)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from stereorecal._errors import InputError
-from stereorecal.io.images._frame_source import FrameSource, Image
+from stereorecal.io.images._frame_source import FrameSource, Image, halved
 from stereorecal.io.images._image_files import MOST_PIXELS, quiet_opencv
 from stereorecal.recordings import Images, Pair, make_pair
 
@@ -100,8 +100,8 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
         tolerance: the largest difference of the cameras' own times [s] within a pair, default any; others are left out.
 
     Raises:
-        InputError: if a camera cannot be opened, or sends no images any more; or no two of a hundred frames are near
-            enough.
+        InputError: if a camera cannot be opened, or sends no images any more, or images that cannot be halved; or no
+            two of a hundred frames are near enough.
     """
     cameras = [_Camera(name) for name in names]
     try:
@@ -118,18 +118,16 @@ def camera_pairs(names: Sequence[str], tolerance: float | None = None) -> Iterat
                     )
                 continue
             unsynchronised = 0
-            yield _split_images([camera.image() for camera in cameras], f"{number:06d}", times[0] or None)
+            images = [camera.image() for camera in cameras]
+            left, right = images if len(images) == 2 else halved(images[0], f"camera {names[0]}")
+            yield _pair_of(left, right, f"{number:06d}", times[0] or None)
             number += 1
     finally:
         for camera in cameras:
             camera.capture.release()
 
 
-def _split_images(images: Sequence[Image], name: str, time: float | None) -> Pair | Images:
-    if len(images) == 1:
-        middle = images[0].shape[1] // 2
-        images = (images[0][:, :middle], images[0][:, middle : 2 * middle])
-    left, right = images
+def _pair_of(left: Image, right: Image, name: str, time: float | None) -> Pair | Images:
     try:
         return make_pair(left, right, channels="bgr", name=name, time=time)
     except InputError:

@@ -9,13 +9,13 @@ import numpy as np
 
 from stereorecal._errors import InputError
 from stereorecal.geometry import StereoRig, same_rig
-from stereorecal.io._read_files import check_there, read_text
+from stereorecal.io._read_files import about, check_there, read_text
 from stereorecal.io._scenes import Calibration, fitting, remark_sizes
 from stereorecal.io.formats._format import Hints
 from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats._read_rig import at_common_size
 from stereorecal.io.formats.text._document import Syntax, read_document
-from stereorecal.io.images._frame_source import FrameSource, pairs_by_time
+from stereorecal.io.images._frame_source import pairs_by_time
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
 from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
@@ -175,8 +175,11 @@ def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
 
 
 def _match_by_time(left: Path, right: Path) -> Matched:
-    sides = left_shots, right_shots = _shots(left), _shots(right)
-    return [(left_shots.read(one), right_shots.read(other)) for one, other in pairs_by_time(*sides, _SAME_SHOT)]
+    lefts, rights = _shots(left), _shots(right)
+    with about(f"{left} and {right}"):
+        found = pairs_by_time(np.array([*lefts.values()]), np.array([*rights.values()]), _SAME_SHOT)
+    files, others = [*lefts], [*rights]
+    return [(files[one], others[other]) for one, other in found]
 
 
 def _seconds(camera: Path, matched: Matched) -> list[float] | None:
@@ -184,11 +187,11 @@ def _seconds(camera: Path, matched: Matched) -> list[float] | None:
     if not (camera / _TIMES).is_file():
         return None
     shots = _shots(camera)
-    known = dict(zip(shots.names, np.asarray(shots.times) - np.asarray(shots.times)[0], strict=True))
-    return [float(known[path.name]) for path, _ in matched]
+    start = next(iter(shots.values()))
+    return [shots[path] - start for path, _ in matched]
 
 
-def _shots(camera: Path) -> FrameSource:
+def _shots(camera: Path) -> dict[Path, float]:
     """The images of a camera and their times: the number in an image's name is its line in timestamps.txt, from 0."""
     files, path = by_stem(camera / "data"), camera / _TIMES
     check_there(path, "add it.")
@@ -199,7 +202,7 @@ def _shots(camera: Path) -> FrameSource:
         times = np.array(["NaT"], "datetime64[ns]")
     if np.isnat(times).any():
         raise InputError(f"{path}: not every image in data has a time in this file; copy or unpack it again.")
-    return FrameSource.of_files(str(path), [*files.values()], (times - _BEFORE) / np.timedelta64(1, "s"))
+    return dict(zip(files.values(), ((times - _BEFORE) / np.timedelta64(1, "s")).tolist(), strict=True))
 
 
 KITTI_RAW = _DataSet(

@@ -4,7 +4,6 @@ plain logs, for recordings of one's own, with a folder for each sequence and a c
 import math
 import os
 import re
-import shlex
 from collections.abc import Iterable, Mapping
 from operator import methodcaller
 from pathlib import Path
@@ -18,7 +17,8 @@ from stereorecal.geometry import StereoRig
 from stereorecal.io._atomic import write_text
 from stereorecal.io._read_files import AnyPath, about, check_there
 from stereorecal.io._scenes import Calibration, fitting, load_calibration
-from stereorecal.io.formats._load_rig import load_rig, looks_calibrated
+from stereorecal.io.formats._format import Hints
+from stereorecal.io.formats._load_rig import read_files
 from stereorecal.io.formats._read_rig import as_in_file
 from stereorecal.io.formats._rig_file import own_prior, with_prior
 from stereorecal.io.formats._stereorecal import KEYS, NAME, calibration_of, calibration_text
@@ -29,6 +29,10 @@ from stereorecal.io.images._match_by_name import match_all
 from stereorecal.recordings import LazyPairs, Log, Mission, Pair, Scene, check_pairs
 
 _CALIBRATION_FILE = "calib.json"
+_ADVICE = (
+    "check the path, or write a calib.json there; or, for a calibration in another format, say --left, --right and "
+    "--calibration (in Python: sr.io.load_pairs and sr.io.load_rig)."
+)
 _TIMES = "times_s"
 _READOUT = "readout_s"  # of rolling shutters
 
@@ -45,26 +49,12 @@ def is_scene_folder(folder: Path) -> bool:
 
 def open_scene_folder(folder: Path, limit: int | None) -> tuple[Calibration, LazyPairs]:
     """The calibration of a scene folder, and its pairs, checked against it when they are read."""
-    _check_calibrated(folder)
-    check_there(folder / _CALIBRATION_FILE, "check the path, or write a calib.json there.")
-    calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME)
+    check_there(folder / _CALIBRATION_FILE, _ADVICE)
+    calibration = load_calibration((folder / _CALIBRATION_FILE,), NAME, None, Hints())
     pairs = load_sides(folder, limit, calibration.info.get(_TIMES), calibration.sizes)
     if isinstance(readout := calibration.info.get(_READOUT), int | float):
         pairs = pairs.mapped(methodcaller("read_out", readout))
     return calibration, fitting(folder, calibration, pairs)
-
-
-def _check_calibrated(folder: Path) -> None:
-    """Refuse images with a calibration in another format; the message has the options that read them."""
-    sides = [_images_of(folder, side) for side in ("left", "right")]
-    if is_scene_folder(folder) or not looks_calibrated(folder) or not all(sides):
-        return
-    left, right = (found[0] if found[0].parent == folder else found[0].parent for found in sides)
-    words = shlex.join(["--left", str(left), "--right", str(right), "--calibration", str(folder)])
-    raise InputError(
-        f"{folder}: there is no {_CALIBRATION_FILE}; for a calibration in another format say {words} (in Python: "
-        "sr.io.gather_scene(left, right, calibration))."
-    )
 
 
 def load_sides(folder: Path, limit: int | None, times: Any = None, sizes: Sizes | None = None) -> LazyPairs:
@@ -181,7 +171,7 @@ def read(folder: Path, limit: int | None) -> Log:
     from which little can be expected, and a truth.json with the true rig."""
     root = _log_of(folder) or folder
     calibrations = {
-        path.stem: load_rig(path).side_by_side() for path in natural_order((root / _CALIBRATIONS).glob("*.json"))
+        path.stem: read_files([path]).side_by_side() for path in natural_order((root / _CALIBRATIONS).glob("*.json"))
     }
     places = (root / _SEQUENCES).iterdir() if root == folder else [Path(os.path.abspath(folder))]
     sequences = natural_order(path for path in places if path.is_dir())
@@ -191,7 +181,7 @@ def read(folder: Path, limit: int | None) -> Log:
 
 def _mission(folder: Path, calibrations: Mapping[str, StereoRig], limit: int | None) -> Mission:
     facts = read_document(folder / _FACTS, Syntax.JSON).content if (folder / _FACTS).exists() else {}
-    truth = load_rig(folder / _TRUTH).side_by_side() if (folder / _TRUTH).exists() else None
+    truth = read_files([folder / _TRUTH]).side_by_side() if (folder / _TRUTH).exists() else None
     pairs = load_sides(folder, limit)
     with about(folder / _FACTS):
         calibration, starred = facts.get("calibration"), facts.get("starred", [])

@@ -50,5 +50,5 @@ def test_a_table_is_a_format(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ta
     five = replace(rig, left=replace(rig.left, distortion=np.array([*samples.LENS, 0.1])))
     refused(lambda: save_rig(five, beside(paths), overwrite=True), "the radtan model has 4 lens coefficients, and this")
     path.write_text(path.read_text().replace("radtan", "fov"))
-    refused(lambda: load_rig(path), "cam0: the camera model 'pinhole' with the distortion model 'fov' is not supported",
+    refused(lambda: load_rig(path), "cam0: the lens model 'fov' is not supported",
             kind=UnsupportedModelError)  # fmt: skip

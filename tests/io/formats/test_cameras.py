@@ -11,11 +11,12 @@ import pytest
 import samples
 import yaml
 from every import SAMPLES, STANDS, assert_same, new_files, write_exchanged
+from gathered import gathered
 from refusals import refused
 
 from stereorecal import CalibrationWarning
 from stereorecal.geometry import StereoRig, same_rig
-from stereorecal.io import gather_scene, load_log, load_rig, load_scene, save_rig, save_scene
+from stereorecal.io import load_log, load_rig, load_scene, save_rig, save_scene
 
 RIG = samples.rig_of([0.02, -0.03, 0.01, -0.12, 0.004, -0.003])
 SWAPPED = "left and right are exchanged: T[0] must be negative (x_right = R x_left + T); "
@@ -120,7 +121,7 @@ def test_a_scene(tmp_path: Path):
     write_exchanged(RIG, "opencv", paths)
     for offset, side in enumerate(("left", "right")):
         cv2.imwrite(str(tmp_path / f"{side}.png"), np.eye(*samples.SIZE[::-1], offset) * 255)
-    scene = gather_scene(tmp_path / "left.png", tmp_path / "right.png", path, unit="m", cameras=EXCHANGED)
+    scene = gathered(tmp_path / "left.png", tmp_path / "right.png", path, unit="m", cameras=EXCHANGED)
     assert isinstance(scene.rig, StereoRig)
     assert_same(scene.rig, RIG)
 
@@ -156,10 +157,10 @@ def stood(folder: Path, scene, turns: tuple[int, int]) -> tuple[Path, Path, Path
 @pytest.mark.parametrize("turns", STANDS.values(), ids=STANDS)
 def test_images_are_turned_with_the_calibration(tmp_path: Path, scene, turns: tuple[int, int]):
     rendered = scene("street", 0, (320, 240))
-    plain = gather_scene(*stood(tmp_path / "plain", rendered, (0, 0)))
+    plain = gathered(*stood(tmp_path / "plain", rendered, (0, 0)))
     places = stood(tmp_path / "turned", rendered, turns)
     with pytest.warns(CalibrationWarning, match="turned by"):
-        turned = gather_scene(*places)
+        turned = gathered(*places)
     assert isinstance(turned.rig, StereoRig)
     assert turned.rig.turns == turned.pairs[0].turns == turns
     np.testing.assert_array_equal(turned.pairs[0].left, plain.pairs[0].left)

@@ -70,7 +70,7 @@ def test_files_that_are_no_pair(tmp_path: Path):
     left, right = matrices(samples.RIG)
     one, other = tmp_path / "one.yaml", tmp_path / "other.yaml"
     one.write_text(message(left))
-    refused(lambda: load_rig(one), "this is one of two files (ros")
+    refused(lambda: load_rig(one), "looks like ros: this is not one whole calibration")
     other.write_text("---\n".join([message(right), message(left)]))
     refused(lambda: load_rig(one, other), "other.yaml: it holds 2 calibrations that differ")
     one.write_text("a: 1\n---\nb: 2\n")

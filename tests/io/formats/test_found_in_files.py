@@ -92,7 +92,7 @@ def test_ros_messages(tmp_path: Path, name: str):
     """As camera_info YAML of the same numbers, with keys in any order, and as JSON; one alone is half."""
     expected, paths = load_rig(SAMPLES["ros"].write(tmp_path)), SAMPLES[name].write(tmp_path)
     np.testing.assert_array_equal(load_rig(paths).extrinsics, expected.extrinsics)
-    refused(lambda: load_rig(paths[0]), "this is one of two files (ros: ")
+    refused(lambda: load_rig(paths[0]), "looks like ros: this is not one whole calibration")
     for path in paths:
         content = document(path, path.read_text()).content
         path.write_text(json.dumps(dict(sorted(content.items(), reverse=True))))
@@ -280,6 +280,18 @@ def test_a_calib_json_with_info_of_its_own(tmp_path: Path):
 )
 def test_kalibr_without_poses(tmp_path: Path, changes, said: str):
     paths = SAMPLES["kalibr on imu"].changed(*changes).write(tmp_path)
+    refused(lambda: load_rig(paths), said)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("0.0, 0.0, 0.0, 1.0]", "0.0, 0.0, 0.0, 2.0]", "the last row of T_BS is not 0 0 0 1"),
+        ("[0.0, -1.0, 0.0", "[0.0, 1.0, 0.0", "T_BS is not a rotation (orthonormal, determinant +1)"),
+    ],
+)
+def test_euroc_without_poses(tmp_path: Path, old: str, new: str, said: str):
+    paths = SAMPLES["euroc"].changed((old, new)).write(tmp_path)
     refused(lambda: load_rig(paths), said)
 
 

@@ -146,9 +146,9 @@ EYE = np.eye(3).tolist()
         ),
         (
             {"A_1": None, "A_2": None, "A_x": K1.tolist(), "A_y": K2.tolist()},
-            "not found among A_x (3x3), A_y (3x3)",
+            "no camera matrices (K1 or M1, K2 or M2) are found among A_x (3x3)",
         ),
-        ({"R": None, "T": None, "pose": np.eye(4).tolist()}, "(T) are not found among pose (4x4)"),
+        ({"R": None, "T": None, "pose": np.eye(4).tolist()}, "no rotation and translation (R, T) are found among"),
         ({"xi_1": 1.2, "xi_2": 1.1}, "xi is a lens of cv2.omnidir"),
         ({"R": None, "R_imu": EYE}, "the key 'R' is missing"),
         ({"R": [20.0, 1.0, 2.0]}, "no rotation vector in radians"),

@@ -134,7 +134,7 @@ def test_forms(tmp_path: Path, name: str):
 VGA, SMALL = (672, 376), (640, 480)
 REFUSED = [
     ("mrcal", "OPENCV5", "SPLINED_STEREOGRAPHIC", None, "mrcal-convert-lensmodel"),
-    ("orbslam", "PinHole", "Sphere", None, "the camera type 'Sphere' is not supported"),
+    ("orbslam", "PinHole", "Sphere", None, "the lens model 'Sphere' is not supported"),
     ("vins", "cam1_pinhole", "cam7_pinhole", None, "there is no such file; put it beside the settings"),
     ("vins", "cam1_pinhole", "../../cam7_pinhole", None, "there is no such file; put it beside the settings"),
     ("matlab", "millimeters", "furlongs", None, "WorldUnits is 'furlongs'"),
@@ -270,7 +270,8 @@ def test_zed(tmp_path: Path, name: str, seed: int):
     rig = load_rig(path, size=ZED_SIZES[name])
     width, height = rig.left.size
     assert (rig.left.size, rig.source.format, rig.source.unit) == (ZED_SIZES[name], "zed", "mm")
-    np.testing.assert_array_equal(load_rig(path, size=ZED_SIZES[name], format="zed").extrinsics, rig.extrinsics)
+    again = load_rig(path, size=list(ZED_SIZES[name]), format="zed")  # pyright: ignore[reportArgumentType]
+    np.testing.assert_array_equal(again.extrinsics, rig.extrinsics)
     np.testing.assert_allclose(rig.T, [-0.12025, 0.000125, -0.0005], rtol=1e-12)
     np.testing.assert_allclose(rig.R, cv2.Rodrigues(TURN)[0], rtol=0, atol=1e-12)
     right = [[width / 2 + 3, 0, width / 2 - 3], [0, width / 2, height / 2], [0, 0, 1]]

@@ -12,7 +12,7 @@ from refusals import refused
 
 from stereorecal import CalibrationWarning, UnsupportedModelError
 from stereorecal.geometry import StereoRig
-from stereorecal.io import load_rig, save_rig
+from stereorecal.io import check_savable, load_rig, save_rig
 
 # --- reading ------------------------------------------------------------------------------------------------
 
@@ -26,10 +26,26 @@ from stereorecal.io import load_rig, save_rig
         ("a.conf", "\r\n[LEFT_CAM_HD] ; the left one\r\nfx=3\r\n", "the format is unknown"),
         ("a.xml", "<?xml version='1.0'?><opencv_storage><M1>", "not an XML file"),
         ("a.xml", "<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "not an XML file"),
-        ("a.yaml", samples.ROS_PAIR[0], "this is one of two files (ros: "),
-        ("a.yaml", samples.EUROC_PAIR[1], "this is one of two files (euroc: "),
-        ("a.yaml", SAMPLES["opencv pair"].texts[0], "intrinsics only, no extrinsics (R, T): OpenCV's stereo_calib"),
-        ("a.yaml", SAMPLES["opencv pair"].texts[1], "extrinsics only, no intrinsics (K1 or M1"),
+        (
+            "a.yaml",
+            samples.ROS_PAIR[0],
+            "a.yaml looks like ros: this is not one whole calibration; give one file, or the two files of",
+        ),
+        (
+            "a.yaml",
+            samples.EUROC_PAIR[1],
+            "a.yaml looks like euroc: this is not one whole calibration; give one file, or the two files of",
+        ),
+        (
+            "a.yaml",
+            SAMPLES["opencv pair"].texts[0],
+            "no rotation and translation (R, T) are found among M1 (3x3), D1 (5), M2",
+        ),
+        (
+            "a.yaml",
+            SAMPLES["opencv pair"].texts[1],
+            "no camera matrices (K1 or M1, K2 or M2) are found among R (3x3), T (3)",
+        ),
         ("a.yaml", samples.KALIBR.partition("cam1:")[0], "the chain has no cam1"),
         ("a.yaml", samples.KALIBR.replace("61.25", ".nan"), "intrinsics contains NaN or infinite"),
         ("a.yaml", samples.KALIBR.replace("61.25", '"61.25"'), "intrinsics is not an array"),
@@ -104,7 +120,7 @@ CAMERA_INFO = samples.ROS_PAIR[1].partition("projection_matrix")[0]
     ("texts", "words"),
     [
         ((samples.ROS_PAIR[0], CAMERA_INFO), "b.yaml: the key 'projection_matrix' is missing"),
-        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml like euroc; give two of one"),
+        ((samples.ROS_PAIR[0], samples.EUROC_PAIR[0]), "a.yaml looks like ros, {}b.yaml looks like euroc: this is not"),
         ((samples.ROS_PAIR[0], "a: 1"), "b.yaml: the key 'image_width' is missing"),
         (("b: 2", "a: 1"), "b.yaml: the format is unknown"),
         (
@@ -124,8 +140,12 @@ def test_files_that_do_not_belong_together(tmp_path: Path):
     (kalibr,) = SAMPLES["kalibr"].write(tmp_path)
     (tmp_path / "ros").mkdir()
     left, right = SAMPLES["ros"].write(tmp_path / "ros")
-    refused(lambda: load_rig(kalibr, kalibr), "each is a calibration by itself (kalibr); give one")
-    refused(lambda: load_rig(left, kalibr), "these two do not belong together")
+    refused(
+        lambda: load_rig(kalibr, kalibr), "0.yaml looks like kalibr: this is not one whole calibration; give one file"
+    )
+    refused(
+        lambda: load_rig(left, kalibr), "0.yaml looks like kalibr: this is not one whole calibration; give one file"
+    )
     assert np.array_equal(load_rig([left, right]).extrinsics, load_rig(left, right).extrinsics)
     refused(lambda: load_rig([left, right], left), "3 calibration files were given, and one of them twice")
     refused(lambda: load_rig(right, left), "left and right are exchanged")
@@ -246,7 +266,8 @@ TWELVE = samples.rig_of(samples.RIG.extrinsics, np.arange(12) * 1e-3)
     ],
 )
 def test_what_a_format_cannot_hold(tmp_path: Path, rig: StereoRig, name: str, format: str | None, words: str):
-    refused(lambda: save_rig(rig, tmp_path / name, format=format), words)
+    for call in (save_rig, check_savable):
+        refused(lambda call=call: call(rig, tmp_path / name, format=format), words)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -284,7 +305,9 @@ def test_two_files_or_none(tmp_path: Path):
     full = Path("/dev/full")
     if full.exists():
         refused(lambda: save_rig(moved, (left, full), format="ros", overwrite=True), "/dev/full: cannot be written")
-    refused(lambda: save_rig(moved, (left, tmp_path / "." / left.name), overwrite=True), "give two names")
+    same = left, tmp_path / "." / left.name
+    refused(lambda: save_rig(moved, same, overwrite=True), "give two names")
+    refused(lambda: check_savable(moved, same), "give two names")
     for places in (paths, beside(paths)):
         with full_disk(nth=2):
             refused(lambda places=places: save_rig(moved, places, overwrite=True), f"{places[1]}: cannot be written")
@@ -294,7 +317,7 @@ def test_two_files_or_none(tmp_path: Path):
 
 def test_rigs_that_another_file_would_not_hold(tmp_path: Path):
     two_sizes = StereoRig(samples.RIG.left, samples.RIG.right.resized((32, 24)), samples.RIG.extrinsics)
-    words = "different sizes; write the rig as kalibr"
+    words = "one size of images for both cameras, and these have two; write the rig as kalibr"
     refused(lambda: save_rig(two_sizes, tmp_path / "a.yaml", format="opencv"), words)
     save_rig(two_sizes, tmp_path / "a.yaml", format="kalibr")
     assert load_rig(tmp_path / "a.yaml").right.size == (32, 24)

@@ -71,10 +71,10 @@ def test_lenses_of_two_models(tmp_path: Path):
     [
         ({"distortion_coeffs": [0.1] * 5}, "5 coefficients"),
         ({"distortion_model": "none"}, "there are coefficients"),
-        ({"camera_model": "omni"}, "'equidistant' is not supported"),
+        ({"camera_model": "omni"}, "'omni equidistant' is not supported"),
         ({"camera_model": "omni", "distortion_model": "radtan"}, "intrinsics must hold 5 numbers"),
-        ({"camera_model": "pinhole-omni"}, "'pinhole-omni'"),
-        ({"camera_model": "ds", "intrinsics": [0.1, 0.5, 60, 60, 32, 24]}, "'equidistant' is not supported"),
+        ({"camera_model": "pinhole-omni"}, "'pinhole-omni equidistant'"),
+        ({"camera_model": "ds", "intrinsics": [0.1, 0.5, 60, 60, 32, 24]}, "'ds equidistant' is not supported"),
         ({"camera_model": "ds", "distortion_model": "none"}, "intrinsics must hold 6 numbers"),
         ({"distortion_coeffs": [-1e4, 0.0, 0.0, 0.0]}, "fold the image back within 5 degrees"),
         ({"distortion_coeffs": [-5.0, 0.0, 0.0, 0.0]}, "degrees off its axis"),
@@ -99,4 +99,4 @@ def test_depthai_uses_four_of_fourteen(tmp_path: Path):
     assert all(len(camera["distortionCoeff"]) == 14 for _, camera in content["cameraData"])
     content["cameraData"][0][1]["cameraType"] = 2
     path.write_text(json.dumps(content))
-    refused(lambda: load_rig(path), "neither of the perspective model", kind=UnsupportedModelError)
+    refused(lambda: load_rig(path), "the lens model 'cameraType 2' is not supported", kind=UnsupportedModelError)

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from stereorecal.io._strict_json import without_duplicates
-from stereorecal.io.formats.text._nodes import Node, number_or_word, words
+from stereorecal.io.formats.text._nodes import DOCUMENTS, Node, number_or_word, words
 
 _ROW = re.compile(r"[^;\[\]]+")
 _SECTION = re.compile(r"\[([^\]]+)\]")
@@ -59,7 +59,8 @@ def parsed_numbers(text: str) -> dict[str, Any]:
 
 
 def parsed_ost(text: str) -> dict[str, Any]:
-    """The rows of numbers of an ost.txt by section and title: a title stands on a line of its own, and they below."""
+    """The cameras of an ost.txt, as the documents of a YAML text would say them: the rows of numbers of a section by
+    title, which stands on a line of its own above them, with those of the section of the image."""
     sections: list[tuple[str, dict[str, Any]]] = []
     title = ""
     for line in (line.partition("#")[0].strip() for line in text.splitlines()):
@@ -67,10 +68,12 @@ def parsed_ost(text: str) -> dict[str, Any]:
         if section:
             sections.append((section[1], {}))
         elif row is None:
-            title = line or title
+            title = line.replace(" ", "_") or title
         elif sections:
             sections[-1][1].setdefault(title, []).extend(row)
-    return without_duplicates(sections)
+    cameras = without_duplicates(sections)
+    image = cameras.pop("image", {})
+    return {DOCUMENTS: [{**image, **camera, "camera_name": name} for name, camera in cameras.items()]}
 
 
 def parsed_ini(text: str) -> dict[str, Any]:

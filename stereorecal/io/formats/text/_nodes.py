@@ -12,6 +12,7 @@ from stereorecal.io._strict_json import without_duplicates
 Keys = tuple[str | int, ...]
 Values = Mapping[Keys, Any]  # numbers, words, or nested lists of them
 Edit = tuple[int, int, str]  # from, to, what stands there then
+DOCUMENTS = "documents"  # the key of several documents in one text
 _WORD = re.compile(r"\S+")
 _WHOLE = re.compile(r"[-+]?\d{1,15}")
 _NOT_FINITE = re.compile(r"\A([-+]?)\.(inf|nan)\Z", re.IGNORECASE)  # as YAML and OpenCV write them

@@ -9,7 +9,7 @@ from yaml.composer import Composer
 from yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 from stereorecal._errors import InputError
-from stereorecal.io.formats.text._nodes import Node, mapping, number_or_word
+from stereorecal.io.formats.text._nodes import DOCUMENTS, Node, mapping, number_or_word
 
 _WORDS = {"true": True, "false": False, "null": None, "~": None, "": None}
 _MAP = re.compile(r"\[[-+.\deEinfaN,\s]{16384,}\]")  # numbers, thousands of them
@@ -33,7 +33,6 @@ if yaml.__with_libyaml__:
 else:
     _Loader = yaml.SafeLoader  # pyright: ignore[reportAssignmentType]
 
-DOCUMENTS = "documents"  # the key of several documents in one text
 SEVERAL = "it holds several YAML documents; keep the one of the calibration."
 DAMAGED = "not a YAML file, or truncated; correct or copy it again."
 
