@@ -51,7 +51,8 @@ def misfit_sentence(
     begin = f"{whose}, in" if whose else "In"
     if not places:
         return f"{begin} none of the {regions} matched regions of the view does the epipolar error exceed {LIMIT} px."
-    worst = max(abs(error) for place, error in zip(misfit["place"], misfit[when], strict=True) if place == places[0])
+    offsets = zip(misfit[when], misfit["error"], strict=True)
+    worst = max(abs(offset) for offset, error in offsets if abs(offset) - 2 * error > LIMIT)
     everywhere = len(places) >= _NEARLY_ALL * regions
     parts = [part for part, _ in Counter(map(_part, places)).most_common()]  # those that hold most of them first
     here = "nearly everywhere" if everywhere else f"at the {_listed(parts)}"

@@ -165,6 +165,7 @@ OPTIONS = {
         "--prior=sure": "unknown prior 'sure'; choose one of: saved, default, exact",
         "--prior=saved": "no prior is saved with this calibration",
         "--executor=thread:2": "unknown executor",
+        "--executor=serial:4": "unknown executor 'serial'",
         "--executor=threads:0": "--executor is 'threads:0'",
         "--executor=processes": "give the number of workers",
         "--free=" + 20 * "left.k1,": "give names of parameters",

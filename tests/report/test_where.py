@@ -45,6 +45,7 @@ def test_every_part_is_named():
         (misfit(after=dict.fromkeys(range(36), 0.9)), "nearly everywhere: do not"),  # none is cleared
         (misfit(after={0: 0.35}, error=[0.1] * 48), "In none of the 48 matched regions"),  # which noise explains
         (misfit(after={0: 0.9}, frames=3), "In 1 of the 48 matched regions"),  # places are counted, not frames
+        (misfit(after={0: 0.9, 1: 1.2}, error=[0.01, 0.3] * 24), "(1.20 px at worst)"),  # not the surest
     ],
 )
 def test_how_many_regions(left, said: str):
