@@ -12,8 +12,8 @@ CENTRE, LOWER_RIGHT = 27, 47
 
 
 def page(**changes) -> str:
-    """The page of a made-up repair, with small pictures and none of the search."""
-    return repair_page(made_up((64, 48), measured=False, climbs=[], **changes))
+    """The page of a made-up repair, with small pictures."""
+    return repair_page(made_up((64, 48), measured=False, **changes))
 
 
 def where(**changes) -> list[str]:
