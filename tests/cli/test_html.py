@@ -1,4 +1,4 @@
-"""Pages of the command line: what is refused before any work, and what is written."""
+"""Pages of the command line: what is refused without the extra, and what is written."""
 
 import html
 import json
@@ -9,22 +9,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--html", "{}/nowhere/out.html"], "give a file in an existing folder"),
-        (["--html", "{}"], "give a file in an existing folder"),
-        (["--html", "-"], "--html - has no meaning"),
-        (["--html", "{}/out", "--json", "{}/../{}/out"], "--json and --html name the same file"),
-    ],
-)
-def test_places_that_are_refused(command, unworked, clean_scene: Path, tmp_path: Path, words: list[str], said: str):
-    (tmp_path / "in").mkdir()
-    places = [word.replace("{}/../{}", f"{tmp_path}/in/..").replace("{}", str(tmp_path)) for word in words]
-    command("recalibrate", clean_scene, *unworked, *places).refuses(said)
-    assert [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
 @pytest.mark.parametrize("missing", [("jinja2", "markupsafe"), ("matplotlib",)])

@@ -87,11 +87,6 @@ def test_frames_that_a_camera_lost_are_told(command, seen, calibration, tmp_path
     assert (answer.code, answer.err) == (1, f"stereorecal: {said}\n")
 
 
-def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):
-    answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
-    answer.refuses("--html takes one recording")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("turns", [(0, 2), (1, 1)], ids=["right upside down", "one above the other"])
 def test_cameras_that_stand_otherwise(command, seen, calibration, tmp_path, turns):
