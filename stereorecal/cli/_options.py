@@ -150,11 +150,6 @@ class _Help(argparse.HelpFormatter):
         super().__init__(prog, max_help_position=26, **settings)
         self._action_max_length = 24  # of the widest; else it is another one in each command
 
-    def _format_args(self, action: argparse.Action, default_metavar: str | None) -> str:
-        if action.nargs == argparse.ONE_OR_MORE:
-            return f"{action.metavar} …"
-        return super()._format_args(action, default_metavar)  # pyright: ignore[reportArgumentType]
-
 
 class Parser(argparse.ArgumentParser):
     """A parser that says in one sentence what is wrong, with the nearest name, and exits with 2."""
