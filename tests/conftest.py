@@ -71,7 +71,7 @@ _FIRST = (
     "test_compiled_once",
     "test_default_schedule",
     "test_nlopt_conformance",
-    "test_tutorial_plugins",
+    "test_tutorials",
 )
 
 

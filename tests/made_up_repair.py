@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal.report.repair_report import Change, Climb, Conclusion, Depth, RepairReport, Rows, Sight
+from stereorecal.recalibration import DepthError, Interval
+from stereorecal.report.repair_report import Change, Conclusion, RepairReport, Rows, Sight
 
 EVIL = "<script>alert('x')</script>"
 
@@ -30,6 +31,10 @@ def misfit(
     }
     frame = [index // 48 for index in range(48 * frames)]
     return {"frame": frame, "place": places, **apart, "error": [0.01] * len(places), **changes}
+
+
+def depth_error(metres: float, low: float, high: float) -> DepthError:
+    return DepthError(metres, Interval(low, low, high))
 
 
 def made_up(
@@ -66,15 +71,16 @@ def made_up(
         else None,
         "axes": [Change("pitch", "°", 0.1, 0.8, 0.002, True), Change("z", "mm", 1.0, 1.0, None, False)],
         "intrinsics": [("left", Change("focal length", "px", 500.0, 1.25, 0.75, True, 2))],
-        "depths": [Depth(1.8, (-8.1, -7.2), (-1.0, 1.2)), Depth(35.6, (3.0, float("inf")), (-9.0, 240.0))]
+        "depths": [
+            (depth_error(1.8, -8.1, -7.2), depth_error(1.8, -1.0, 1.2)),
+            (depth_error(35.6, 3.0, float("inf")), depth_error(35.6, -9.0, 240.0)),
+        ]
         if healthy
         else [],
-        "climbs": [Climb("best count at scale 0.25", np.array([0.0, 1.0]), np.array([10.0, 12.0]))],
-        "way": Climb("median epipolar error [px]", np.array([0.0, 2.0]), np.array([9.0, 0.1])) if measured else None,
         "frames": [("0001.png", "used", ""), ("0002.png", "left out", "it shows another rig than the others")],
         "remarks": ["Not determined by these images: y with z."],
         "command": f"python -m stereorecal recalibrate '{EVIL} a b'",
         "settings": {"seed": 7, "matcher": {"block_size": 9}, "stages": ["a", "b"], "ranges": EVIL},
-        "calibrations": {"before": {"T": [1.0, 0.0, 0.0]}, "after": {"T": [1.0, 0.0, 0.1]}},
+        "calibrations": {"before": '{"T": [1.0, 0.0, 0.0]}', "after": '{"T": [1.0, 0.0, 0.1]}'},
     }
     return RepairReport(**{**parts, **changes})

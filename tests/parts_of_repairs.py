@@ -46,7 +46,6 @@ from stereorecal.recalibration._row_residuals import Cause as Cause, RowResidual
 from stereorecal.recalibration._search import run_schedule as run_schedule
 from stereorecal.recalibration._stages import started as started
 from stereorecal.recalibration._uncertainty import uncertainty as uncertainty
-from stereorecal.report._regions import larger_than_expected as larger_than_expected
 from stereorecal.report._repair_figures import (
     _bins as _bins,
     density as density,

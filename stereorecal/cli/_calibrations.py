@@ -78,8 +78,9 @@ def convert(options: ConvertOptions) -> int:
     target = calibration_path(options.target, "B")
     places = [Place("B", path) for path in paths(target)]
     if options.template:
-        refuse_replacing_inputs(places, paths(calibration_path(options.source, "A")), "give another name")
-        save_template(paths(calibration_path(options.source, "A")), paths(target)[0], overwrite=options.force)
+        source = paths(calibration_path(options.source, "A"))
+        refuse_replacing_inputs(places, source, "give another name")
+        save_template(source, paths(target)[0], overwrite=options.force)
         if not options.quiet:
             print(f"{options.target}: written; fill in its nulls, from `found`, with T in metres, left to right")
         return 0

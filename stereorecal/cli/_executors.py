@@ -22,10 +22,10 @@ def executor(text: str) -> AbstractContextManager[Executor | None]:
     Raises:
         InputError: if `text` is none of them, or no cluster answers there.
     """
-    kind, _, rest = text.partition(":")
-    checked_choice(kind, ["serial", "threads", "processes", "dask"], "executor")
-    if kind == "serial":
+    if text == "serial":
         return nullcontext()
+    kind, _, rest = text.partition(":")
+    checked_choice(kind, ["threads", "processes", "dask"], "executor")
     if kind == "dask":
         return cluster(rest)
     workers = of_form(r"\w+:0*([1-9]\d{0,8})", f"the number of workers, such as {kind}:2", int)(text, "--executor")

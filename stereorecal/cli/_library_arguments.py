@@ -1,8 +1,9 @@
 """Options as the arguments that the library takes, and as the settings in the JSON."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
+from stereorecal._version import versions
 from stereorecal.cli._options import CommonOptions, value_of
 from stereorecal.recalibration import Settings, settings_as_data
 
@@ -13,7 +14,13 @@ def library_options(options: CommonOptions, names: Collection[str]) -> dict[str,
     return {name: value_of(options, name) for name in given}
 
 
-def settings_as_json(options: CommonOptions, settings: Settings, names: Collection[str]) -> dict[str, Any]:
-    """The named settings in the JSON: what was computed with where that is plain data, else the words."""
+def settings_as_json(options: CommonOptions, settings: Settings, names: Sequence[str]) -> dict[str, Any]:
+    """The named settings in the JSON, in this order: what was computed with where that is plain data, else the
+    words."""
     data = settings_as_data(settings)
     return {name: data[name] if name in data else getattr(options, name) for name in names}
+
+
+def run_as_json(schema: str, settings: dict[str, Any], *, interrupted: bool, **rows: list[Any]) -> dict[str, Any]:
+    """The JSON of a run, with its rows."""
+    return {"schema": schema, "versions": versions(), "settings": settings, "interrupted": interrupted, **rows}

@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from stereorecal._errors import InputError
-from stereorecal.cli._live_view import Lines, check_rerun, live, next_step, rerun_watch, undetermined
+from stereorecal.cli._live_view import Lines, check_rerun, live, rerun_watch, undetermined
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import deliver, written_or_printed
 from stereorecal.cli._places import check_places, named_inputs, refuse_replacing_inputs
 from stereorecal.cli._recordings import rig_of, watched, watched_cameras
 from stereorecal.cli._repair_commands import MonitorOptions
-from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, REPAIR, hold
+from stereorecal.cli._score import CODES
+from stereorecal.cli._signals import BAD_INPUT, CANNOT_TELL, INTERRUPTED, hold
 from stereorecal.cli._streams import say, stdout_reader_gone
 from stereorecal.geometry import StereoRig
 from stereorecal.io import calibration_json, check_savable, files_read, json_line, save_rig
@@ -38,8 +39,6 @@ from stereorecal.online import (
 from stereorecal.recalibration import Condition
 from stereorecal.recordings import Scene
 
-_CODES = {Condition.HEALTHY: 0, Condition.REPAIR: REPAIR, Condition.CANNOT_TELL: CANNOT_TELL}
-
 
 def run(options: MonitorOptions) -> int:
     """Check, watch, save; returns the exit code."""
@@ -51,7 +50,7 @@ def run(options: MonitorOptions) -> int:
         scene, pairs = watched(options) if options.camera is None else watched_cameras(options)
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs, *named_inputs(options.camera)})
     if options.output is not None:
-        check_savable(rig_of(scene), options.output)
+        check_savable(rig_of(scene), value_of(options, "output"))
     state, interrupted = _start(options, rig_of(scene)), False
     began, unread, sure = state.frame, 0, not options.until_sure
     log_rerun, save_rerun = rerun_watch(options, scene.name)
@@ -61,8 +60,6 @@ def run(options: MonitorOptions) -> int:
         try:
             if what not in failed:
                 step()
-        except OSError as error:
-            failed[what] = InputError(f"{what} {options.json}: cannot be written ({error.strerror}); make room.")
         except InputError as error:
             failed[what] = error
 
@@ -71,8 +68,8 @@ def run(options: MonitorOptions) -> int:
             for stepped in steps(state, pairs):
                 state, unread = stepped.state, unread + (stepped.pair is None)
                 if options.state is not None:
-                    attempt(partial(save, state, options.state), "--state")
-                attempt(partial(write, stepped), "--json")
+                    attempt(partial(save, state, options.state), "state")
+                attempt(partial(write, stepped), "events")
                 log_rerun(stepped)
                 found = advice(stepped.state) if options.prints or options.until_sure else None
                 if found is not None:
@@ -104,12 +101,12 @@ def run(options: MonitorOptions) -> int:
         return BAD_INPUT
     condition = reading(state).condition
     if sure:
-        return _CODES[condition]
+        return CODES[condition]
     if not options.quiet:
         missing = undetermined(advice(state), float(state.initial.baseline))
         seen = _pairs(state.frame - began)
         say(f"the recording ended, after {seen}, before this was sure; not determined: {missing}.")
-    return CANNOT_TELL if condition is Condition.HEALTHY else _CODES[condition]
+    return CANNOT_TELL if condition is Condition.HEALTHY else CODES[condition]
 
 
 def _pairs(number: int) -> str:
@@ -117,9 +114,9 @@ def _pairs(number: int) -> str:
 
 
 def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
-    target = options.output
-    if target is None or not state.using.any():
+    if options.output is None or not state.using.any():
         return
+    target = value_of(options, "output")
     rig = replace(state.rig, source=rig_of(scene).source)  # what was restored from a file has forgotten its own
     written_or_printed(
         lambda: save_rig(rig, target, scene.info, overwrite=options.force),
@@ -131,18 +128,16 @@ def _save_output(options: MonitorOptions, state: State, scene: Scene) -> None:
 def _summary(options: MonitorOptions, state: State) -> None:
     if options.prints:
         found = reading(state)
-        print(f"{found.condition.value}{_reason(found, state)}; {_calibration_note(options, state)}")
+        print(f"{found.condition.value}{_reason(found)}; {_calibration_note(options, state)}")
 
 
-def _reason(found: Reading, state: State) -> str:
-    """Why nothing can be told, and what would tell; nothing where something can."""
+def _reason(found: Reading) -> str:
+    """Why nothing can be told; nothing where something can."""
     if found.condition is not Condition.CANNOT_TELL:
         return ""
     if found.late:
         return f" (the right shutter is late by {found.delay.value:.2f} of a frame)"
-    low, high = max(found.rows_px.low, 0.0), found.rows_px.high
-    step = next_step(advice(state), float(state.initial.baseline))
-    return f" (epipolar error {low:.2f} to {high:.2f} px with 95 %; next: {step})"
+    return f" (epipolar error {max(found.rows_px.low, 0.0):.2f} to {found.rows_px.high:.2f} px with 95 %)"
 
 
 def _raise(error: Exception) -> None:
@@ -199,10 +194,17 @@ def _json_lines(options: MonitorOptions, appended: bool) -> Iterator[Callable[[S
         nonlocal file
         if options.json is None:
             return
-        if file is None:
-            file = _opened(options.json, appended, options.force)
-        file.writelines(_event_lines(stepped))
-        file.flush()
+        try:
+            if file is None:
+                file = _opened(options.json, appended, options.force)
+            file.writelines(_event_lines(stepped))
+            file.flush()
+        except FileExistsError:
+            why = "a file has appeared there; choose another or add --force"
+            raise InputError(f"--json {options.json}: {why}.") from None
+        except OSError as error:
+            why = f"cannot be written ({error.strerror}); make room"
+            raise InputError(f"--json {options.json}: {why}.") from error
 
     try:
         yield write

@@ -22,16 +22,6 @@ _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 QUOTED = "a pattern such as 'left/*.png' must be quoted"
-# Commands, and options of a command, that come with distributions of their own: the command, and the folder in a clone.
-_ELSEWHERE = {
-    "reproduce": ("reproduce", "paper"),
-    "--judge": ("compare", "field"),
-    "--preset": ("compare", "field"),
-    "--full": ("compare", "field"),
-    "--boards": ("recalibrate", "boards"),
-    "--board-corners": ("recalibrate", "boards"),
-}
-
 
 # Headings in the help, in their order; other headings follow them, and RUNNING is the last.
 WRITES = "what to write"
@@ -160,11 +150,6 @@ class _Help(argparse.HelpFormatter):
         super().__init__(prog, max_help_position=26, **settings)
         self._action_max_length = 24  # of the widest; else it is another one in each command
 
-    def _format_args(self, action: argparse.Action, default_metavar: str | None) -> str:
-        if action.nargs == argparse.ONE_OR_MORE:
-            return f"{action.metavar} …"
-        return super()._format_args(action, default_metavar)  # pyright: ignore[reportArgumentType]
-
 
 class Parser(argparse.ArgumentParser):
     """A parser that says in one sentence what is wrong, with the nearest name, and exits with 2."""
@@ -223,9 +208,6 @@ class Parser(argparse.ArgumentParser):
             return f" ({QUOTED})"
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
-        if flag in _ELSEWHERE:
-            command, folder = _ELSEWHERE[flag]
-            return f" ({flag} belongs to {command}, and comes with: {install_line(folder)})"
         word, names = flag.lstrip("-"), {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
         takers = [one.option_strings[0] for one in self._actions if one.metavar == word.upper() and one.option_strings]
         close = takers or [names[one] for one in get_close_matches(word, names, 1)]
@@ -234,8 +216,8 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
-        if value in _ELSEWHERE:
-            raise argparse.ArgumentError(None, f"{value} is not installed; run: {install_line(_ELSEWHERE[value][1])}")
+        if value == "reproduce":  # of a distribution of its own
+            raise argparse.ArgumentError(None, f"{value} is not installed; run: {install_line('paper')}")
         close = get_close_matches(str(value), action.choices, 1)
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest

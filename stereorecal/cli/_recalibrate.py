@@ -9,10 +9,9 @@ from itertools import zip_longest
 from typing import Any
 
 from stereorecal._run_all import Progress
-from stereorecal._version import versions
 from stereorecal.cli._calibration_output import Output, output_of, save, what_it_holds
 from stereorecal.cli._executors import executor
-from stereorecal.cli._library_arguments import library_options, settings_as_json
+from stereorecal.cli._library_arguments import library_options, run_as_json, settings_as_json
 from stereorecal.cli._options import value_of
 from stereorecal.cli._output_files import check_extra, deliver, write_json, written_or_printed
 from stereorecal.cli._places import named_inputs
@@ -38,7 +37,6 @@ from stereorecal.recordings import Scene
 from stereorecal.report.number_text import short_list
 
 SCHEMA = "stereorecal.solution/3"
-_TOGETHER = "; use all new values of a recording together"
 _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BAD_INPUT}  # the first that occurs
 
 
@@ -73,7 +71,8 @@ def run(options: RecalibrateOptions) -> int:
             steps = [partial(_show, repairs, options)]
             if options.json is not None:
                 told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
-                content = _content(scenes, repairs, told, interrupted=interrupted)
+                rows = [_row(scene, repair) for scene, repair in zip(scenes, repairs, strict=True)]
+                content = run_as_json(SCHEMA, told, interrupted=interrupted, repairs=rows)
                 steps.append(partial(write_json, content, options.json, force=options.force))
             if (first := repairs[0].solution) is not None:
                 steps += [
@@ -160,19 +159,8 @@ def _save_recording(options: RecalibrateOptions, found: Solution, scene: Scene) 
         options.tell(f"{options.rrd}: written")
 
 
-def _content(
-    scenes: Sequence[Scene], repairs: Sequence[Repair], settings: dict[str, Any], *, interrupted: bool
-) -> dict[str, Any]:
-    return {
-        "schema": SCHEMA,
-        "versions": versions(),
-        "settings": settings,
-        "interrupted": interrupted,
-        "repairs": [
-            {**repair.as_dict(), "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
-            for scene, repair in zip(scenes, repairs, strict=True)
-        ],
-    }
+def _row(scene: Scene, repair: Repair) -> dict[str, Any]:
+    return {**repair.as_dict(), "frames": len(scene.pairs), "image_size": scene.pairs[0].size}
 
 
 def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
@@ -188,7 +176,7 @@ def _show(repairs: Sequence[Repair], options: RecalibrateOptions) -> None:
     names: dict[str, list[str]] = {}
     for repair in repairs:
         if repair.solution and (found := repair.solution.intrinsics):
-            names.setdefault(f"{found}{_TOGETHER * found.changed}", []).append(repair.name)
+            names.setdefault(str(found), []).append(repair.name)
     for line, some in names.items():
         print_lines(line if len(some) == len(repairs) else f"{short_list(some)}: {line}")
 

@@ -16,9 +16,9 @@ from stereorecal.geometry import StereoRig, same_rig
 from stereorecal.io import about, bag_scene, calibrated_scene, camera_pairs, load_rig, load_scene, open_pairs
 from stereorecal.recalibration import MOST_FRAMES, chosen_frames, fixed
 from stereorecal.recordings import Images, LazyPairs, Pair, PairSequence, Scene
+from stereorecal.report.number_text import short_list
 
 _LONG = 100  # pairs; of a longer recording not all are looked at, as of a video
-_FEW = 10  # frames without partner that are named; of more, their number is stated
 _BY_ORDER = "in order, since no name on the left has a partner on the right"
 _DARK = 100  # pairs that cannot be used, at most, before the first that can: a camera that is switched on
 _OTHERS = ("left", "right", "side_by_side", "bag", "limit")
@@ -147,7 +147,9 @@ def _scene_of_images(options: RecordingOptions, choose: _Choose, how: dict[str, 
 
     def pairs(sizes: tuple[tuple[int, int], tuple[int, int]] | None) -> tuple[Pair, ...]:
         recorded = open_pairs(place, right, tolerance=options.tolerance, sizes=sizes, **topics)
-        found.absent += _unpaired_frames(recorded.unpaired)
+        if recorded.unpaired:
+            found.absent.append((short_list(recorded.unpaired), "no partner in the other camera"))
+            say(f"left out, without partner in the other camera: {short_list(recorded.unpaired)}")
         found.pairing = _BY_ORDER if recorded.by_order else None
         return choose(recorded.pairs, stream=recorded.stream, about=place)
 
@@ -164,19 +166,6 @@ def _wanted(pairs: LazyPairs, options: RecordingOptions, about: str) -> LazyPair
     if not len(wanted):
         raise InputError(f"{about}: of {len(pairs)} pairs, --pairs {options.pairs} leaves none; change it.")
     return wanted
-
-
-def _unpaired_frames(unpaired: Sequence[str]) -> list[tuple[str, str]]:
-    """(frames, reason) of the frames without partner, which are also named on stderr."""
-    if not unpaired:
-        return []
-    why = "no partner in the other camera"
-    number = len(unpaired)
-    frames = "1 frame has" if number == 1 else f"{number} frames have"
-    few = ", ".join(unpaired[:3]) + (", …" if number > 3 else "")
-    say(f"{frames} no partner in the other camera and {'is' if number == 1 else 'are'} left out: {few}")
-    more = [(f"{number - _FEW} more frames", why)] if number > _FEW else []
-    return [(name, why) for name in unpaired[:_FEW]] + more
 
 
 def watched_cameras(options: MonitorOptions) -> tuple[Scene, Iterable[Pair | Images]]:

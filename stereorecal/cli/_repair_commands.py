@@ -19,11 +19,26 @@ from stereorecal.cli._shared_options import (
     folders_of,
 )
 
-RRD = "a recording with pictures, for Rerun's viewer (rerun FILE)"
+
+@option_group
+class OutputOptions(ReportOptions):
+    """Where the repaired calibration goes, and a recording of the run."""
+
+    output: str | None = option(
+        WRITES,
+        "the calibration, if it was repaired: a copy of the file that was read, with the new values (LEFT,RIGHT if "
+        "each camera has a file)",
+        metavar="FILE",
+        reads=calibration_path,
+        writes=True,
+    )
+    rrd: str | None = option(
+        WRITES, "a recording with pictures, for Rerun's viewer (rerun FILE)", metavar="FILE", writes=True
+    )
 
 
 @option_group
-class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
+class RecalibrateOptions(OutputOptions, HealthOptions, ReachOptions, ExecutorOptions):
     """Repair the calibration of each recording's rig from its images. Recordings with the same intrinsics are of one
     rig, unless the images show another: each gets its own extrinsics, and all share what is found of the intrinsics. A
     candidate is accepted only if it gains, if it makes rows or depth worse with less than 2 % probability, and if it
@@ -37,16 +52,10 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
 
-    output: str | None = option(
-        WRITES,
-        "the calibration, if it was accepted: a copy of the file that was read, with the new values (LEFT,RIGHT if "
-        "each camera has a file); to overwrite the file that was read, add --force: it is kept as NAME.bak",
-        metavar="FILE",
-        reads=calibration_path,
-        writes=True,
-    )
     force: bool = option(
-        WRITES, "replace existing files; of those that are read only the calibration, by --output", False
+        WRITES,
+        "replace existing files; of those that are read only the calibration, by --output, which keeps it as NAME.bak",
+        False,
     )
     maps: str | None = option(
         WRITES,
@@ -55,7 +64,6 @@ class RecalibrateOptions(HealthOptions, ReachOptions, ExecutorOptions):
         writes=True,
     )
     html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=True)
-    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=True)
     free: str | None = option(
         RIG, f"{FREE} (default: all that the calibration file can hold)", metavar="NAME,…", reads=parameter_names
     )
@@ -122,7 +130,7 @@ class ScoreOptions(HealthOptions):
 
 
 @option_group
-class MonitorOptions(ReportOptions, RecordingOptions, JudgingOptions):
+class MonitorOptions(OutputOptions, RecordingOptions, JudgingOptions):
     """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
     shutters. Repair it. Say what to show it next. A terminal shows a live view, other outputs get lines. The
     calibration file stays as it is.
@@ -134,13 +142,6 @@ class MonitorOptions(ReportOptions, RecordingOptions, JudgingOptions):
     module = "stereorecal.cli._monitor"
 
     forms = ("SCENE", "--left L --right R --calibration FILE", "--camera NAME --calibration FILE")
-    output: str | None = option(
-        WRITES,
-        "the repaired calibration, if there is one: a copy of the file that was read, with the new values",
-        metavar="FILE",
-        writes=True,
-    )
-    rrd: str | None = option(WRITES, RRD, metavar="FILE", writes=True)
     show: bool = option(WRITES, "open the pictures in Rerun's viewer", False)
     json: str | None = option(
         WRITES,
@@ -151,10 +152,6 @@ class MonitorOptions(ReportOptions, RecordingOptions, JudgingOptions):
     state: str | None = option(
         WRITES, "the state of the watch; a file that exists is continued", metavar="FILE", writes=True
     )
-    force: bool = option(
-        WRITES, "replace existing files of --output, --rrd and --json (not a log that is continued)", False
-    )
-    quiet: bool = option(WRITES, "show nothing; only the exit code", False)
     camera: tuple[str, ...] | None = option(
         READS,
         "running cameras, instead of a recording: numbers (0,1), devices, addresses or GStreamer pipelines (two "

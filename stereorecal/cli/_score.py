@@ -5,8 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from stereorecal._errors import InputError
-from stereorecal._version import versions
-from stereorecal.cli._library_arguments import library_options, settings_as_json
+from stereorecal.cli._library_arguments import library_options, run_as_json, settings_as_json
 from stereorecal.cli._output_files import deliver, write_json
 from stereorecal.cli._places import refuse_replacing_inputs
 from stereorecal.cli._recordings import recordings, rig_of
@@ -19,7 +18,7 @@ from stereorecal.recalibration import HEALTH_LIMITS, Condition, HealthOptions, S
 from stereorecal.recordings import Scene
 
 SCHEMA = "stereorecal.health/4"
-_CODES = {  # the first that occurs
+CODES = {  # the first that occurs
     Condition.WRONG_INPUT: WRONG_INPUT,
     Condition.REPAIR: REPAIR,
     Condition.CANNOT_TELL: CANNOT_TELL,
@@ -50,15 +49,10 @@ def run(options: ScoreOptions) -> int:
     solutions = [found for found in looked if isinstance(found, Solution)]
     refusals = [found for found in looked if isinstance(found, InputError)]
     if solutions:
-        names = (HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"}
+        names = sorted((HealthOptions.__optional_keys__ | {"pairs", "fix"}) - {"tolerances"})
         limits = {"thresholds": {**HEALTH_LIMITS, **asdict(settings.tolerances)}}
-        content = {
-            "schema": SCHEMA,
-            "versions": versions(),
-            "settings": settings_as_json(options, settings, names) | limits,
-            "interrupted": interrupted,
-            "scenes": rows,
-        }
+        told = settings_as_json(options, settings, names) | limits
+        content = run_as_json(SCHEMA, told, interrupted=interrupted, scenes=rows)
         deliver(lambda: _show(looked, rows, options), lambda: write_json(content, options.json, force=options.force))
     for refusal in refusals:
         say(refusal)
@@ -68,7 +62,7 @@ def run(options: ScoreOptions) -> int:
     if refusals:
         return BAD_INPUT
     conditions = {found.condition for found in solutions}
-    return next(code for condition, code in _CODES.items() if condition in conditions)
+    return next(code for condition, code in CODES.items() if condition in conditions)
 
 
 def _show(looked: Sequence[Solution | InputError], rows: Sequence[dict[str, Any]], options: ScoreOptions) -> None:

@@ -29,7 +29,7 @@ from stereorecal.geometry import (
     reread,
     same_cameras,
 )
-from stereorecal.report.number_text import change, distance, offset
+from stereorecal.report.number_text import between, change, distance
 
 ROW_DISTANCES = (10.0, np.inf)  # baselines
 STEP = 1e-3  # of the box, for derivatives: some hundredths of a degree
@@ -169,7 +169,8 @@ class Difference:
         said = []
         for baselines, percent in self.depth_error_percent.items():
             metres = baselines * self.baseline
-            said.append(f"{offset(0.01 * percent * metres)} ({change(percent, 'far')}) at {distance(metres)}")
+            wrong = 0.01 * percent * metres
+            said.append(f"{between(wrong, wrong)} ({change(percent, 'far')}) at {distance(metres)}")
         return ", ".join(said)
 
     @property

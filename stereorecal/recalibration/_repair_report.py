@@ -13,16 +13,15 @@ from stereorecal._errors import InputError
 from stereorecal._version import versions
 from stereorecal.decision import Reason
 from stereorecal.geometry import PINHOLE, StereoRig, View, rectifying_rotations, with_unit_baseline
+from stereorecal.io import calibration_json
 from stereorecal.recalibration._facts import NOTHING_SEEN, SAYS_NOTHING, changed_axes, changed_intrinsics, facts_of
 from stereorecal.recalibration._result import AbstractResult, Condition
-from stereorecal.recalibration._schedule import ScoreKind
 from stereorecal.recalibration._settings import settings_as_data
-from stereorecal.recalibration._stages import StageRun, Waypoint
 from stereorecal.recalibration._uncertainty import NORMAL_95
 from stereorecal.recordings import Pair
 from stereorecal.report.number_text import count, percent
-from stereorecal.report.repair_report import Climb, Conclusion, Depth, RepairReport, Rows, Sight
-from stereorecal.scoring import Correspondences, median_row_error, row_differences, with_rays_of
+from stereorecal.report.repair_report import Conclusion, RepairReport, Rows, Sight
+from stereorecal.scoring import Correspondences, row_differences, with_rays_of
 from stereorecal.scoring.host import disparity, rectify
 
 _CELLS = (24, 18)  # columns and rows of the field over the view
@@ -41,24 +40,6 @@ def row_map(found: Correspondences, initial: StereoRig, candidate: StereoRig, vi
     cells = _cells_of_matches(read, candidate, view, valid, frame)
     first, second = (_cell_medians(cells, rows[frame][valid[frame]]) for rows in (before, after))
     return Rows(first, second, before[valid], after[valid]), frame
-
-
-def climbs_of(stages: Sequence[StageRun]) -> tuple[Climb, ...]:
-    """The best count after so many units, of the stages that maximise it."""
-    found = []
-    for stage in stages:
-        for run in stage.runs if stage.stage.score is ScoreKind.COUNT else ():
-            finite = np.isfinite(run.trace.values)
-            cost, values = run.trace.cost[finite], run.trace.values[finite]
-            label = f"best count at scale {stage.scale:.2g}"
-            found.append(Climb(label, np.concatenate([[0.0], cost]), np.maximum.accumulate([run.start_value, *values])))
-    return tuple(found)
-
-
-def way_of(found: Correspondences, path: Sequence[Waypoint]) -> Climb:
-    """The median epipolar error of the last matches, in pixels, along the search of the extrinsics."""
-    errors = [median_row_error(found, with_unit_baseline(point.extrinsics)) for point in path]
-    return Climb("median epipolar error [px]", np.array([point.cost for point in path]), np.array(errors))
 
 
 def _differences(found: Correspondences, rig: StereoRig) -> Float[np.ndarray, "k m"]:
@@ -120,11 +101,10 @@ def report_of(
     if not pairs or max(numbers, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
     matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
-    found, rows, frame, way = solution.found, None, 0, None
+    found, rows, frame = solution.found, None, 0
     telling = solution.reason not in SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
-        way = way_of(found, solution.path) if len(solution.path) > 2 else None  # else tables show both ends
     pair = matched[solution.used[frame] if solution.used else 0]
     expected, depths = solution.expected, ", ".join(f"{error} at {error.where}" for error in solution.depth)
     rows_said = expected and f"epipolar error {expected.rows_px:.2f} px where the images show something"
@@ -151,9 +131,7 @@ def report_of(
         expected_said=rows_said and f"{rows_said}; depth {depths}",
         axes=changed_axes(solution) if telling else (),
         intrinsics=changed_intrinsics(solution) if telling else (),
-        depths=_depths(solution),
-        climbs=climbs_of(solution.stages),
-        way=way,
+        depths=list(zip(solution.depth_before, solution.depth, strict=True)),
         frames=[
             *_frames(solution, matched),
             *((what, "not used", why) for what, why in (*absent, *_not_matched(solution, len(pairs)))),
@@ -162,7 +140,7 @@ def report_of(
         command=command,
         settings={**_settings_and_outcome(solution), **settings},
         view=None if solution.view.projection == PINHOLE else str(solution.view),
-        calibrations={"before": _calibration(solution.initial), title: _calibration(solution.candidate)},
+        calibrations={"before": calibration_json(solution.initial), title: calibration_json(solution.candidate)},
         searched=solution.searched,
     )
 
@@ -197,14 +175,6 @@ def _facts(solution: AbstractResult, *, telling: bool) -> dict[str, tuple[str, s
     if solution.misfit is not None and telling:
         facts["misfit of regions"] = (f"{solution.misfit.rms_before:.2f} px", f"{solution.misfit.rms:.2f} px")
     return facts
-
-
-def _depths(solution: AbstractResult) -> list[Depth]:
-    both = zip(solution.depth_before, solution.depth, strict=True)
-    return [
-        Depth(used.distance, (before.percent.low, before.percent.high), (used.percent.low, used.percent.high))
-        for before, used in both
-    ]
 
 
 def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, str, str]]:
@@ -242,13 +212,3 @@ def _settings_and_outcome(solution: AbstractResult) -> dict[str, Any]:
         "versions": versions(),
     }
     return json_data(settings | outcome)
-
-
-def _calibration(rig: StereoRig) -> dict[str, Any]:
-    """As a scene's calib.json has it."""
-    sides, lens = (("left", rig.left), ("right", rig.right)), rig.left.model
-    about: dict[str, Any] = {"image_size": list(rig.left.size)}
-    about |= {f"K_{side}": np.asarray(camera.matrix) for side, camera in sides}
-    about |= {f"D_{side}": np.asarray(camera.distortion) for side, camera in sides}
-    about["distortion_model"] = "opencv" if lens == "radtan" else lens
-    return json_data({**about, "R": np.asarray(rig.rotation), "T": np.asarray(rig.translation)})

@@ -1,8 +1,7 @@
-"""Figures of the page of a comparison, as SVG: curves over cost with the legend that they share, and strip plots."""
+"""Figures of the page of a comparison, as SVG: curves over cost, and strip plots."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,46 +17,32 @@ Row = Mapping[str, Any]
 Strips = Sequence[Sequence[float]]  # the values in each strip
 
 _MOST_POINTS = 30  # of a strip; more are drawn as quartiles and range, so that a page of many trials stays small
-_LETTERS = 20  # of a line of a name on the axis; longer names go on below
+_LETTERS, _LEGEND_LETTERS = 20, 36  # of a line of a name, on the axis and in a legend; longer names go on below
 
 
-@dataclass(frozen=True)
-class Line:
-    """The look of a curve: its name, its colour in CSS, and lengths of strokes and gaps in widths of the line."""
-
-    name: str
-    colour: str
-    dashes: tuple[float, ...]
-
-
-def lines_of(names: Sequence[str]) -> list[Line]:
-    """A line for each name; the first twelve look different."""
-    return [
-        Line(name, _COLOURS[index % len(_COLOURS)], _DASHES[index % len(_DASHES)]) for index, name in enumerate(names)
-    ]
-
-
-def curve_figures(rows: Sequence[Row], lines: Sequence[Line]) -> list[str]:
+def curve_figures(rows: Sequence[Row], names: Sequence[str]) -> list[str]:
     """The best score, the rotation error (medians and quartiles) and the share of solved trials over cost, one figure
-    each, without legend; a row for each line."""
+    each; a line for each row, of which the first twelve look different."""
     panels = [("rotation error [°]", "rotation_error_deg"), ("share of trials solved", "share")]
     if all(row["score"] is not None for row in rows):
         panels.insert(0, ("best score", "score"))
-    return [_figure(rows, lines, label, name) for label, name in panels]
+    return [_figure(rows, names, label, name) for label, name in panels]
 
 
-def _figure(rows: Sequence[Row], lines: Sequence[Line], label: str, name: str) -> str:
-    names = [line.name for line in lines]
+def _figure(rows: Sequence[Row], names: Sequence[str], label: str, name: str) -> str:
+    titles = [_folded(one, _LEGEND_LETTERS) for one in names]
     with style(("curves", name, names, [row["scene"] for row in rows])):
-        figure = Figure(figsize=(3.7, 2.8))
+        figure = Figure(figsize=(3.7, 2.8 + 0.2 * len("\n".join(titles).split("\n"))))
         axes = figure.subplots()
-        for row, line in zip(rows, lines, strict=True):
-            values = row[name]
+        for index, (row, title) in enumerate(zip(rows, titles, strict=True)):
+            values, colour = row[name], _COLOURS[index % len(_COLOURS)]
             if name != "share":
                 low, values, high = values
-                axes.fill_between(row["cost"], low, high, color=line.colour, alpha=0.15, linewidth=0)
-            (drawn,) = axes.step(row["cost"], values, where="post", color=line.colour)
-            drawn.set_dashes(line.dashes)
+                axes.fill_between(row["cost"], low, high, color=colour, alpha=0.15, linewidth=0)
+            (drawn,) = axes.step(row["cost"], values, where="post", color=colour, label=title)
+            drawn.set_dashes(_DASHES[index % len(_DASHES)])
+        for text in figure.legend(loc="outside lower left").get_texts():
+            text.set_parse_math(False)
         axes.set_ylabel(label)
         axes.set_xlabel("units spent")
         axes.set_xlim(left=0.0)
@@ -89,13 +74,16 @@ def strips(
             for row, values in enumerate(of_strips):
                 _strip(axes, values, row + step * (index - (len(series) - 1) / 2), index)
             axes.plot([], [], MARKERS[index], color=COLOURS[index], label=label)
-        folded = ["\n".join(textwrap.wrap(name, _LETTERS)) or name for name in names]
-        axes.set_yticks(range(len(names)), folded, parse_math=False)
+        axes.set_yticks(range(len(names)), [_folded(name, _LETTERS) for name in names], parse_math=False)
         axes.set_ylim(len(names) - 0.5, -0.5)
         axes.set_xlabel(axis)
         axes.tick_params(axis="y", length=0)
         figure.legend(loc="outside upper center", ncols=len(series), handletextpad=0, columnspacing=1)
         return svg(figure, f"{axis} by {', '.join(names)}")
+
+
+def _folded(name: str, letters: int) -> str:
+    return "\n".join(textwrap.wrap(name, letters)) or name
 
 
 def _strip(axes: Axes, values: Sequence[float], y: float, index: int) -> None:

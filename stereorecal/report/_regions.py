@@ -1,13 +1,8 @@
-"""Where depth can be trusted, and where not, in words: the regions of the view whose epipolar error is systematic, too
-large, or larger than expected.
-"""
+"""Where depth can be trusted, and where not, in words: the regions of the view whose epipolar error is too large."""
 
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
-from jaxtyping import Float
 
 from stereorecal.report.repair_report import Conclusion, RepairReport
 
@@ -51,7 +46,8 @@ def misfit_sentence(
     begin = f"{whose}, in" if whose else "In"
     if not places:
         return f"{begin} none of the {regions} matched regions of the view does the epipolar error exceed {LIMIT} px."
-    worst = max(abs(error) for place, error in zip(misfit["place"], misfit[when], strict=True) if place == places[0])
+    offsets = zip(misfit[when], misfit["error"], strict=True)
+    worst = max(abs(offset) for offset, error in offsets if abs(offset) - 2 * error > LIMIT)
     everywhere = len(places) >= _NEARLY_ALL * regions
     parts = [part for part, _ in Counter(map(_part, places)).most_common()]  # those that hold most of them first
     here = "nearly everywhere" if everywhere else f"at the {_listed(parts)}"
@@ -91,27 +87,3 @@ def where(report: RepairReport) -> list[str]:
             misfit_sentence(report.misfit, "after", "With the candidate, which was rejected", "it does not fit there")
         )
     return [*sentences, *filter(None, [coverage_sentence(report.misfit)])]
-
-
-def larger_than_expected(report: RepairReport) -> list[int]:
-    """Places of the view where the measured epipolar error of the calibration to use is significantly larger than the
-    expected one."""
-    if report.misfit is None or report.expected is None:
-        return []
-    errors = significant_errors(report.misfit, report.when)
-    return sorted(place for place, pixels in errors.items() if pixels > _largest(report.expected, place))
-
-
-def unmeasured(report: RepairReport) -> list[int]:
-    """Places of the view where too little matched in every frame."""
-    return [] if report.misfit is None else sorted(set(range(PLACES)) - set(report.misfit["place"]))
-
-
-def _largest(expected: Float[np.ndarray, "h w"], place: int) -> float:
-    """The largest expected error at a place; infinite where there is none."""
-    row, column = divmod(place, GRID[0])
-    height, width = expected.shape
-    rows = slice(row * height // GRID[1], -(-(row + 1) * height // GRID[1]))
-    columns = slice(column * width // GRID[0], -(-(column + 1) * width // GRID[0]))
-    inside = expected[rows, columns]
-    return float(np.nanmax(inside)) if np.isfinite(inside).any() else float("inf")

@@ -11,12 +11,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, SymLogNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
 from matplotlib.scale import SymmetricalLogTransform
 
 from stereorecal.report._regions import GRID, LIMIT
 from stereorecal.report.number_text import percent
-from stereorecal.report.repair_report import Climb, Rows
+from stereorecal.report.repair_report import Rows
 from stereorecal.report.svg import COLOURS, style, svg
 
 _WIDTH = 3.8  # inches
@@ -29,7 +28,6 @@ _EXTENT = (0.0, 1.0, 1.0, 0.0)  # of every map: the whole view
 ROW_COLOURS = "RdBu_r"
 _TICKS = (LIMIT, 1.0, 10.0, 100.0)  # pixels, on either side of zero
 _SMOOTH = 0.9 / np.log(10.0)  # width of the linear part of a logarithmic axis, for a continuous scale
-_LARGER, _UNMEASURED = "////", "..."  # hatches
 
 Map = Float[np.ndarray, "h w"]
 Grey = Float[np.ndarray, "height width"]
@@ -92,49 +90,15 @@ def _bins(largest: float) -> Float[np.ndarray, "b1"]:
     return scale.inverted().transform(np.linspace(-end, end, 61))
 
 
-def expected_figure(expected: Map, image: Grey, larger: Sequence[int], unmeasured: Sequence[int]) -> str:
-    """Map of the epipolar errors to expect over the view, with places where the measured one is larger, or none was
-    measured."""
+def expected_figure(expected: Map, image: Grey) -> str:
+    """Map of the epipolar errors to expect over the view."""
     largest = max(_LEAST_SCALE, float(np.nanquantile(expected, _MOST))) if np.isfinite(expected).any() else _LEAST_SCALE
-    marks = {
-        "measured epipolar error is larger there": (_LARGER, larger),
-        "nothing matched there: extrapolated": (_UNMEASURED, unmeasured),
-    }
-    with style(("expected", largest, *larger, -1, *unmeasured)):
-        figure, axis = _map(
-            expected, image, "YlOrBr", Normalize(0.0, largest), "epipolar error, 95 % below [px]", extend="max"
-        )
-        for hatch, places in marks.values():
-            for place in places:
-                row, column = divmod(place, GRID[0])
-                corner = column / GRID[0], row / GRID[1]
-                axis.add_patch(Rectangle(corner, 1 / GRID[0], 1 / GRID[1], fill=False, hatch=hatch, ec="k", lw=0.0))
-        hatches = {name: hatch for name, (hatch, places) in marks.items() if places}
-        if hatches:
-            handles = [Patch(fc="#ffe9b8", ec="k", lw=0.0, hatch=hatch, label=name) for name, hatch in hatches.items()]
-            figure.legend(handles=handles, loc="outside lower left")
+    with style(("expected", largest)):
+        label = "epipolar error, 95 % below [px]"
+        figure, _ = _map(expected, image, "YlOrBr", Normalize(0.0, largest), label, extend="max")
         return svg(
             figure, "Map over the view: the epipolar error to expect at each place, with the calibration to use."
         )
-
-
-def progress_figures(climbs: Sequence[Climb], way: Climb | None) -> list[str]:
-    """Curves of the scores and of the epipolar error over cost, those that have more than one point."""
-    found = []
-    for curve in [*climbs, way]:
-        if curve is None or len(curve.cost) < 2:  # one point is no curve
-            continue
-        with style(("progress", len(found), curve.label)):
-            figure = Figure(figsize=(_WIDTH, 2.5))
-            axis = figure.subplots()
-            axis.step(curve.cost, curve.best, where="post", color=COLOURS[0])
-            axis.plot(curve.cost[-1], curve.best[-1], "o", color=COLOURS[0])
-            axis.set_ylabel(curve.label)
-            axis.set_xlabel("units spent")
-            if curve is way:
-                axis.set_ylim(bottom=0.0)
-            found.append(svg(figure, f"Over the units spent: {curve.label}."))
-    return found
 
 
 def _map(

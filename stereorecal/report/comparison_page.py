@@ -6,18 +6,20 @@ Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from stereorecal.report._comparison_figures import curve_figures, lines_of, strips
+from stereorecal.report._comparison_figures import curve_figures, strips
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture
 from stereorecal.report.comparison_tables import (
-    REFERENCES,
-    marks_of,
-    schedules_legend,
-    strategies_of,
+    TRIALS,
+    WORDS,
+    rows_by_title,
+    several_schedules,
+    terms,
     title_of,
     troubles,
 )
 from stereorecal.report.disparity_map import TrialPicture, colour_range
-from stereorecal.report.templates import Markup, flat_settings, rendered
+from stereorecal.report.number_text import number
+from stereorecal.report.templates import Markup, rendered
 
 _WIDE = 420  # pixels, of a disparity map
 _LEAST_ERROR = 1e-4  # degrees; smaller errors are drawn here, since a logarithmic axis has no zero
@@ -35,32 +37,45 @@ def comparison_page(data: Mapping[str, Any], profile: Sequence[Row] = (), pictur
         return scenes.index(row["scene"]), -(row["success_rate"] or 0.0), -(row["ratio_median"] or 0.0)
 
     data = {**data, "summary": sorted(data["summary"], key=rank)}
+    tables = rows_by_title(data)
     return rendered(
         "comparison.html.jinja",
         data=data,
         figures={scene: panels for scene in scenes if (panels := _panels(data, scene))},
         curves=_curves(data, profile),
         pictures=_pictures(pictures),
-        marks=marks_of(data),
-        best=_best(data),
+        trials=tables.pop(TRIALS),
+        tables=tables,
+        scenes=[_scene(scene) for scene in data["scenes"]],
+        words=WORDS,
         troubles=troubles(data),
-        settings=_settings_rows(data),
-        references=REFERENCES,
-        schedules=schedules_legend(data),
+        terms=terms(data),
+        several_schedules=several_schedules(data),
         planned=len(data["scenes"]) * data["settings"]["draws"] * len(data["settings"]["entrants"]),
-        strategies_of=strategies_of,
     )
 
 
-def _curves(data: Mapping[str, Any], profile: Sequence[Row]) -> dict[str, dict[str, Any]]:
-    """The curves of each scene, with their legend."""
+def _scene(scene: Row) -> dict[str, str]:
+    """The row of a scene."""
+    first = scene["min_disparity"]
+    return {
+        "scene": scene["name"],
+        "size": "x".join(map(str, scene["image_size"])),
+        "frames": str(scene["frames"]),
+        "baseline [m]": number(scene["baseline_m"], 3),
+        "disparities": f"{first} to {first + scene['num_disparities']}",
+    }
+
+
+def _curves(data: Mapping[str, Any], profile: Sequence[Row]) -> dict[str, list[Markup]]:
+    """The curves of each scene."""
     free = {(row["scene"], title_of(row, data)) for row in data["summary"] if row["cost_median"] == 0.0}
     found = {}
     for scene in dict.fromkeys(row["scene"] for row in profile):
         rows = [row for row in profile if row["scene"] == scene]
         titles = [title_of(row, data) for row in rows]
-        lines = lines_of([title + ", no units spent" * ((scene, title) in free) for title in titles])
-        found[scene] = {"lines": lines, "panels": [Markup(panel) for panel in curve_figures(rows, lines)]}
+        names = [title + ", no units spent" * ((scene, title) in free) for title in titles]
+        found[scene] = [Markup(panel) for panel in curve_figures(rows, names)]
     return found
 
 
@@ -98,30 +113,4 @@ def _panels(data: Mapping[str, Any], scene: str) -> list[Markup]:
         strips(names, ratio, "r = N_o / N_GT", (limits["ratio"], limits["flagged_ratio"]), log=False, tall=3),
         strips(names, errors, "rotation error [°]", (limits["pitch_roll_deg"], limits["yaw_deg"]), log=True),
     ]
-    medians = [
-        [row["score_at_median"] for row in data["summary"] if (row["scene"], title_of(row, data)) == (scene, name)]
-        for name in names
-    ]
-    reached = {
-        f"{units} units": [[row[units] for row in rows if row[units] is not None] for rows in medians]
-        for units in marks_of(data)
-    }
-    if any(map(any, reached.values())):
-        panels.append(strips(names, reached, "best score (median)", (), log=False, tall=3))
     return [Markup(panel) for panel in panels]
-
-
-def _best(data: Mapping[str, Any]) -> dict[tuple[str, str], float]:
-    """The highest median score of each scene at each budget."""
-    medians = [(row["scene"], *mark) for row in data["summary"] for mark in row["score_at_median"].items()]
-    known = [median for median in medians if median[-1] is not None]
-    return {(scene, units): value for scene, units, value in sorted(known, key=lambda median: median[-1])}
-
-
-def _settings_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """The settings by name, with the strategies of each entrant in full."""
-    settings = dict(data["settings"])
-    entrants = {
-        f"schedule {one['schedule']}, {one['strategy']}": strategies_of(one) for one in settings.pop("entrants")
-    }
-    return list(flat_settings({**settings, **entrants, **data["versions"]}))

@@ -9,20 +9,20 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from stereorecal.report._tables import fitted
+from stereorecal.report._tables import tables_of
 from stereorecal.report.number_text import count, number, percent
 
+TRIALS = "trials"
 _MOST_TRIALS = 24  # of which every one has a row
 _COUNTS = {"N_i": "initial", "N_o": "final", "N_GT": "reference"}
 _ERRORS = {  # heads of columns: what they show, with so many decimals
     **{f"{axis}°": ("rotation_error_deg", axis, 3) for axis in ("pitch", "yaw", "roll")},
     **{f"{axis} %": ("translation_error_percent", axis, 2) for axis in ("y", "z")},
 }
-_PARTS = ((*_COUNTS, "r", "status", "evals", "s"), ("success", *_ERRORS))  # scores and errors
+_SCORES = (*_COUNTS, "r", "status", "evals", "s")
 _PIXELS = {"px before": "start", "px after": "final"}
 _PLACES = ("first", "second", "third")
-_WORDS = ("scene", "schedule", "strategy", "status", *_PLACES)
-_LEAST_MISSED = ("N_i", "N_GT", "evals", "z %", "y %", "draws", "status", "s", "success", "10 B %", *_PIXELS)
+WORDS = ("scene", "schedule", "strategy", *_PLACES)
 
 Row = Mapping[str, Any]
 
@@ -44,30 +44,31 @@ def title_of(row: Row, data: Mapping[str, Any]) -> str:
 
 
 def comparison_tables(data: Mapping[str, Any], width: int) -> Group:
-    """All trials if 24 or fewer, then their medians; scores and errors side by side if `width` allows."""
+    """All trials if 24 or fewer, then their medians; scores and errors side by side if `width` allows, else one below
+    the other, with strategies that their schedule names only at the scores."""
+    shown = {**rows_by_title(data), "best median score by units spent": _leaders(data)}
+    if not 1 < len(data["trials"]) <= _MOST_TRIALS:
+        del shown[TRIALS]
+    scores = (*_SCORES, "strategy") if several_schedules(data) else _SCORES
+    tables: list[Table] = []
+    for title, rows in shown.items():
+        parts = (scores, ("success", *_ERRORS)) if rows and "r" in rows[0] else ()
+        tables += tables_of(rows, width, WORDS, title=_title(title, data), parts=parts) if rows else []
+    legend = (f"{name}: {meaning}.\n" for name, meaning in terms(data).items())
+    reasons = (f"{name} {status}: {message}\n" for name, status, message in troubles(data))
+    return Group(*tables, Text("".join([*legend, *reasons])))
+
+
+def rows_by_title(data: Mapping[str, Any]) -> dict[str, list[dict[str, str]]]:
+    """The rows of the trials, of their medians, and of the errors by the true rig, if it is known."""
     draws, summary = data["settings"]["draws"], data["summary"]
     unequal = any(row["draws"] != draws for row in summary)
     over = "the finished draws" if unequal else "1 draw" if draws == 1 else f"{draws} draws"
-    judged = [row for row in summary if row.get("harmful") is not None]
-    shown = [
-        ("the trials", "trials", [_trial(row, data) for row in data["trials"]]),
-        ("the medians", f"medians over {over}", [_medians(row, data, unequal=unequal) for row in summary]),
-        ("the errors by the true rig", "by the true rig", [_truth(row, data) for row in judged]),
-        ("the leaders", "best median score by units spent", _leaders(data)),
-    ]
-    if not 1 < len(data["trials"]) <= _MOST_TRIALS:
-        del shown[0]
-    tables: list[Table] = []
-    missed = []
-    for name, title, rows in shown:
-        if rows:
-            how = {"title": _title(title, data), "least_missed": _LEAST_MISSED}
-            found, dropped = fitted(rows, width, _WORDS, parts=_PARTS if "r" in rows[0] else ((),), **how)
-            tables += found
-            missed += [f"{', '.join(dropped)} of {name}"] * bool(dropped)
-    omissions = f"left out in {width} columns: {'; '.join(missed)}.\n" if missed else ""
-    reasons = (f"{name} {status}: {message}\n" for name, status, message in troubles(data))
-    return Group(*tables, Text(omissions + _legend(data) + "".join(reasons)))
+    return {
+        TRIALS: [_trial(row, data) for row in data["trials"]],
+        f"medians over {over}": [_medians(row, data, unequal=unequal) for row in summary],
+        "by the true rig": [_truth(row, data) for row in summary if row.get("harmful") is not None],
+    }
 
 
 def _trial(row: Row, data: Mapping[str, Any]) -> dict[str, str]:
@@ -89,23 +90,17 @@ def _truth(row: Row, data: Mapping[str, Any]) -> dict[str, str]:
     pixels, depth = row["row_error_px_median"], row["depth_error_percent_median"]
     errors = {head: number(pixels[when], 2) for head, when in _PIXELS.items()}
     far = {f"{at} B %": number(depth[at], 1) for at in ("10", "30")}
-    return {**_about(row, data), **errors, **far, "harmful": str(row["harmful"])}
-
-
-def marks_of(data: Mapping[str, Any]) -> list[str]:
-    """The budgets in units, within that of the comparison, at which the best score was recorded."""
-    most = data["settings"]["budget"]["evaluations"] or float("inf")
-    marks = data["summary"][0]["score_at_median"] if data["summary"] else ()
-    return [units for units in marks if float(units) <= most]
+    return {**_about(row, data, short=True), **errors, **far, "harmful": str(row["harmful"])}
 
 
 def _leaders(data: Mapping[str, Any]) -> list[dict[str, str]]:
-    """The three strategies with the best median score at each budget; none where there is one strategy, or no
-    scores were recorded."""
-    found = []
+    """The three strategies with the best median score at each budget in units, within that of the comparison; none
+    where there is one strategy, or no scores were recorded."""
+    most, found = data["settings"]["budget"]["evaluations"] or float("inf"), []
     for scene, name in _short_names(data).items() if len(data["settings"]["strategies"]) > 1 else ():
         rows = [row for row in data["summary"] if row["scene"] == scene]
-        for units in marks_of(data):
+        marks = rows[0]["score_at_median"] if rows else ()
+        for units in (units for units in marks if float(units) <= most):
             reached = [(row["score_at_median"][units], row["strategy"]) for row in rows]
             ranked = sorted((one for one in reached if one[0] is not None), key=lambda one: (-one[0], one[1]))[:3]
             if ranked:
@@ -114,46 +109,37 @@ def _leaders(data: Mapping[str, Any]) -> list[dict[str, str]]:
     return found
 
 
-REFERENCES = {
+_REFERENCES = {
     "truth": "the true rig",
     "stored": "the stored calibration",
     "consensus": "the end point of the default schedule from the stored calibration: repeatability, not accuracy",
 }
 
 
-def schedules_legend(data: Mapping[str, Any]) -> dict[str, str]:
-    """What the schedules are, by name, where several stand side by side."""
-    if not several_schedules(data):
-        return {}
-    return {
-        "default": "coarse to fine, first the count, then the epipolar (row) error; what recalibrate does",
-        "count": f"the paper's way, the count alone, at scale {data['settings']['scale']:g}",
-    }
-
-
-def _legend(data: Mapping[str, Any]) -> str:
+def terms(data: Mapping[str, Any]) -> dict[str, str]:
+    """What the tables mean, by their heads."""
     limits = data["settings"]["thresholds"]
     references = dict.fromkeys(str(scene["reference"]) for scene in data["scenes"])
-    schedules = (f"schedule {name}: {meaning}.\n" for name, meaning in schedules_legend(data).items())
-    return (
-        "".join(schedules)
-        + "N_i, N_o, N_GT: pixels matched with the initial, the recalibrated and the reference calibration.\n"
-        f"r = N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one.\n"
-        f"reference, and what errors are measured against: {'; '.join(REFERENCES.get(r, r) for r in references)}.\n"
-        f"success: r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, "
-        f"yaw within {limits['yaw_deg']}°.\n" + _truth_legend(data)
-    )
-
-
-def _truth_legend(data: Mapping[str, Any]) -> str:
-    if all(row.get("harmful") is None for row in data["summary"]):
-        return ""
-    limits = data["settings"]["thresholds"]
-    return (
-        "px: epipolar error over the view; 10 B %, 30 B %: |depth error| at so many baselines; all by the true rig.\n"
-        f"harmful: trials after which the epipolar error is larger by more than {limits['harmful_rows_px']} px, or the "
-        f"depth error at 30 baselines by more than {limits['harmful_depth_percent']:g} % of the distance.\n"
-    )
+    schedules = {
+        "schedule default": "coarse to fine, first the count, then the epipolar (row) error; what recalibrate does",
+        "schedule count": f"the paper's way, the count alone, at scale {data['settings']['scale']:g}",
+    }
+    truth = {
+        "px": "epipolar error over the view, by the true rig",
+        "10 B %, 30 B %": "|depth error| at so many baselines, by the true rig",
+        "harmful": "trials after which the epipolar error is larger by more than "
+        f"{limits['harmful_rows_px']} px, or the depth error at 30 baselines by more than "
+        f"{limits['harmful_depth_percent']:g} % of the distance",
+    }
+    return {
+        **(schedules if several_schedules(data) else {}),
+        "N_i, N_o, N_GT": "pixels matched with the initial, the recalibrated and the reference calibration",
+        "r": f"N_o / N_GT; ! above {limits['flagged_ratio']}: a wrong calibration may score higher than the right one",
+        "reference, and what errors are measured against": "; ".join(_REFERENCES.get(r, r) for r in references),
+        "success": f"r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, yaw within "
+        f"{limits['yaw_deg']}°; failed trials are none, skipped ones are left out",
+        **(truth if any(row.get("harmful") is not None for row in data["summary"]) else {}),
+    }
 
 
 def troubles(data: Mapping[str, Any]) -> Counter[tuple[str, str, str]]:

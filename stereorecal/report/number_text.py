@@ -42,13 +42,9 @@ def distance(metres: float) -> str:
     return f"{float(f'{metres / METRES[unit]:.2g}'):g} {unit}"
 
 
-def offset(metres: float) -> str:
-    """How much a depth is wrong: "38 mm too far", "14 cm too near"."""
-    return between(metres, metres)
-
-
 def between(low: float, high: float) -> str:
-    """The same of an interval: "12 to 64 mm too far", "-12 to +64 mm" where it holds 0."""
+    """How much a depth is wrong, of an interval: "12 to 64 mm too far", "-12 to +64 mm" where it holds 0; "14 cm too
+    near" where both ends are alike."""
     if math.isnan(low) or math.isnan(high):
         return "unknown"
     if math.isinf(low):

@@ -3,15 +3,14 @@
 Needs jinja2 and matplotlib: pip install 'stereorecal[figures]'.
 """
 
-import json
 from pathlib import Path
 
 from stereorecal.report._embedded_images import colour_bar, data_uri, disparity_picture, rows_picture
-from stereorecal.report._regions import larger_than_expected, misaligned, unmeasured, where
-from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure, progress_figures
+from stereorecal.report._regions import misaligned, where
+from stereorecal.report._repair_figures import expected_figure, field_figures, histogram_figure
 from stereorecal.report.disparity_map import colour_range
 from stereorecal.report.repair_report import RepairReport
-from stereorecal.report.templates import Markup, flat_settings, rendered
+from stereorecal.report.templates import Markup, rendered
 
 _WIDE, _NARROW = 720, 560  # pixels: of one image of a rectified pair, of a disparity map
 _SCRIPT = Path(__file__).with_name("slider.js")
@@ -34,15 +33,13 @@ def repair_page(report: RepairReport) -> str:
         bar=colour_bar(least, largest),
         figures=_figures(report),
         used=sum(state == "used" for _, state, _ in report.frames),
-        settings=list(flat_settings(report.settings)),
-        calibrations={title: json.dumps(content, indent=1) for title, content in report.calibrations.items()},
         script=_SCRIPT,
     )
 
 
 def _figures(report: RepairReport) -> dict[str, list[Markup]]:
     """SVG elements, by what they show; none where there is nothing to draw."""
-    drawn: dict[str, list[str]] = {"progress": progress_figures(report.climbs, report.way)}
+    drawn: dict[str, list[str]] = {}
     if report.rows is not None:
         left = report.misfit
         places = ([], []) if left is None else (misaligned(left, "before"), misaligned(left, "after"))
@@ -50,6 +47,5 @@ def _figures(report: RepairReport) -> dict[str, list[Markup]]:
         drawn["histogram"] = [histogram_figure(report.rows, report.names)]
     if report.expected is not None:
         used = report.after if report.accepted else report.before
-        marks = larger_than_expected(report), unmeasured(report)
-        drawn["expected"] = [expected_figure(report.expected, used.left, *marks)]
+        drawn["expected"] = [expected_figure(report.expected, used.left)]
     return {name: [Markup(figure) for figure in figures] for name, figures in drawn.items()}

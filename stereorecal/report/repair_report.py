@@ -50,20 +50,6 @@ class Rows:
     all_after: Float[np.ndarray, "m"]
 
 
-@dataclass(frozen=True, eq=False)
-class Climb:
-    """The best score of a stage after so many units.
-
-    Attributes:
-        label: what the score is.
-        cost, best: (m,).
-    """
-
-    label: str
-    cost: Float[np.ndarray, "m"]
-    best: Float[np.ndarray, "m"]
-
-
 @dataclass(frozen=True)
 class Change:
     """The change of a parameter.
@@ -90,22 +76,6 @@ class Change:
         return self.before + self.change
 
 
-@dataclass(frozen=True)
-class Depth:
-    """Errors of depth at one distance: ends of the 95 % intervals, percent of the distance; infinite where points seem
-    to lie beyond infinity.
-
-    Attributes:
-        metres: the distance.
-        before: of the calibration that the repair started from.
-        used: of the one to use.
-    """
-
-    metres: float
-    before: tuple[float, float]
-    used: tuple[float, float]
-
-
 @dataclass(frozen=True, eq=False)
 class RepairReport:
     """The content of the page.
@@ -125,15 +95,16 @@ class RepairReport:
         expected: (h, w) half width of the 95 % interval around zero of the epipolar errors of the calibration to use,
             over the view; NaN where not both cameras see the point.
         expected_said: the expectations in a sentence.
-        axes, intrinsics, depths: tables, intrinsics with their camera; empty where the candidate means nothing, or
-            nothing was refined. No depths where the candidate was found to be wrong.
-        climbs: of the stages that maximise a count.
-        way: median epipolar error after so many units, along the whole repair; None if it is not known.
+        axes, intrinsics: tables, intrinsics with their camera; empty where the candidate means nothing, or nothing was
+            refined.
+        depths: errors of depth at some distances, each of the calibration that the repair started from and of the one
+            to use, with `distance` in metres and the ends `low` and `high` of their 95 % intervals in `percent` and in
+            `metres`. None where the candidate was found to be wrong.
         frames: each pair's name, whether it was used, and why not.
         remarks: sentences, such as which directions are unobservable.
         command: as it can be pasted into a shell; None if the repair was no command.
         settings: what is needed to run it again, by name.
-        calibrations: before and after, by title, as a calib.json has them.
+        calibrations: before and after, by title, as the text of a calib.json.
         view: in which the pair is shown, in words; None: a pinhole's, which straight things stay straight in.
         searched: False of a look, which changes nothing.
     """
@@ -155,14 +126,12 @@ class RepairReport:
     expected_said: str | None
     axes: Sequence[Change]
     intrinsics: Sequence[tuple[str, Change]]
-    depths: Sequence[Depth]
-    climbs: Sequence[Climb]
-    way: Climb | None
+    depths: Sequence[tuple[Any, Any]]
     frames: Sequence[tuple[str, str, str]]
     remarks: Sequence[str]
     command: str | None
     settings: Mapping[str, Any]
-    calibrations: Mapping[str, Mapping[str, Any]]
+    calibrations: Mapping[str, str]
     view: str | None = None
     searched: bool = True
 

@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Group
 from rich.text import Text
 
-from stereorecal.report._tables import fitted
+from stereorecal.report._tables import tables_of
 from stereorecal.report.number_text import between, distance, number, percent
 
 _AXES = {  # heads of columns
@@ -28,14 +28,13 @@ Row = Mapping[str, Any]
 def repairs_table(repairs: Sequence[Row], width: int) -> Group:
     """One row for each recording: verdict, matched pixels and epipolar error before and after, changes with intervals;
     in two tables where `width` columns hold no more, with words folded until they fit."""
-    tables, _ = fitted([_repair(row) for row in repairs], width, _WORDS, parts=(_VERDICT, _AXES))
-    return Group(*tables, Text(_LEGEND))
+    return Group(*tables_of([_repair(row) for row in repairs], width, _WORDS, parts=(_VERDICT, _AXES)), Text(_LEGEND))
 
 
 def scores_table(scenes: Sequence[Row], width: int) -> Group:
     """One row for each recording: matched pixels, epipolar error, error of depth, verdict; words are folded until they
     fit into `width` columns."""
-    return Group(*fitted([_score(row) for row in scenes], width, _WORDS)[0])
+    return Group(*tables_of([_score(row) for row in scenes], width, _WORDS))
 
 
 def _repair(repair: Row) -> dict[str, str]:

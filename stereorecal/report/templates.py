@@ -1,8 +1,9 @@
-"""Pages from templates, in which everything that is not markup is escaped; and settings as rows of a table."""
+"""Pages from templates, in which everything that is not markup is escaped."""
 
 import base64
 import hashlib
-from collections.abc import Iterator, Mapping
+import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,18 +28,5 @@ def rendered(template: str | Path, *, script: Path | None = None, **values: Any)
         lstrip_blocks=True,
     )
     environment.filters |= {one.__name__: one for one in (between, change, count, distance, number, percent)}
+    environment.filters["json"] = partial(json.dumps, indent=1, ensure_ascii=False)
     return environment.get_template(Path(template).name).render(values)
-
-
-def flat_settings(settings: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """Nested settings as a flat list of names, such as "matcher block_size", and values."""
-    for key, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from flat_settings(value, f"{above}{key} ")
-        else:
-            parts = value if isinstance(value, list) else ["-" if value is None else value]
-            yield above + key, "; ".join(_inline(part) if isinstance(part, Mapping) else str(part) for part in parts)
-
-
-def _inline(settings: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in flat_settings(settings))

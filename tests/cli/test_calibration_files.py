@@ -212,17 +212,13 @@ def test_the_form_in_which_it_came(command, rig: sr.StereoRig, drifted_scene: Pa
         np.testing.assert_allclose(stored["Q"], made.Q, atol=1e-9)
         np.testing.assert_allclose(stored["right_y"], made.maps[1][1], atol=1e-3)
     old = [path.read_bytes() for path in files]
-    files[0].chmod(0o600)
     answer = command("recalibrate", *words, "--output", ",".join(map(str, files)), "--force")
     assert answer.code == 0
     copies = [path.with_name(f"{path.name}.bak") for path in files]
     assert [path.read_bytes() for path in copies] == old
-    assert copies[0].stat().st_mode & 0o777 == files[0].stat().st_mode & 0o777 == 0o600
     said = " (translation in m)" if name == "opencv" else ""
     expected = [f"{path}: written{said}; the old one is {copy}" for path, copy in zip(files, copies, strict=True)]
     assert answer.out.splitlines()[-len(files) - 1 : -1] == expected
-    said = f"{files[0]}.prior.json: written; keep it with the calibration, for the next repair"
-    assert answer.out.splitlines()[-1] == said
     assert [path.read_bytes() for path in files] == [path.read_bytes() for path in new]
 
 

@@ -83,13 +83,8 @@ def test_frames_that_a_camera_lost_are_told(command, seen, calibration, tmp_path
         for number, name in enumerate(names):
             cv2.imwrite(str(folder / f"{name}.png"), seen[number][side])
     answer = command("score", "--left", left, "--right", right, "--calibration", calibration)
-    said = "2 frames have no partner in the other camera and are left out: left/port1_4.png, right/rear2_005.png"
+    said = "left out, without partner in the other camera: left/port1_4.png, right/rear2_005.png"
     assert (answer.code, answer.err) == (1, f"stereorecal: {said}\n")
-
-
-def test_a_page_shows_one_recording(command, clean_scene, drifted_scene, tmp_path):
-    answer = command("recalibrate", clean_scene, drifted_scene, "--html", tmp_path / "out.html")
-    answer.refuses("--html takes one recording")
 
 
 @pytest.mark.slow

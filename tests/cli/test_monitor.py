@@ -45,6 +45,20 @@ def test_a_knock_is_repaired_and_written_where_told(command, scene: Path, drive:
     assert load(state).frame == len(drive.pairs)
 
 
+def test_each_camera_has_a_file(command, scene: Path, drive: Ride, tmp_path: Path):
+    """The watch is continued where the calibration in use is a repaired one already."""
+    old, new = ([tmp_path / f"{side}-{age}.yaml" for side in ("left", "right")] for age in ("old", "new"))
+    sr.io.save_rig(drive.rig, old, format="ros")
+    *_, last = run(sr.io.load_rig(*old), drive.pairs)
+    save(last.state, tmp_path / "state")
+    images = ("--left", scene / "left", "--right", scene / "right", "--calibration", *old)
+    both = ",".join(map(str, new))
+    answer = command("monitor", *images, "--pairs", 10, "--state", tmp_path / "state", "--output", both)
+    assert answer.out.endswith(f"written to {both}\n")
+    repaired = sr.io.load_rig(*new)
+    assert abs(repaired.extrinsics - drive.knocked.extrinsics)[0] < 0.001
+
+
 def test_options_are_kept_with_the_state(command, scene: Path, tmp_path: Path):
     """Cameras with a trigger have no delay; tolerances are those of the decision."""
     options = ("--synchronous", "--tolerances", "distances=3:8", "--limit", "2", "--quiet")
@@ -91,7 +105,8 @@ def test_what_would_tell_is_said_where_nothing_can_be_told(command, scene: Path,
         cv2.imwrite(str(image), noise.integers(127, 130, shape).astype(np.uint8))
     answer = command("monitor", grey, "--once", "--pairs", ":2")
     assert answer.code == 4
-    assert "px with 95 %; next: turn the rig towards something with texture" in answer.out
+    assert answer.out.count("next: turn the rig towards something with texture") == 1
+    assert "px with 95 %); the calibration in use is" in answer.out
 
 
 def test_every_pair_of_a_long_recording_is_watched(command, scene: Path, tmp_path: Path):

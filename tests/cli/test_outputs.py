@@ -160,7 +160,7 @@ def test_a_link_that_leads_to_nothing_yet(command, clean_scene: Path, tmp_path: 
         ("recalibrate", "{0}", "--output", "-"),
         ("recalibrate", "{0}", "--maps", "-"),
         ("recalibrate", "{0}", "--html", "-"),
-        ("compare", "--scene", "{0}", "--html", "-"),
+        ("recalibrate", "{0}", "--rrd", "-"),
         ("convert", "{0}", "-"),
         ("monitor", "{0}", "--output", "-"),
         ("monitor", "{0}", "--state", "-"),

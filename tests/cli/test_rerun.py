@@ -31,32 +31,12 @@ def test_without_the_extra(command, clean_scene: Path, tmp_path: Path, monkeypat
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("verb", COMMANDS)
-def test_an_existing_file_stays(command, clean_scene: Path, tmp_path: Path, verb: str):
-    (there := tmp_path / "out.rrd").write_text("mine")
-    command(verb, clean_scene, "--rrd", there).refuses("exists already")
-    assert there.read_text() == "mine"
-
-
 @pytest.mark.usefixtures("rerun")
-@pytest.mark.parametrize(
-    ("verb", "words", "said"),
-    [
-        *((verb, ["--rrd", "-"], "--rrd - has no meaning") for verb in COMMANDS),
-        ("monitor", ["--show"], "no screen for Rerun's viewer (DISPLAY is not set)"),
-    ],
-)
-def test_what_is_refused(command, clean_scene: Path, monkeypatch, verb: str, words: list[str], said: str):
+def test_there_is_no_screen(command, clean_scene: Path, monkeypatch):
     monkeypatch.setattr(sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    command(verb, clean_scene, *words).refuses(said)
-
-
-@pytest.mark.usefixtures("rerun")
-def test_a_recording_shows_one_repair(command, clean_scene: Path, unworked, tmp_path: Path):
-    words = (clean_scene, clean_scene, *unworked, "--rrd", tmp_path / "out.rrd")
-    command("recalibrate", *words).refuses("--rrd takes one recording")
+    command("monitor", clean_scene, "--show").refuses("no screen for Rerun's viewer (DISPLAY is not set)")
 
 
 @pytest.mark.usefixtures("rerun")

@@ -5,7 +5,7 @@ import re
 import pytest
 from hypothesis import given, strategies as st
 
-from stereorecal.report.number_text import MOST, between, change, distance, number, offset, short_list
+from stereorecal.report.number_text import MOST, between, change, distance, number, short_list
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_an_interval_that_holds_0_has_signs_and_others_a_side(low: float, width:
 @pytest.mark.parametrize(("metres", "text"), [(0.0849, "85 mm"), (0.4, "40 cm"), (2.53, "2.5 m"), (53.0, "53 m")])
 def test_distances(metres: float, text: str):
     assert distance(metres) == text
-    assert offset(metres).endswith(" too far")
+    assert between(metres, metres) == f"{text} too far"
 
 
 def test_what_is_nothing_has_no_sign():

@@ -1,24 +1,14 @@
-"""Figures of a repair: scales that hold before and after, and marks where measured and expected rows contradict."""
+"""Figures of a repair: scales that hold before and after."""
 
 import base64
 import re
-from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
-from made_up_repair import made_up, misfit
-from parts_of_repairs import (
-    _bins,
-    density,
-    expected_figure,
-    field_figures,
-    histogram_figure,
-    larger_than_expected,
-    outline,
-)
+from parts_of_repairs import _bins, density, expected_figure, field_figures, histogram_figure, outline
 
-from stereorecal.report.repair_report import Conclusion, Rows
+from stereorecal.report.repair_report import Rows
 
 IMAGE = np.full((60, 80), 128.0)
 NAMES = ("before", "after")
@@ -59,7 +49,7 @@ def test_rows_that_are_spread_make_no_peak_far_from_zero():
 
 def test_colour_bars_are_opaque(rows: Rows):
     """Over a dark page, half of it would shine through."""
-    for figure in (*field_figures(rows, IMAGE, NAMES, ([], [])), expected_figure(np.ones((13, 17)), IMAGE, [], [])):
+    for figure in (*field_figures(rows, IMAGE, NAMES, ([], [])), expected_figure(np.ones((13, 17)), IMAGE)):
         coded = [base64.b64decode(data) for data in re.findall(r'base64,([^"]+)"', figure)]
         pictures = [cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) for data in coded]
         (bar,) = [picture for picture in pictures if picture.shape[0] > 5 * picture.shape[1]]
@@ -71,22 +61,3 @@ def test_regions_are_outlined_together():
     assert len(outline([9])) == 4
     assert len(outline([9, 10])) == 6  # what they share is no edge
     assert ((1 / 8, 1 / 6), (2 / 8, 1 / 6)) in outline([9])
-
-
-def test_where_measured_rows_are_larger_than_expected():
-    """Beyond chance, and under the calibration that is used."""
-    expected = np.full((13, 17), 0.3)
-    expected[:, 9:] = 1.0
-    left = misfit(before={5: 9.0}, after={0: 0.9, 1: 0.31, 7: 0.9})
-    report = made_up(expected=expected, misfit=left)
-    assert larger_than_expected(report) == [0]
-    assert larger_than_expected(replace(report, conclusion=Conclusion.GOOD)) == [5]
-    assert larger_than_expected(replace(report, expected=np.full((13, 17), np.nan))) == []
-
-
-def test_marks_are_drawn_and_named():
-    plain = expected_figure(np.ones((13, 17)), IMAGE, [], [])
-    assert "fill: url(#" not in plain
-    marked = expected_figure(np.ones((13, 17)), IMAGE, [3], [4, 5])
-    assert marked.count("fill: url(#") == 3 + 2  # in the map, and in its legend
-    assert {"measured epipolar error is larger there", "nothing matched there: extrapolated"} <= set(words(marked))

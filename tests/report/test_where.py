@@ -12,8 +12,8 @@ CENTRE, LOWER_RIGHT = 27, 47
 
 
 def page(**changes) -> str:
-    """The page of a made-up repair, with small pictures and none of the search."""
-    return repair_page(made_up((64, 48), measured=False, climbs=[], **changes))
+    """The page of a made-up repair, with small pictures."""
+    return repair_page(made_up((64, 48), measured=False, **changes))
 
 
 def where(**changes) -> list[str]:
@@ -45,6 +45,7 @@ def test_every_part_is_named():
         (misfit(after=dict.fromkeys(range(36), 0.9)), "nearly everywhere: do not"),  # none is cleared
         (misfit(after={0: 0.35}, error=[0.1] * 48), "In none of the 48 matched regions"),  # which noise explains
         (misfit(after={0: 0.9}, frames=3), "In 1 of the 48 matched regions"),  # places are counted, not frames
+        (misfit(after={0: 0.9, 1: 1.2}, error=[0.01, 0.3] * 24), "(1.20 px at worst)"),  # not the surest
     ],
 )
 def test_how_many_regions(left, said: str):

@@ -1,7 +1,6 @@
 """The conformance kit passes a good strategy and fails each bad one by the check that is meant for it."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 from stereorecal.strategies import AbstractStrategy, BudgetExhausted, Need, Outcome, Status, strategy
-from stereorecal.testing import StrategyConformance, check_strategy
+from stereorecal.testing import check_strategy
 
 
 @dataclass(frozen=True)
@@ -71,14 +70,6 @@ class Spender(Climber):
 
 
 @dataclass(frozen=True)
-class Smuggler(Climber):
-    """Evaluates past the meter."""
-
-    def ask(self, objective, points):
-        return objective.problem.values(points)
-
-
-@dataclass(frozen=True)
 class Runaway(Climber):
     def limited(self, points):
         return points
@@ -132,16 +123,6 @@ class Blind(Climber):
 
 
 @dataclass(frozen=True)
-class Stone(Climber):
-    """Never moves."""
-
-    def climb(self, objective, start, seed):
-        points = np.clip(start + np.linspace(0, 0.1, 5)[:, None], -1, 1)
-        values = self.ask(objective, points)
-        return (start, values[0]) if values.argmax() == 0 else (points[values.argmax()], values.max())
-
-
-@dataclass(frozen=True)
 class Idle(AbstractStrategy):
     """Nominates the start."""
 
@@ -181,25 +162,6 @@ class Ascent(AbstractStrategy):
         objective.charge(objective.gradient_cost, best)
 
 
-@jax.jit
-def look_ahead(score, z):
-    return score(z), jax.jacfwd(lambda q: score(q))(z)
-
-
-@dataclass(frozen=True)
-class Forward(Ascent):
-    """Takes its gradient in forward mode; a value beside it is one evaluation more."""
-
-    price: int = 1
-
-    def ask(self, objective, point, best):
-        cost = objective.gradient_cost + self.price * objective.cost
-        objective.reserve(cost)
-        value, slope = look_ahead(objective.traced.soft_count, jnp.asarray(point, jnp.float32))
-        objective.charge(cost, best)
-        return (float(value), np.asarray(slope, float)) if np.isfinite(value) else (-np.inf, np.zeros(len(point)))
-
-
 @dataclass(frozen=True)
 class Miser(Ascent):
     """Declares a gradient as one evaluation."""
@@ -231,17 +193,6 @@ def test_good_strategies_pass(good):
     assert not failures(good)
 
 
-@pytest.mark.parametrize(("price", "said"), [(1, ""), (0, "it declares 4 evaluations, but makes 5")])
-def test_what_a_gradient_in_forward_mode_costs(price, said):
-    """The one check that it differs in: in forward mode, too, the stereo rig would be a program of its own."""
-
-    class TestForward(StrategyConformance):
-        strategy = Forward(price=price)
-
-    with pytest.raises(AssertionError, match=said) if said else nullcontext():
-        TestForward().test_keeps_any_budget()
-
-
 CLIMBS = {
     "climbs a smooth bowl",
     "climbs a staircase",
@@ -263,9 +214,7 @@ CLIMBS = {
         (Gambler(), {"is deterministic"}),
         (Homebody(), {"travels"}),
         (Blind(), {"survives nan"}),
-        (Stone(), CLIMBS),
         (Idle(), CLIMBS | {"repairs a stereo rig", "ends on a flat score"}),
-        (Smuggler(), {"keeps any budget", "ends on a flat score"}),
         (Miser(), {"keeps any budget"}),
         (Deaf(), {"lets exceptions pass"}),
     ],

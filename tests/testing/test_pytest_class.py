@@ -6,15 +6,15 @@ from stereorecal.strategies import strategy
 from stereorecal.testing import StrategyConformance, check_strategy
 
 
-class TestCompass(StrategyConformance):
-    strategy = strategy("compass")
-
-
 def test_every_check_is_a_test_with_a_sentence():
     """(What bad strategies fail is held in test_kit, by the function.)"""
+
+    class Compass(StrategyConformance):
+        strategy = strategy("compass")
+
     tests = {
         name.removeprefix("test_").replace("_", " "): test
-        for name, test in inspect.getmembers(TestCompass(), inspect.ismethod)
+        for name, test in inspect.getmembers(Compass(), inspect.ismethod)
         if name.startswith("test_")
     }
     assert set(tests) == {result.name for result in check_strategy(strategy("compass"))}

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stereorecal.report.templates import Markup, flat_settings, rendered
+from stereorecal.report.templates import Markup, rendered
 from stereorecal_field.table._field_figures import coverage, error_against_seconds, harm, letters_of
 from stereorecal_field.table._field_tables import before_and_after, depth_at, panel_of, troubles
 
@@ -30,7 +30,6 @@ def field_page(data: Mapping[str, Any]) -> str:
         coverage=Markup(covered) if covered else None,
         harm=Markup(harm(data)) if any(row["trials"] for row in summary) else None,
         troubles=troubles(data),
-        settings=list(flat_settings({**data["settings"], **data["versions"]})),
         before_and_after=before_and_after,
         depth_at=depth_at,
         panel_of=panel_of,

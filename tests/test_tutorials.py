@@ -1,4 +1,5 @@
-"""Tutorials 5 and 10, which write plug-ins, followed to the letter, each in an environment of its own."""
+"""Tutorials whose commands are run: 3 and 9 in the folder that their first block makes, 5 and 10, which write plug-ins,
+to the letter, each in an environment of its own. (Blocks of Python are run where the pages are.)"""
 
 import os
 import re
@@ -13,6 +14,7 @@ from printed_output import agrees
 
 PAGES = Path(__file__).parents[1] / "docs" / "tutorials"
 STEP = re.compile(r"(?:\*\*`(?P<file>[^`]+)`\*\*\n\n)?```(?P<language>\w+)\n(?P<body>.*?)```", re.DOTALL)
+SCRIPTS = "Scripts" if sys.platform == "win32" else "bin"
 
 
 @pytest.fixture
@@ -22,30 +24,60 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     venv.create(home, with_pip=True)
     site = next(home.glob("lib/python*/site-packages"), home / "Lib" / "site-packages")
     (site / "outer.pth").write_text(f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n")
-    path = os.pathsep.join([str(home / ("Scripts" if sys.platform == "win32" else "bin")), os.environ["PATH"]])
+    path = os.pathsep.join([str(home / SCRIPTS), os.environ["PATH"]])
     return os.environ | {"PATH": path, "VIRTUAL_ENV": str(home), "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
 
 
 def followed(page: str, environment: dict[str, str], folder: Path) -> str:
-    """What the commands of a page print, in a folder that begins empty; the page shows it truly."""
+    """What the commands of a page print, in a folder; the page shows it truly."""
     output = printed = ""
+    run = False  # whether the last block was one of commands
     for step in STEP.finditer((PAGES / page).read_text()):
         if step["file"]:
             (folder / step["file"]).write_text(step["body"])
-            continue
-        if step["language"] == "output":
+        elif step["language"] == "output" and run:
             assert agrees(step["body"], printed), f"the page shows:\n{step['body']}\nprinted was:\n{printed}"
-            continue
-        assert step["language"] == "sh"
-        printed = ""
-        for line in step["body"].splitlines():
-            done = subprocess.run(
-                line, shell=True, check=False, cwd=folder, env=environment, capture_output=True, text=True
-            )
-            assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
-            printed += done.stdout
-        output += printed
+        elif step["language"] == "sh":
+            printed = ""
+            for line in step["body"].splitlines():
+                done = subprocess.run(
+                    line, shell=True, check=False, cwd=folder, env=environment, capture_output=True, text=True
+                )
+                assert (done.returncode, done.stderr) == (0, ""), f"{line}\n{done.stdout}{done.stderr}"
+                printed += done.stdout
+            output += printed
+        run = step["language"] == "sh"
     return output
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("page", "written"),
+    [
+        (
+            "03-your-own-calibration.md",
+            [
+                "camchain-shell.yaml",
+                "ros_left-shell.yaml",
+                "ros_right-shell.yaml",
+                "stereo-shell.yaml",
+                "stereo.yaml.bak",
+            ],
+        ),
+        ("09-with-opencv.md", ["maps.npz"]),
+    ],
+)
+def test_shell_lines(page: str, written: list[str]):
+    names: dict[str, Path] = {}
+    text = (PAGES / page).read_text()
+    assert len(re.findall(r"```sh\n[^`]*```\n\n```output\n", text)) == text.count("```sh\n") > 0
+    exec(re.findall(r"```python\n(.*?)```", text, re.DOTALL)[0], names)
+    folder = names["folder"]
+    before = set(folder.iterdir())
+    here = os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])
+    assert followed(page, os.environ | {"PATH": here}, folder)
+    found = sorted(path.name for path in {*folder.iterdir()} - before)
+    assert [name for name in found if not name.endswith(".prior.json")] == written  # what is known lies beside each
 
 
 @pytest.mark.slow
