@@ -1,17 +1,14 @@
 """The objectives of strategies: scores of a stereo rig over the unit box, and the charts of that."""
 
 from stereorecal.objectives._charts import (
-    Chart as Chart,
     RigChart as RigChart,
     count_chart as count_chart,
-    reach_chart as reach_chart,
     row_chart as row_chart,
 )
 from stereorecal.objectives._count_objective import (
     StereoImages as StereoImages,
     count_objective as count_objective,
     objective as objective,
-    rig_count_objective as rig_count_objective,
 )
 from stereorecal.objectives._linear_rows import (
     differences_at as differences_at,
