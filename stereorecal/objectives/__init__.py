@@ -15,6 +15,7 @@ from stereorecal.objectives._linear_rows import (
     epipolar_objective as epipolar_objective,
     linear_residuals as linear_residuals,
     linearised as linearised,
+    rectified_at as rectified_at,
 )
 from stereorecal.objectives._parameters import (
     BASELINE as BASELINE,
