@@ -136,7 +136,7 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
     settings, start, cost = case.settings, case.rig, Cost()
     for stage in settings.schedule.on_rows:
-        host.compile_in_background(case.images.at(case.scale_of(stage), 1))
+        host.compile_in_background(case.images.at(case.scale_of(stage)))
     if settings.schedule.survey or case.matcher.num_disparities is None:
         radians = float(np.radians(settings.reach.degrees))
         surveyed = survey(case.images, case.rig.extrinsics, radians)
