@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stereorecal.geometry import StereoRig
-from stereorecal.objectives import Reach, StereoImages, count_chart
+from stereorecal.objectives import Parameters, Reach, StereoImages, count_chart
 from stereorecal.recordings import Pair, Scene
 from stereorecal.strategies import AbstractStrategy, Budget, Objective, Outcome, Problem, Status
 from stereorecal.synthetic import default_rig
@@ -23,8 +23,10 @@ def coast(scene) -> Scene:
     return scene("coast", 1, SIZE, 2)
 
 
-def images_around(rig: StereoRig, pairs: Iterable[Pair] = (), reach: Reach | None = None, **options) -> StereoImages:
-    return StereoImages(rig, tuple(pairs), count_chart(rig, reach or Reach(), **options))
+def images_around(
+    rig: StereoRig, pairs: Iterable[Pair] = (), reach: Reach | None = None, free: tuple[str, ...] = ("extrinsics",)
+) -> StereoImages:
+    return StereoImages(rig, tuple(pairs), count_chart(rig, reach or Reach(), Parameters(free)))
 
 
 def repair(

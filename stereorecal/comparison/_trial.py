@@ -9,7 +9,7 @@ from stereorecal._errors import NeedNotMet
 from stereorecal.comparison._entrants import Entrant
 from stereorecal.geometry import StereoRig, View, angle_between, axis_errors
 from stereorecal.matching import AbstractMatcher, name_of
-from stereorecal.objectives import Parameters, Reach, count_objective, reach_chart, rig_count_objective
+from stereorecal.objectives import Parameters, Reach, count_chart, count_objective
 from stereorecal.recalibration import Case, Solution, as_settings, difference, recalibrate_case
 from stereorecal.recordings import Scene
 from stereorecal.scoring import pyramid
@@ -212,7 +212,7 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None
     if len(trace.values):
         unvalued = {cost: trace.charged_within(cost) for cost in SCORE_AT}
     else:
-        point = reach_chart(task.start, task.reach, task.free).coordinates_of(solution.candidate)
+        point = count_chart(task.start, task.reach, task.free).coordinates_of(solution.candidate)
         unvalued = dict.fromkeys(SCORE_AT, np.clip(point, -1.0, 1.0))
     wanted = {cost: point for cost, point in unvalued.items() if point is not None}
     if wanted:
@@ -225,10 +225,8 @@ def _scores_at(task: Task, solution: Solution) -> dict[str, float | None] | None
 def _judge(task: Task, view: View) -> Objective:
     """The score of the only stage."""
     images, matcher = pyramid(task.start, task.judged.scene.pairs, view), task.judged.matcher
-    scale = task.entrant.schedule.stages[0].scale
-    if task.free.shared:
-        return rig_count_objective(images, matcher, reach_chart(task.start, task.reach, task.free), scale=scale)
-    return count_objective(images, matcher, task.reach, free=task.free.axes, scale=scale)
+    chart = count_chart(task.start, task.reach, task.free)
+    return count_objective(images, matcher, chart, scale=task.entrant.schedule.stages[0].scale)
 
 
 def _unfinished(task: Task, status: str, message: str) -> Trial:

@@ -164,8 +164,7 @@ def _decision(
     gains = expected[1] < min(expected[0] - limits.gains, limits.leaves * expected[0]) and better >= limits.better
     harmless = worse <= limits.harm  # NaN is no proof of harmlessness
     held_out = estimate.held_out(free, share, kept) if gains and harmless else []
-    rows_alone = not (estimate.matched_ranges or estimate.windows)
-    predicted = estimate.shown is None or predicts(held_out, limits, rows_alone=rows_alone)
+    predicted = estimate.shown is None or predicts(held_out, limits, rows_alone=not estimate.depth_told)
     failed = next((one for one, met in zip(Criterion, (gains, harmless, predicted), strict=True) if not met), None)
     good = float(np.mean(before.seen <= limits.good_rows_px)) >= limits.good_surely
     return Decision(

@@ -159,6 +159,12 @@ class Estimate(Travels):
         """The motion of the rig at the posterior's mean, in each window."""
         return self.windows.linear_at(self.chart, self.theta)
 
+    @property
+    def depth_told(self) -> bool:
+        """Whether something but rows tells depth: ranges that agree with it, or a motion."""
+        agree = self.matched_ranges.agree(self.chart.rig_at(self.theta))
+        return agree or any(one.informative for one in self.motions)
+
     @one_blas_thread()
     def with_free(self, names: Sequence[str], *, keep_depth: float = 0.0) -> Float[np.ndarray, "n"]:
         """θ that loses least in rows and depth if only these parameters may change; as given, if no rig stands there.
@@ -278,18 +284,6 @@ class Estimate(Travels):
                 float("inf") if value < _LEAST_NEARNESS else 100.0 * (1.0 / value - 1.0)
                 for value in (1.0 + median_and_interval(nearness)).tolist()
             )
-            found[distance] = (middle, low, high)
-        return found
-
-    @one_blas_thread()
-    def row_error_px(self, used: Float[np.ndarray, "n"]) -> dict[int, tuple[float, float, float]]:
-        """The epipolar error of the rig at θ = used, root mean square over the view, of points at distances in
-        baselines: median, and 95 % interval; pixels of the images."""
-        readings, found = self._readings(DISTANCES), {}
-        near = readings.near
-        for distance, rows, slopes in zip(DISTANCES, near.of_sets(readings.of(used)[0]), near.rows, strict=True):
-            of_samples = rows - (self._samples - self.theta) @ slopes.T
-            middle, low, high = median_and_interval(np.sqrt(np.mean(of_samples**2, axis=1))).tolist()
             found[distance] = (middle, low, high)
         return found
 

@@ -5,7 +5,6 @@ a few; and what lies near and far there tells apart what a mean of both would hi
 together as well, and are one: what is seen a dozen times is not known a dozen times as well.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,8 +12,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import group_medians
-from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations, reread, with_unit_baseline
-from stereorecal.objectives import SIDES, RigChart, differences_at, linearised
+from stereorecal.geometry import PINHOLE, StereoRig, projection, rectifying_rotations
+from stereorecal.objectives import RigChart, linearised, rectified_at
 from stereorecal.scoring import Correspondences
 
 PLACES = (14, 9)  # columns and rows of places in the left image
@@ -74,26 +73,23 @@ class Groups:
         """Their mean row differences at θ and the derivatives there, in pixels of the images that the cameras at θ
         have. Noise is in those: longer focal lengths must not make it smaller, nor rows that are wider apart in the
         view make it larger."""
-        rows, slopes = linearised(self._as_correspondences(), chart, theta)
+        rows, slopes = linearised((self.left, self.right), self.projection, chart, theta)
         zoom = self._zoom(chart, theta)
-        differences = zoom * (rows[0] + self.offset)
-        jacobian = zoom[:, None] * slopes[:, 0].T
+        differences = zoom * (self.focal * rows + self.offset)
+        jacobian = (zoom * self.focal)[:, None] * slopes.T
         return differences, jacobian + np.outer(differences, _by_focal(chart))
 
     def differences(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """The same without the derivatives."""
-        (rows,) = differences_at(self._as_correspondences(), chart, theta)
-        return self._zoom(chart, theta) * (rows + self.offset)
+        return self._zoom(chart, theta) * (self._of_means(chart, theta) + self.offset)
+
+    def _of_means(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
+        """The row differences of the mean rays at θ, pixels at full size."""
+        return self.focal * rectified_at((self.left, self.right), self.projection, chart, theta)[0]
 
     def _zoom(self, chart: RigChart, theta: Float[np.ndarray, "n"]) -> Float[np.ndarray, "g"]:
         """Pixels of the images that the cameras at θ have, per pixel of a row."""
         return float(np.exp(_by_focal(chart) @ theta)) * self.resolution
-
-    def _as_correspondences(self) -> Correspondences:
-        number, one = len(self), np.ones(())
-        weight, tile = np.ones((1, number)), np.zeros((1, number), np.int32)
-        focal = np.asarray(self.focal)
-        return Correspondences(self.left[None], self.right[None], weight, tile, focal, one, one, self.projection)
 
 
 def _by_focal(chart: RigChart) -> Float[np.ndarray, "n"]:
@@ -115,7 +111,7 @@ def grouped(
     if not len(weight):
         no, at = np.zeros(0), np.zeros(0, int)
         return Groups(left, right, no, no, at, at, no, at, focal / scale, no, first, found.projection)
-    rows, disparity = _rectified((left, right), found, chart, theta)
+    rows, disparity = (focal * part for part in rectified_at((left, right), found.projection, chart, theta))
     cuts = np.quantile(disparity, np.arange(1, _DISPARITIES) / _DISPARITIES)
     places = places_of(np.asarray(chart.rig.left.project(left)), chart.rig.left.size)
     parts = len(valid), int(np.prod(PLACES)), _DISPARITIES
@@ -146,25 +142,7 @@ def grouped(
     groups = Groups(*told, focal / scale, resolution, first, found.projection).of(enough)
     if not len(groups):
         return groups
-    return replace(groups, offset=groups.offset - differences_at(groups._as_correspondences(), chart, theta)[0])
-
-
-def _rectified(
-    rays: Sequence[Float[np.ndarray, "m 3"]],
-    found: Correspondences,
-    chart: RigChart,
-    theta: Float[np.ndarray, "n"],
-) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m"]]:
-    """Row differences and disparities of rays, left and right, in pixels of the scale of what was found, under the rig
-    at θ."""
-    rig, of_view = chart.rig_at(theta), projection(found.projection)
-    rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
-    rectified = []
-    for side, some, rotation in zip(SIDES, rays, rotations, strict=True):
-        read = reread(some, getattr(chart.rig, side), getattr(rig, side))
-        rectified.append(of_view.project(*(read @ rotation.T).T))
-    (x, y), (u, v) = rectified
-    return float(found.focal) * (y - v), float(found.focal) * (x - u)
+    return replace(groups, offset=groups.offset - groups._of_means(chart, theta))
 
 
 def _resolution(rig: StereoRig, left: Float[np.ndarray, "g 3"], projection_name: str) -> Float[np.ndarray, "g"]:

@@ -25,8 +25,7 @@ class Projection:
         directions: x, y and z of image points u, v. Beyond what the projection shows, those of its edge.
         shows: whether image points are those of directions; True if all are.
         project: u and v of directions; analytic, so that complex steps differentiate it.
-        row: v alone, of y and z.
-        row_slopes: the derivatives of `row` by y and by z.
+        row: v alone, of y and z; analytic as `project`.
         stretch: by how much rows of directions y, z, of a length, are wider apart than they are in the middle: by as
             much, what lies there has less disparity than it would have in the middle.
         length: of a vector, in lengths of `directions`; analytic as `project`.
@@ -42,7 +41,6 @@ class Projection:
     shows: Callable[[Any, Any], Any]
     project: Callable[[Any, Any, Any], tuple[Any, Any]]
     row: Callable[[Any, Any], Any]
-    row_slopes: Callable[[Any, Any], tuple[Any, Any]]
     stretch: Callable[[Any, Any, Any], Any]
     length: Callable[[Any, Any, Any], Any]
     nearness: Callable[[Any, Any], Any]
@@ -57,11 +55,6 @@ def projection(name: str) -> Projection:
     if name not in _PROJECTIONS:
         raise InputError(f"there is no projection {name!r}; give one of {', '.join(NAMES)}.")
     return _PROJECTIONS[name]
-
-
-def _plane_slopes(y: Any, z: Any) -> tuple[Any, Any]:
-    inverse = 1.0 / z
-    return inverse, -y * inverse * inverse
 
 
 def _sphere_directions(u: Any, v: Any) -> tuple[Any, Any, Any]:
@@ -84,11 +77,6 @@ def _sphere_row(y: Any, z: Any) -> Any:
     return 2.0 * xp.arctan(y / (z + xp.sqrt(y * y + z * z)))
 
 
-def _sphere_slopes(y: Any, z: Any) -> tuple[Any, Any]:
-    squared = y * y + z * z
-    return z / squared, -y / squared
-
-
 def _sphere_nearness(left: Any, right: Any) -> Any:
     """The sine of the angle at the point over that at the right camera: law of sines."""
     xp = namespace(left, right)
@@ -106,7 +94,6 @@ _PROJECTIONS = {
         shows=lambda u, v: True,
         project=lambda x, y, z: (x / z, y / z),
         row=lambda y, z: y / z,
-        row_slopes=_plane_slopes,
         stretch=lambda y, z, length: 1.0,
         length=lambda x, y, z: z,
         nearness=lambda left, right: left - right,
@@ -123,7 +110,6 @@ _PROJECTIONS = {
         shows=lambda u, v: (abs(u) <= 0.5 * np.pi) & (abs(v) <= np.pi),
         project=_sphere_point,
         row=_sphere_row,
-        row_slopes=_sphere_slopes,
         stretch=lambda y, z, length: length / namespace(y, z).sqrt(y * y + z * z),
         length=lambda x, y, z: namespace(x, y, z).sqrt(x * x + y * y + z * z),
         nearness=_sphere_nearness,

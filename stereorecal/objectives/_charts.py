@@ -1,12 +1,11 @@
-"""Charts: from the unit box, which strategies see, to extrinsics and to whole rigs, which they do not."""
+"""Charts: from the unit box, which strategies see, to rigs, which they do not."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, Extrinsics, namespace, product, register_pytree
 from stereorecal._errors import InputError
 from stereorecal.geometry import AXES, StereoRig, camera_changes, changed_camera, euler_slopes
 from stereorecal.objectives._parameters import BASELINE, EXTRINSICS, SIDES, Parameter, Parameters, Reach
@@ -15,42 +14,6 @@ from stereorecal.objectives._parameters import BASELINE, EXTRINSICS, SIDES, Para
 # solver back, and a drift just beyond the reach is better found than cut off.
 _WIDE = 6.0
 _OF_REACH = 3.0  # the same where the box is as wide as the reach
-
-
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class Chart:
-    """An affine map from the unit box [-1, 1]^n to extrinsics.
-
-    Attributes:
-        centre: (6,) the extrinsics at z = 0.
-        half_width: (6,) how far each parameter moves at z = 1; 0 for fixed ones.
-        free: indices of the free parameters, one for each coordinate of z.
-    """
-
-    centre: Extrinsics
-    half_width: Extrinsics
-    free: tuple[int, ...] = field(metadata={"static": True})
-
-    @property
-    def dim(self) -> int:
-        """n, the number of free parameters."""
-        return len(self.free)
-
-    def extrinsics(self, z: Float[AnyArray, "*k n"]) -> Float[AnyArray, "*k 6"]:
-        """Unit box to extrinsics; float64 for NumPy arrays, traceable for JAX arrays."""
-        spread = np.eye(6)[list(self.free)] * self.half_width
-        return self.centre + product(namespace(z).asarray(z), spread)
-
-    def coordinates(self, extrinsics: Float[AnyArray, "*k 6"]) -> Float[AnyArray, "*k n"]:
-        """Extrinsics to coordinates of the box (free parameters only), beyond [-1, 1] where they lie outside of it."""
-        free = list(self.free)
-        return ((extrinsics - self.centre) / np.where(self.half_width == 0, 1.0, self.half_width))[..., free]
-
-    def with_unit_baseline(self) -> "Chart":
-        """The same chart with translations in units of the baseline, which is how scores see them."""
-        unit = np.array([1.0, 1.0, 1.0, *[np.linalg.norm(self.centre[3:])] * 3])
-        return Chart(self.centre / unit, self.half_width / unit, self.free)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +55,8 @@ class RigChart:
         """One half width of the box in the units of a rig: rad, metres, fractions, pixels."""
         return self.units * np.array([parameter.in_rig for parameter in self.parameters])
 
-    def extrinsics(self, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "6"]:
-        """Pitch, yaw, roll [rad], x, y, z [m] at a point of the box."""
+    def extrinsics(self, z: Float[np.ndarray, "*k n"]) -> Float[np.ndarray, "*k 6"]:
+        """Pitch, yaw, roll [rad], x, y, z [m] at points of the box."""
         return np.asarray(self.rig.extrinsics, float) + z @ self.extrinsic_slopes
 
     @cached_property
@@ -179,16 +142,7 @@ def row_chart(rig: StereoRig, reach: Reach, free: Parameters | None = None) -> R
     return RigChart(rig, (free or Parameters()).of(rig, reach))
 
 
-def reach_chart(rig: StereoRig, reach: Reach, free: Parameters) -> RigChart:
-    """The box in which counts are searched where more than extrinsics is free: as wide as the reach, which is three
-    standard deviations, on every axis."""
-    return RigChart(rig, free.of(rig, reach), wide=_OF_REACH)
-
-
-def count_chart(rig: StereoRig, reach: Reach, free: tuple[str, ...] = EXTRINSICS) -> Chart:
-    """The box in which counts are searched: as wide as the reach, around the rig's extrinsics."""
-    angle, length = np.radians(reach.degrees), reach.baseline_fraction * float(rig.baseline)
-    indices = tuple(AXES.index(name) for name in free)
-    half_width = np.zeros(6)
-    half_width[list(indices)] = [angle if i < 3 else length for i in indices]
-    return Chart(np.array(rig.extrinsics, float), half_width, indices)
+def count_chart(rig: StereoRig, reach: Reach, free: Parameters | None = None) -> RigChart:
+    """The box in which counts are searched: three standard deviations wide on every axis, which is the reach where
+    the priors of extrinsics are the default; by default of the extrinsics."""
+    return RigChart(rig, (free or Parameters()).of(rig, reach), wide=_OF_REACH)

@@ -1,24 +1,25 @@
 """The stereo objective: the paper's count over the extrinsics around a rig."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.tree_util import Partial
 from jaxtyping import Float
 
-from stereorecal._arrays import AnyArray, refuse_tracers, register_pytree
+from stereorecal._arrays import product, refuse_tracers
 from stereorecal.geometry import AnyView, StereoRig, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives._charts import Chart, RigChart, count_chart
+from stereorecal.objectives._charts import RigChart, count_chart
 from stereorecal.objectives._parameters import EXTRINSICS, Reach, as_reach
 from stereorecal.recordings import Pair, Pairs
 from stereorecal.scoring import (
-    TEMPERATURE,
     Pyramid,
     ScoringData,
     bands,
-    checked_temperature,
     count_scaled,
     forward_gradient,
     host,
@@ -41,54 +42,21 @@ class StereoImages:
 
     rig: StereoRig
     pairs: tuple[Pair, ...]
-    chart: Chart
+    chart: RigChart
 
 
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class StereoCount:
-    """The count as a function of a point of the unit box; compiled at its first call.
+@lru_cache
+def _by_extrinsics(
+    score: Callable[..., jax.Array], matcher: AbstractMatcher, *, smooth: bool
+) -> Callable[..., jax.Array]:
+    """The sum of a score over bands of the view, by a point of the box: one compiled function for each matcher."""
 
-    Attributes:
-        data: bands of the view, whose counts add up.
-        matcher: with its disparity range at the scale of the data.
-    """
+    def total(given: tuple[tuple[ScoringData, ...], jax.Array, jax.Array], z: jax.Array) -> jax.Array:
+        data, centre, slopes = given
+        extrinsics = centre + product(z, slopes)
+        return jnp.sum(jnp.stack([score(band, extrinsics, matcher) for band in data]))
 
-    data: tuple[ScoringData, ...]
-    chart: Chart
-    matcher: AbstractMatcher = field(metadata={"static": True})
-
-    def __call__(self, z: jax.Array) -> jax.Array:
-        return _count(self, z)
-
-
-@jax.jit
-def _count(score: StereoCount, z: Float[jax.Array, "n"]) -> jax.Array:
-    extrinsics = score.chart.extrinsics(z)
-    return jnp.sum(jnp.stack([count_scaled(band, extrinsics, score.matcher) for band in score.data]))
-
-
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class StereoSoftCount:
-    """The soft count as a function of a point of the unit box; compiled at its first call, differentiable in any mode.
-    Its temperature is the width of the gates, dimensionless."""
-
-    data: tuple[ScoringData, ...]
-    chart: Chart
-    temperature: Float[AnyArray, ""]
-    matcher: AbstractMatcher = field(metadata={"static": True})
-
-    def __call__(self, z: jax.Array) -> jax.Array:
-        return _soft_count(self, z)
-
-
-@jax.jit
-@forward_gradient
-def _soft_count(score: StereoSoftCount, z: jax.Array) -> jax.Array:
-    extrinsics = score.chart.extrinsics(z)
-    parts = [soft_count_scaled(band, extrinsics, score.matcher, score.temperature) for band in score.data]
-    return jnp.sum(jnp.stack(parts))
+    return jax.jit(forward_gradient(total) if smooth else total)
 
 
 def objective(
@@ -100,7 +68,6 @@ def objective(
     view: AnyView = None,
     scale: float = 1.0,
     rows: float = 1.0,
-    temperature: float = TEMPERATURE,
     budget: Budget | float | None = None,
 ) -> Objective:
     """The count of valid disparities as an objective over the unit box around the rig's extrinsics. Works on the host;
@@ -114,53 +81,19 @@ def objective(
         scale: image scale, (0, 1].
         rows: share of the rows that are scored, (0, 1], in bands of 32 spread over the view: a count for less, with its
             maximum in the same place and more noise (0.5 to 0.9 % with a quarter of the rows of 640x480).
-        temperature: width of the gates of the soft count, dimensionless.
         budget: in units, or a `Budget`; default unlimited.
 
     Raises:
-        InputError: if images and calibration do not fit, the temperature is not positive, or `rows` is not a share.
+        InputError: if images and calibration do not fit, or `rows` is not a share.
     """
     refuse_tracers("sr.objective", "its traced face, objective.traced.count, or sr.count", rig, pairs, view)
     images, reach = pyramid(rig, pairs, view), as_reach(reach)
     matcher = with_measured_range(matcher, images, float(np.radians(reach.degrees)))
-    options = {"scale": scale, "rows": rows, "temperature": temperature, "budget": as_budget(budget)}
-    return count_objective(images, matcher, reach, **options)
+    chart = count_chart(images.rig, reach)
+    return count_objective(images, matcher, chart, scale=scale, rows=rows, budget=as_budget(budget))
 
 
 def count_objective(
-    images: Pyramid,
-    matcher: AbstractMatcher,
-    reach: Reach,
-    *,
-    free: tuple[str, ...] = EXTRINSICS,
-    scale: float = 1.0,
-    rows: float = 1.0,
-    frames: int | None = None,
-    temperature: float = TEMPERATURE,
-    budget: Budget | None = None,
-) -> Objective:
-    """`objective` of images that are prepared once, and a matcher whose disparity range is known; of at most so many
-    frames."""
-    data, cost = _bands(images, scale, frames, rows)
-    metric_chart = count_chart(images.rig, reach, free)
-    chart = metric_chart.with_unit_baseline()
-    traced_chart = jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), chart)
-
-    def values(points: np.ndarray) -> np.ndarray:
-        extrinsics = chart.extrinsics(points)
-        return np.sum([host.counts(band, extrinsics, matcher) for band in data], axis=0, dtype=float)
-
-    scaled, soft = matcher.scaled(scale), jnp.float32(checked_temperature(temperature))
-    traced = Traced(
-        count=StereoCount(data, traced_chart, scaled) if matcher.traceable else None,
-        soft_count=StereoSoftCount(data, traced_chart, soft, scaled) if matcher.smooth else None,
-    )
-    return Objective(
-        Problem(chart.dim, values, cost, traced, StereoImages(images.rig, images.pairs, metric_chart)), budget
-    )
-
-
-def rig_count_objective(
     images: Pyramid,
     matcher: AbstractMatcher,
     chart: RigChart,
@@ -170,21 +103,37 @@ def rig_count_objective(
     frames: int | None = None,
     budget: Budget | None = None,
 ) -> Objective:
-    """`count_objective` over a box that holds intrinsics too; on the host alone, one candidate after the other."""
-    data, cost = _bands(images, scale, frames, rows)
-
-    def value(rig: StereoRig) -> int:
-        extrinsics = with_unit_baseline(rig.extrinsics)[None]
-        return sum(int(host.counts(band.through(rig), extrinsics, matcher)[0]) for band in data)
-
-    def values(points: np.ndarray) -> np.ndarray:
-        return np.array([value(chart.rig_at(z)) for z in points], float)
-
-    return Objective(Problem(chart.dim, values, cost), budget)
-
-
-def _bands(images: Pyramid, scale: float, frames: int | None, rows: float) -> tuple[tuple[ScoringData, ...], float]:
-    """What is scored, and what a candidate costs."""
+    """`objective` of images that are prepared once, and a matcher whose disparity range is known; of at most so many
+    frames. Where more than extrinsics is free, it is on the host alone, one candidate after the other."""
     whole = images.at(scale, frames)
     data = bands(whole, rows)
-    return data, whole.cost * sum(band.pixels for band in data) / whole.pixels
+    cost = whole.cost * sum(band.pixels for band in data) / whole.pixels
+    if not set(chart.names) <= set(EXTRINSICS):
+        return Objective(Problem(chart.dim, lambda points: _counts_of_rigs(data, chart, points, matcher), cost), budget)
+    unit = np.array([1.0, 1.0, 1.0, *[float(chart.rig.baseline)] * 3])  # scores see translations in baselines
+    centre, slopes = chart.rig.extrinsics / unit, chart.extrinsic_slopes / unit
+
+    def values(points: np.ndarray) -> np.ndarray:
+        extrinsics = centre + points @ slopes
+        return np.sum([host.counts(band, extrinsics, matcher) for band in data], axis=0, dtype=float)
+
+    def traced(score: Callable[..., jax.Array], *, smooth: bool) -> Partial:
+        given = (data, jnp.asarray(centre, jnp.float32), jnp.asarray(slopes, jnp.float32))
+        return Partial(_by_extrinsics(score, matcher.scaled(scale), smooth=smooth), given)
+
+    faces = Traced(
+        count=traced(count_scaled, smooth=False) if matcher.traceable else None,
+        soft_count=traced(soft_count_scaled, smooth=True) if matcher.smooth else None,
+    )
+    return Objective(Problem(chart.dim, values, cost, faces, StereoImages(images.rig, images.pairs, chart)), budget)
+
+
+def _counts_of_rigs(
+    data: tuple[ScoringData, ...], chart: RigChart, points: Float[np.ndarray, "k n"], matcher: AbstractMatcher
+) -> Float[np.ndarray, "k"]:
+    """The count under the rig at each point of the box."""
+    found = np.zeros(len(points))
+    for at, rig in enumerate(map(chart.rig_at, points)):
+        extrinsics = with_unit_baseline(rig.extrinsics)[None]
+        found[at] = sum(int(host.counts(band.through(rig), extrinsics, matcher)[0]) for band in data)
+    return found

@@ -1,94 +1,82 @@
 """Row differences, linearised in the coordinates of the box; and the linear least squares of them, for strategies."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, register_pytree
 from stereorecal.geometry import (
-    Projection,
+    StereoRig,
     projection,
     ray_slopes,
     rectifying_rotations,
     rectifying_slopes,
+    reread,
     with_unit_baseline,
 )
 from stereorecal.objectives._charts import RigChart
 from stereorecal.objectives._parameters import SIDES
-from stereorecal.scoring import Correspondences, with_rays_of
+from stereorecal.scoring import Correspondences
 from stereorecal.strategies import Budget, Objective, Problem, Traced
 
+_TINY = 1e-30
 _COST_OF_A_ROW = 1e-7  # units: some sixty operations, where a matcher run on a full-size frame takes some 10^9
 
 
+def rectified_at(
+    rays: tuple[Any, Any], projection_name: str, chart: RigChart, z: Float[np.ndarray, "n"]
+) -> tuple[Float[np.ndarray, "*m"], Float[np.ndarray, "*m"]]:
+    """Row differences and disparities in focal lengths, under the rig at a point of the unit box, of rays (*m, 3), left
+    and right, that the cameras of the chart's own rig give."""
+    rig, of_view, found = chart.rig_at(z), projection(projection_name), []
+    for side, some, rotation in zip(SIDES, rays, _rotations(rig), strict=True):
+        read = reread(np.asarray(some, float), getattr(chart.rig, side), getattr(rig, side))
+        found.append(of_view.project(*np.moveaxis(read @ rotation.T, -1, 0)))
+    (x, y), (u, v) = found
+    return y - v, x - u
+
+
 def differences_at(found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]) -> Float[np.ndarray, "k m"]:
-    """The row differences at a point of the unit box, in pixels of the scale of `found`; those of `linearised`."""
-    rig = chart.rig_at(z)
-    found = with_rays_of(rig, found, matched_rig=chart.rig)
-    rotations = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
-    of_view = projection(found.projection)
-    left, right = (
-        of_view.row(*np.moveaxis(np.asarray(rays, float) @ np.asarray(rotation[1:]).T, -1, 0))
-        for rays, rotation in zip((found.left, found.right), rotations, strict=True)
-    )
-    return float(found.focal) * (left - right)
+    """The row differences at a point of the unit box, in pixels of the scale of `found`."""
+    return float(found.focal) * rectified_at((found.left, found.right), found.projection, chart, z)[0]
 
 
 def linearised(
-    found: Correspondences, chart: RigChart, z: Float[np.ndarray, "n"]
-) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "n k m"]]:
-    """The row differences at a point of the unit box, and their derivatives by each coordinate.
-
-    Args:
-        found: with the rays that the cameras of the chart's own rig give.
+    rays: tuple[Any, Any], projection_name: str, chart: RigChart, z: Float[np.ndarray, "n"]
+) -> tuple[Float[np.ndarray, "*m"], Float[np.ndarray, "n *m"]]:
+    """The row differences of `rectified_at`, and their derivatives by each coordinate.
 
     Extrinsics act through the rectifying rotations, intrinsics through the rays. A row is a function of r₁ · x and
     r₂ · x, with the rows r₁, r₂ of a rotation and a ray x, and its derivatives follow from theirs.
     """
-    rig = chart.rig_at(z)
-    found = with_rays_of(rig, found, matched_rig=chart.rig)
+    rig, of_view, shape = chart.rig_at(z), projection(projection_name), np.shape(rays[0])[:-1]
     outer, *by_pose = chart.pose_slopes(rig)
-    rotations = np.stack(rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:]))
     slopes = rectifying_slopes(np.asarray(rig.rotation), np.asarray(rig.translation), *by_pose)
-    shape = np.shape(found.weight)
-    jacobian, rows, of_view = np.zeros((z.size, *shape)), np.zeros(shape), projection(found.projection)
-    for side, sign in enumerate((1.0, -1.0)):
-        rays, camera = np.asarray(getattr(found, SIDES[side]), float), getattr(rig, SIDES[side])
-        row, by_rotation = _rectified_rows(of_view, rays, rotations[side], slopes[:, side])
-        rows += sign * row
-        jacobian[outer] += sign * by_rotation
-        own, kinds = chart.lenses[SIDES[side]]
+    rows, jacobian = np.zeros(shape), np.zeros((z.size, *shape))
+    for index, (side, rotation, sign) in enumerate(zip(SIDES, _rotations(rig), (1.0, -1.0), strict=True)):
+        camera, (own, kinds) = getattr(rig, side), chart.lenses[side]
+        read = reread(np.asarray(rays[index], float), getattr(chart.rig, side), camera)
+        read = read / read[..., 2:]
+        down, ahead = np.moveaxis(read @ rotation[1:].T, -1, 0)
+        # Complex steps (Squire & Trapp 1998): derivatives of the row by both, exact.
+        by_down = np.imag(of_view.row(down + _TINY * 1j, ahead)) / _TINY
+        by_ahead = np.imag(of_view.row(down, ahead + _TINY * 1j)) / _TINY
+        down_by, ahead_by = (np.tensordot(slopes[:, index, axis], read, (1, -1)) for axis in (1, 2))
+        rows += sign * of_view.row(down, ahead)
+        jacobian[outer] += sign * (by_down * down_by + by_ahead * ahead_by)
         if own:
-            moved = ray_slopes(camera, rays, kinds)
-            jacobian[own] = sign * _by_rays(of_view, rays, rotations[side], moved) * chart.half_width[own, None, None]
-    focal = float(found.focal)
-    return focal * rows, focal * jacobian
+            moved = ray_slopes(camera, read, kinds)
+            by_lens = by_down * (moved @ rotation[1, :2]) + by_ahead * (moved @ rotation[2, :2])
+            jacobian[own] = sign * by_lens * chart.half_width[own].reshape(-1, *(1,) * len(shape))
+    return rows, jacobian
 
 
-def _rectified_rows(
-    of_view: Projection,
-    rays: Float[np.ndarray, "k m 3"],
-    rotation: Float[np.ndarray, "3 3"],
-    slopes: Float[np.ndarray, "n 3 3"],
-) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "n k m"]]:
-    """Rectified rows, in focal lengths, and their derivatives."""
-    planes = np.concatenate([rotation[1:], slopes[:, 1], slopes[:, 2]])
-    (y, z), moved = np.split(planes @ rays.reshape(-1, 3).T, [2])
-    (by_y, by_z), (y_by, z_by), shape = of_view.row_slopes(y, z), np.split(moved, 2), rays.shape[:2]
-    return of_view.row(y, z).reshape(shape), (by_y * y_by + by_z * z_by).reshape(-1, *shape)
-
-
-def _by_rays(
-    of_view: Projection,
-    rays: Float[np.ndarray, "k m 3"],
-    rotation: Float[np.ndarray, "3 3"],
-    moved: Float[np.ndarray, "p k m 2"],
-) -> Float[np.ndarray, "p k m"]:
-    """Derivatives of rectified rows, in focal lengths, of rays (x, y, 1) that move."""
-    points = rays / rays[..., 2:]
-    by_y, by_z = of_view.row_slopes(points @ rotation[1], points @ rotation[2])
-    return by_y * (moved @ rotation[1, :2]) + by_z * (moved @ rotation[2, :2])
+def _rotations(rig: StereoRig) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
+    """The rectifying rotations of a rig."""
+    left, right = rectifying_rotations(rig.rotation, with_unit_baseline(rig.extrinsics)[3:])
+    return np.asarray(left), np.asarray(right)
 
 
 @register_pytree

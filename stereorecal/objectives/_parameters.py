@@ -34,7 +34,8 @@ _WIDTH = 640  # pixels of the image for which the centres' standard deviation is
 @dataclass(frozen=True)
 class Reach:
     """How far the rig may have drifted: the half widths of the box in which the count is searched. Epipolar stages have
-    a prior with a standard deviation of a third of the reach, and may go to twice the reach.
+    a prior with a standard deviation of a third of the reach, and may go to twice the reach. On axes that have a prior
+    of their own (`Parameters.priors`), three of its standard deviations take the place of the reach.
 
     Attributes:
         degrees: on pitch, yaw and roll.
@@ -98,9 +99,9 @@ class Parameters:
         priors: standard deviations by name where they are not the default: degrees for angles, percent of the baseline
             for y, z and the baseline, percent for focal lengths and aspects, pixels for centres. Default: a third of
             the reach for extrinsics, 1 % for the baseline; 0.5 %, 2 px (of an image 640 wide), k1 0.01, k2 0.02.
-            In repairs, those of extrinsics apply to the search and to exact intrinsics, since the estimate finds how
-            far a rig has drifted; all others replace the prior of the calibration.
-
+            In repairs, those of extrinsics apply to the search, whose box is three of them wide, and to exact
+            intrinsics, since the estimate finds how far a rig has drifted; all others replace the prior of the
+            calibration.
         everything: whether all other parameters of the rig are free as well. The default of `recalibrate`.
 
     Raises:

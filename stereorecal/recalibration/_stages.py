@@ -16,14 +16,12 @@ from stereorecal.estimation import FEWEST_GROUPS, grouped, rows_of_groups
 from stereorecal.geometry import AXES, StereoRig, same_cameras, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import (
-    Chart,
     RigChart,
+    count_chart,
     count_objective,
     differences_at,
     epipolar_objective,
     linear_residuals,
-    reach_chart,
-    rig_count_objective,
 )
 from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._schedule import ScoreKind, Stage, as_strategy
@@ -138,7 +136,7 @@ def started(case: Case) -> tuple[Case, StereoRig, Cost]:
     """What comes before the first stage: the case with a disparity range, where the stage begins, and what it took."""
     settings, start, cost = case.settings, case.rig, Cost()
     for stage in settings.schedule.on_rows:
-        host.compile_in_background(case.images.at(case.scale_of(stage), 1))
+        host.compile_in_background(case.images.at(case.scale_of(stage)))
     if settings.schedule.survey or case.matcher.num_disparities is None:
         radians = float(np.radians(settings.reach.degrees))
         yaw = settings.schedule.survey and "yaw" in case.free.axes
@@ -187,23 +185,16 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
 
 
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
-    """Run a stage on the count over the free extrinsics, or, where more is free, over all of that."""
-    scale, reach = case.scale_of(stage), case.settings.reach
+    """Run a stage on the count over all that is free."""
+    scale, chart = case.scale_of(stage), count_chart(case.rig, case.settings.reach, case.free)
     options = {"scale": scale, "rows": stage.rows, "frames": stage.frames, "budget": budget}
-    if case.free.shared:
-        chart = reach_chart(case.rig, reach, case.free)
-        objective = rig_count_objective(case.images, case.matcher, chart, **options)
-        at = chart.coordinates_of(start)
-    else:
-        objective = count_objective(case.images, case.matcher, reach, free=case.free.axes, **options)
-        chart = objective.images.chart
-        at = chart.coordinates(np.asarray(start.extrinsics))
-    run = run_strategy(as_strategy(stage.strategy), objective, np.clip(at, -1.0, 1.0), seed)
-    ended = chart.rig_at(run.best) if case.free.shared else case.rig.with_extrinsics(chart.extrinsics(run.best))
-    return StageRun(stage, scale, start, ended, (run,), _climb(run, chart))
+    objective = count_objective(case.images, case.matcher, chart, **options)
+    at = np.clip(chart.coordinates_of(start), -1.0, 1.0)
+    run = run_strategy(as_strategy(stage.strategy), objective, at, seed)
+    return StageRun(stage, scale, start, chart.rig_at(run.best), (run,), _climb(run, chart))
 
 
-def _climb(run: Run, chart: Chart | RigChart) -> tuple[Waypoint, ...]:
+def _climb(run: Run, chart: RigChart) -> tuple[Waypoint, ...]:
     """Each new best that was evaluated; strategies inside JAX evaluate none."""
     trace = run.trace
     values = np.where(np.isnan(trace.values), -np.inf, trace.values)

@@ -15,8 +15,6 @@ from stereorecal.scoring._correspondences import (
     with_rays_of as with_rays_of,
 )
 from stereorecal.scoring._count import (
-    TEMPERATURE as TEMPERATURE,
-    checked_temperature as checked_temperature,
     count as count,
     count_scaled as count_scaled,
     forward_gradient as forward_gradient,

@@ -3,8 +3,7 @@ mode alone, for scores whose reverse pass would keep every matching cost.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import jax
@@ -14,7 +13,7 @@ from jax.core import Tracer
 from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Float, Int
 
-from stereorecal._arrays import AnyArray, Extrinsics, product, register_pytree
+from stereorecal._arrays import AnyArray, Extrinsics, product
 from stereorecal._errors import InputError
 from stereorecal.geometry import PixelMap
 from stereorecal.matching import AbstractMatcher
@@ -28,9 +27,9 @@ from stereorecal.scoring._rectify import (
     rotations_by,
 )
 
-TracedScore = Callable[[Any, jax.Array], jax.Array]
+TracedScore = Callable[[Any, Any], jax.Array]
 
-TEMPERATURE = 0.1  # default width of the gates: its gradient is useful up to some pixels of epipolar error
+_TEMPERATURE = 0.1  # default width of the gates: its gradient is useful up to some pixels of epipolar error
 _BORDER = 5.0  # pixels at a temperature of 1
 
 
@@ -105,7 +104,7 @@ def soft_count(
     data: ScoringData,
     extrinsics: Float[AnyArray, "6"],
     matcher: AbstractMatcher | str,
-    temperature: float | Float[AnyArray, ""] = TEMPERATURE,
+    temperature: float | Float[AnyArray, ""] = _TEMPERATURE,
 ) -> Float[jax.Array, ""]:
     """The number of valid pixels with smooth gates in place of the hard ones: uniqueness, left-right consistency,
     texture, and the area that the images cover.
@@ -126,10 +125,10 @@ def soft_count(
             positive.
     """
     matcher = pure_matcher(matcher, data.scale, "sr.soft_count", smooth=True)
-    return _soft_count(_Gates(data, checked_temperature(temperature), matcher), checked_extrinsics(extrinsics))
+    return _soft_count_by(matcher)((data, _checked_temperature(temperature)), checked_extrinsics(extrinsics))
 
 
-def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
+def _checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
     """The temperature.
 
     Raises:
@@ -142,24 +141,22 @@ def checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Flo
     return np.asarray(temperature, np.float32)
 
 
-@register_pytree
-@dataclass(frozen=True, eq=False)
-class _Gates:
-    """The arguments of a soft count other than the extrinsics."""
+@lru_cache
+def _soft_count_by(matcher: AbstractMatcher) -> TracedScore:
+    """`soft_count_scaled` of (data, temperature), compiled, with its rule for derivatives."""
 
-    data: ScoringData
-    temperature: float | Float[AnyArray, ""]
-    matcher: AbstractMatcher = field(metadata={"static": True})
+    def soft(gates: tuple[ScoringData, Any], extrinsics: Float[jax.Array, "6"]) -> Float[jax.Array, ""]:
+        data, temperature = gates
+        return soft_count_scaled(data, extrinsics, matcher, temperature)
 
-
-@jax.jit
-@forward_gradient
-def _soft_count(gates: _Gates, extrinsics: Float[jax.Array, "6"]) -> Float[jax.Array, ""]:
-    return soft_count_scaled(gates.data, extrinsics, gates.matcher, gates.temperature)
+    return jax.jit(forward_gradient(soft))
 
 
 def soft_count_scaled(
-    data: ScoringData, extrinsics: Extrinsics, matcher: AbstractMatcher, temperature: float | Float[AnyArray, ""]
+    data: ScoringData,
+    extrinsics: Extrinsics,
+    matcher: AbstractMatcher,
+    temperature: float | Float[AnyArray, ""] = _TEMPERATURE,
 ) -> Float[jax.Array, ""]:
     """`soft_count`, not compiled by itself and without its rule for derivatives, with a matcher whose disparity range
     is at the scale of `data`."""

@@ -220,7 +220,7 @@ def _stereo_objective() -> tuple[Objective, Float[np.ndarray, "n"]]:
     scene = render("harbour", 3, rig=true)
     offset = count_chart(true, _REACH).extrinsics(_TRUTH) - true.extrinsics
     drifted = true.with_extrinsics(true.extrinsics - offset)
-    truth = np.asarray(count_chart(drifted, _REACH).coordinates(true.extrinsics))
+    truth = count_chart(drifted, _REACH).coordinates_of(true)
     return objective(drifted, scene.pairs, matcher=SAD(num_disparities=32, block_size=7), reach=_REACH), truth
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import stereorecal as sr
 from stereorecal.comparison import compare
-from stereorecal.objectives import Parameters, reach_chart, rig_count_objective
+from stereorecal.objectives import Parameters, count_chart, count_objective
 from stereorecal.scoring import pyramid
 from stereorecal.scoring.host import score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
@@ -55,8 +55,8 @@ def test_extrinsics_must_be_free(scene):
 def test_the_count_of_a_point_is_that_of_its_rig(scene):
     """The count is that of the whole rig, its lenses too."""
     rig, pairs, matcher = scene().rig, scene().pairs, SMALL["matcher"]
-    chart = reach_chart(rig, sr.Reach(), Parameters(BOTH))
-    asked = rig_count_objective(pyramid(rig, pairs), matcher, chart)
+    chart = count_chart(rig, sr.Reach(), Parameters(BOTH))
+    asked = count_objective(pyramid(rig, pairs), matcher, chart)
     bent = np.zeros(15)
     bent[[0, 8, -3]] = 0.05, 0.9, 0.8
     for z in (np.zeros(15), bent):

@@ -1,11 +1,13 @@
 """Whatever a strategy does becomes a row; no table is lost."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from parts_of_repairs import _trial
 
 from stereorecal.comparison import compare_scenes
+from stereorecal.geometry import StereoRig
 from stereorecal.matching import SAD
+from stereorecal.objectives import Parameters
 from stereorecal.recalibration import recalibrate_case
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import AbstractStrategy, Budget, Need, Outcome, Status
@@ -28,6 +30,20 @@ class Inside(AbstractStrategy):
         objective.charge(150.0, start)
         objective.charge(200.0, start + 0.5)
         return Outcome(start, Status.CONVERGED)
+
+
+@dataclass(frozen=True)
+class Knows(AbstractStrategy):
+    """Nominates the truth, which it may evaluate."""
+
+    truth: StereoRig = field(compare=False)
+    asks: bool
+
+    def run(self, objective, start, seed):
+        best = objective.images.chart.coordinates_of(self.truth)
+        if self.asks:
+            objective.value(best)
+        return Outcome(best, Status.CONVERGED)
 
 
 class Needy(Idle):
@@ -84,6 +100,14 @@ def test_points_declared_without_a_value_are_valued_for_the_marks(scene):
     assert inside.score_at["1000"] != inside.score_at["300"]
     medians = {row.strategy: row.score_at_median for row in table.summary}
     assert medians["inside"] == inside.score_at
+
+
+def test_a_point_nominated_without_a_value_is_valued_in_the_box_of_the_stage(scene):
+    """Which is that of the priors, where some are given."""
+    given, free = scene(), Parameters(priors={"yaw": 0.2})
+    both = {"asks": Knows(given.rig, asks=True), "only nominates": Knows(given.rig, asks=False)}
+    asks, nominates = compare_scenes([given], strategies=both, free=free, **(SMALL | {"draws": 1, "scale": 1.0})).trials
+    assert nominates.score_at["100"] == asks.score_at["100"] > asks.score_initial
 
 
 def test_a_broken_installed_strategy_fails_and_the_others_live(scene, install):

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from simulated_tracks import AHEAD, REST, tracks_of
 
 from stereorecal.decision import COSTS, LIMITS, Criterion, Tolerances, Verdict, decide, decide_together
 from stereorecal.estimation import (
@@ -23,10 +24,8 @@ from stereorecal.estimation import (
     recentred_posterior,
 )
 from stereorecal.objectives import BASELINE, EXTRINSICS as AXES
-from stereorecal.scoring import Tracks
 
 AWAY = (5, 10, 30)
-MOTION = Windows((Tracks(np.zeros((2, 1, 2)), np.zeros((2, 1, 2))),))
 
 
 def of_truth(used, true) -> tuple[float, float]:
@@ -193,10 +192,17 @@ def test_it_is_repaired_if_it_passes_each_test(drifted, before, after, parts, fa
 
 
 @pytest.mark.parametrize("measured", ["motion", "ranges"])
-def test_parts_whose_rows_stay_aligned_do_where_something_else_tells_depth(drifted, rig, measured):
-    _, seen = drifted[0]
-    told = {"windows": MOTION} if measured == "motion" else {"matched_ranges": ranges_of(rig)}
+def test_parts_whose_rows_stay_aligned_do_where_something_else_tells_depth(drifted, measured):
+    """And not where a rig at rest was tracked, or ranges are of something else."""
+    true, seen = drifted[0]
+    estimated = seen.chart.rig_at(seen.theta)
+    if measured == "motion":
+        told, of_nothing = ({"windows": Windows((tracks_of(true, move),))} for move in (AHEAD, REST))
+    else:
+        ranges = ranges_of(estimated)
+        told, of_nothing = ({"matched_ranges": replace(ranges, metres=by * ranges.metres)} for by in (1.0, 3.0))
     assert said_of(seen, parts=(ALIGNED, ALIGNED), **told).verdict is Verdict.REPAIR
+    assert said_of(seen, parts=(ALIGNED, ALIGNED), **of_nothing).failed is Criterion.PREDICTS
     torn = replace(ALIGNED, after=0.5)
     assert said_of(seen, parts=(ALIGNED, torn), **told).failed is Criterion.PREDICTS
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import stereorecal as sr
-from stereorecal.estimation import estimate, points_of_view, readings
+from stereorecal.estimation import estimate
 
 DRIFT = np.array([0.3, 0.2, -0.4, 0.2, -0.3])
 COVERED = 3.5  # standard deviations
@@ -146,16 +146,6 @@ def found(rig, chart, prior, seen):
     return estimate(seen(rig, chart.rig_at(at(chart))), rig, prior)
 
 
-def test_row_errors_are_those_of_the_truth(rig, chart, found):
-    for distance, (middle, low, high) in found.row_error_px(np.zeros(chart.dim)).items():
-        true = chart.rig_at(at(chart))
-        rms = np.sqrt(np.mean(readings(rig, true, points_of_view(true, distance))[0] ** 2))
-        assert low < middle < high
-        assert middle == pytest.approx(rms, abs=0.1)
-    for middle, _, high in found.row_error_px(found.theta).values():
-        assert middle < high < 0.15
-
-
 @pytest.mark.parametrize("cells", [0, 20])
 def test_too_few_correspondences_leave_what_was_known(rig, seen, cells):
     """None, and none that make a group."""
@@ -176,13 +166,13 @@ def test_a_rig_that_reads_beyond_infinity_says_so(rig, chart, seen):
 
 def test_it_travels_lightly_and_says_the_same_there(chart, found):
     """With its prior and its rows, for parts that are left out there."""
-    expected = (found.intervals, found.with_free(chart.names[:5]), found.row_error_px(found.theta))
+    expected = (found.intervals, found.with_free(chart.names[:5]), found.depth_error_percent(found.theta))
     sent = pickle.dumps(found)
     assert len(sent) < 700_000
     there = pickle.loads(sent)
     np.testing.assert_array_equal(there.intervals, expected[0])
     np.testing.assert_allclose(there.with_free(chart.names[:5]), expected[1])
-    np.testing.assert_allclose(list(there.row_error_px(there.theta).values()), list(expected[2].values()))
+    np.testing.assert_allclose(list(there.depth_error_percent(there.theta).values()), list(expected[2].values()))
 
 
 @pytest.mark.parametrize("drift", [(1.5, 0.0, 0.0, 0.5, -1.0), (-2.5, 1.0, 2.0, 1.0, 2.0)])

@@ -41,7 +41,7 @@ def made(z=(0.1, -0.2, 0.05, 0.3, -0.1), seed=0, precision=4.0, prior=PRIOR, bud
 
 def flat(found, at, frames=FRAMES):
     """The arguments of `linear_residuals`, by the rows of all frames, or of the first."""
-    rows, jacobian = linearised(found, CHART, at)
+    rows, jacobian = (500.0 * part for part in linearised((found.left, found.right), found.projection, CHART, at))
     return at, rows[:frames].ravel(), jacobian[:, :frames].reshape(5, -1).T
 
 

@@ -92,7 +92,7 @@ def test_the_rig_at_a_point(z):
 def test_derivatives_of_the_rows(z, by, seed, projection):
     """Central differences along any direction of the box, intrinsics included, in views of all projections."""
     found, step = replace(seen(RIG, seed), projection=projection), 1e-4 * by
-    rows, slopes = linearised(found, CHART, z)
+    rows, slopes = (600.0 * part for part in linearised((found.left, found.right), projection, CHART, z))
     np.testing.assert_allclose(rows, differences_at(found, CHART, z), atol=1e-9)
     ends = [differences_at(found, CHART, z + step), differences_at(found, CHART, z - step)]
     np.testing.assert_allclose(np.tensordot(step, slopes, 1), (ends[0] - ends[1]) / 2, atol=1e-7)

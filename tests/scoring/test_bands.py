@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 import stereorecal as sr
 from stereorecal import InputError
 from stereorecal.geometry import view, with_unit_baseline
-from stereorecal.objectives import Parameters, Reach, reach_chart, rig_count_objective
+from stereorecal.objectives import Parameters, Reach, count_chart, count_objective
 from stereorecal.scoring import bands, prepare, pyramid
 from stereorecal.scoring.host import counts, rectify
 
@@ -71,6 +71,6 @@ def test_an_objective_adds_its_bands_up_and_costs_less(scene, prepared):
 @pytest.mark.parametrize("rows", [1.0, 0.4])
 def test_some_rows_cost_less_where_intrinsics_are_free_too(scene, rows):
     given_scene = scene("street", 0, (320, 240))
-    chart = reach_chart(given_scene.rig, Reach(), Parameters(("pitch", "left.f")))
-    found = rig_count_objective(pyramid(given_scene.rig, given_scene.pairs), SAD_48, chart, rows=rows)
+    chart = count_chart(given_scene.rig, Reach(), Parameters(("pitch", "left.f")))
+    found = count_objective(pyramid(given_scene.rig, given_scene.pairs), SAD_48, chart, rows=rows)
     assert found.cost == pytest.approx(1.0 if rows == 1.0 else 96 / 240)

@@ -5,12 +5,10 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 import pytest
 
 import stereorecal as sr
 from stereorecal.geometry import rectifying_maps, rectifying_rotations, rotation_from_euler, with_unit_baseline
-from stereorecal.objectives import Chart
 
 MATCHER = sr.SAD(num_disparities=16)
 HIGHEST = (jax.lax.Precision.HIGHEST,) * 2
@@ -46,17 +44,18 @@ def test_scores_and_their_gradients(scene, data):
 
 
 def test_maps_and_candidates(scene):
-    rig = scene(size=(80, 60)).rig
-    view = sr.geometry.view(rig)
+    given = scene(size=(80, 60))
+    rig, view = given.rig, sr.geometry.view(given.rig)
 
-    def mapped(z):
-        extrinsics = Chart(with_unit_baseline(rig.extrinsics), np.full(6, 0.01), tuple(range(6))).extrinsics(z)
+    def mapped(extrinsics):
         rotations = rectifying_rotations(rotation_from_euler(extrinsics[:3]), extrinsics[3:])
         return rectifying_maps(rig.left, rig.right, rotations, view)
 
-    found = list(products(jax.make_jaxpr(mapped)(jnp.zeros(6)).jaxpr))
-    assert len(found) > 5
-    assert {step.params["precision"] for step in found} == {HIGHEST}
+    candidates = sr.objective(rig, given.pairs, matcher=MATCHER).traced
+    for program, at in ((mapped, jnp.ones(6)), (candidates.count, jnp.zeros(5)), (candidates.soft_count, jnp.zeros(5))):
+        found = list(products(jax.make_jaxpr(program)(at).jaxpr))
+        assert len(found) >= 5
+        assert {step.params["precision"] for step in found} == {HIGHEST}
 
 
 def test_a_product_left_to_the_device_would_be_seen():

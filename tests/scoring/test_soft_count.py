@@ -11,16 +11,16 @@ from parts_of_estimates import _soft_area
 
 from stereorecal.matching import BM, SAD
 from stereorecal.objectives import Reach, objective
-from stereorecal.scoring import forward_gradient
+from stereorecal.scoring import count, forward_gradient, prepare, soft_count
 from stereorecal.strategies import Need, NeedNotMet, run_strategy
 
 REACH = Reach(1.0, 0.01)
 value = jax.jit(lambda score, z: score(z))
 
 
-def made(scene, kind="harbour", **options):
+def made(scene, kind="harbour"):
     given = scene(kind)
-    return objective(given.rig, given.pairs, matcher=SAD(num_disparities=48), reach=REACH, **options)
+    return objective(given.rig, given.pairs, matcher=SAD(num_disparities=48), reach=REACH)
 
 
 def softs(score, points) -> np.ndarray:
@@ -54,11 +54,10 @@ def test_its_rule_gives_what_jax_gives(mode):
 
 @pytest.mark.slow
 def test_it_tends_to_the_count_as_the_temperature_falls(scene):
-    hard = made(scene).value(np.zeros(5))
-    distance = [
-        abs(softs(made(scene, temperature=t).traced.soft_count, np.zeros((1, 5)))[0] - hard) / hard
-        for t in (0.3, 0.1, 0.03, 0.001)
-    ]
+    given, matcher = scene("harbour"), SAD(num_disparities=48)
+    data, truth = prepare(given.rig, given.pairs), given.rig.extrinsics
+    hard = int(count(data, truth, matcher))
+    distance = [abs(float(soft_count(data, truth, matcher, t)) - hard) / hard for t in (0.3, 0.1, 0.03, 0.001)]
     unrounded = 0.01  # the soft count sees images that are not rounded, so a distance remains
     assert all(later <= max(earlier, unrounded) for earlier, later in pairwise(distance))
     assert distance[0] > 0.05

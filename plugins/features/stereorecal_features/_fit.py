@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float
 from scipy.optimize import least_squares
 
 from stereorecal.geometry import euler_from_rotation, rotation_from_euler
-from stereorecal.objectives import Chart, StereoImages
+from stereorecal.objectives import RigChart, StereoImages
 from stereorecal.strategies import Objective, Outcome, Status
 from stereorecal_features._abstract_fit import AbstractFit
 from stereorecal_features._matches import Seen, seen_by_both
@@ -78,14 +78,14 @@ def _five_point_pose(
     return np.clip(chart.coordinates(extrinsics), -1.0, 1.0), agree.ravel() > 0
 
 
-def _refined(chart: Chart, left: Seen, right: Seen, start: Float[np.ndarray, "n"], loss_scale: float):
+def _refined(chart: RigChart, left: Seen, right: Seen, start: Float[np.ndarray, "n"], loss_scale: float):
     """SciPy's result of minimising the robust sum of squared Sampson errors over the box, from `start`."""
     return least_squares(
         lambda z: _sampson(chart, z, left, right), start, bounds=(-1, 1), loss="soft_l1", f_scale=loss_scale
     )
 
 
-def _sampson(chart: Chart, z: Float[np.ndarray, "n"], left: Seen, right: Seen) -> Float[np.ndarray, "m"]:
+def _sampson(chart: RigChart, z: Float[np.ndarray, "n"], left: Seen, right: Seen) -> Float[np.ndarray, "m"]:
     """The Sampson error of each match, in pixels: to first order, its distance from satisfying the epipolar constraint
     over both images."""
     extrinsics = np.asarray(chart.extrinsics(z))
