@@ -63,8 +63,10 @@ def solved_at(trial: Trial, thresholds: Thresholds) -> float:
         return float("inf")
     pitch, yaw, roll = np.array(trial.course["axes_deg"]).T
     inside = (np.maximum(pitch, roll) <= thresholds.pitch_roll_deg) & (yaw <= thresholds.yaw_deg)
-    if not inside[-1] or not trial.accepted:
-        return float("inf") if not inside[0] else 0.0
+    if not trial.accepted:
+        return 0.0 if inside[0] else float("inf")
+    if not inside[-1]:
+        return float("inf")
     outside = np.flatnonzero(~inside)
     return float(trial.course["cost"][outside[-1] + 1]) if outside.size else 0.0
 

@@ -223,10 +223,10 @@ class AbstractResult:
     def path(self) -> tuple[Waypoint, ...]:
         """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
         before = self.cost.survey + self.cost.starts - sum(stage.survey_cost for stage in self.stages)
-        path = path_of(self.initial, before, self.stages)
-        if self.estimate is None:
-            return path
-        return (*path[:-1], replace(path[-1], extrinsics=np.asarray(self.candidate.extrinsics)))
+        stages = self.stages
+        if self.estimate is not None:
+            stages = (*stages[:-1], replace(stages[-1], ended=self.candidate))
+        return path_of(self.initial, before, stages)
 
     @property
     def evaluations(self) -> int:

@@ -111,12 +111,8 @@ class Schedule:
         # From afar to a pixel of the next stage (at the default reach), on half of the rows: nearer, correspondences
         # know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
-        stages = (
-            Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            replace(HALF, frames=2),
-            Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST),
-        )
-        return Schedule("default", stages, survey=True)
+        coarse = Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5)
+        return Schedule("default", (coarse, *LOOK.stages), survey=True)
 
     @property
     def on_rows(self) -> tuple[Stage, ...]:
@@ -134,6 +130,14 @@ class Schedule:
         stages, any other in those on the count."""
         kind = ScoreKind.EPIPOLAR if strategy.needs is Need.RESIDUALS else ScoreKind.COUNT
         return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))
+
+
+# Of a look at the images, which needs no strategy.
+LOOK = Schedule(
+    "look",
+    (replace(HALF, frames=2), Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST)),
+    survey=True,
+)
 
 
 def watching_scale(size: tuple[int, int]) -> float:

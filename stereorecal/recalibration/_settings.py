@@ -13,7 +13,7 @@ from stereorecal.matching import AbstractMatcher, as_matcher, name_of
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
 from stereorecal.recalibration._expected import Distance, as_distances, distance_text
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._schedule import LOOK, Schedule, as_schedule
 from stereorecal.recordings import Odometer, Range
 from stereorecal.strategies import Budget, as_budget, origin_of
 
@@ -136,7 +136,7 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
 
     Args:
         options: by name.
-        names: that there are.
+        names: that there are; if a schedule is none of them, it is that of a look.
 
     Raises:
         TypeError: if there is no option of a name; it names the nearest one.
@@ -147,7 +147,8 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
             closest = get_close_matches(name, names, 1)
             meant = f"did you mean {closest[0]}?" if closest else f"there are: {', '.join(sorted(names))}."
             raise TypeError(f"there is no option {name!r}; {meant}")
-    found = Settings(**{field.name: field.metadata["read"](options.get(field.name)) for field in fields(Settings)})
+    given = options if "schedule" in names else {**options, "schedule": LOOK}
+    found = Settings(**{field.name: field.metadata["read"](given.get(field.name)) for field in fields(Settings)})
     return replace(found, free=with_ranges(found.free, found.ranges, found.odometer))
 
 

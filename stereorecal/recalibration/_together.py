@@ -158,7 +158,7 @@ class Member:
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
     """The joint estimate of recordings, without those that show another calibration: fitted, matched again, weighed;
-    and the decision on it. None, where those are too many to say which they are; `each` runs a task for each."""
+    and the decision on it. Empty, where those are too many to say which they are; `each` runs a task for each."""
     ranges = (NO_RANGES,) * len(recordings)
     if any(r.ranges for r in recordings):
         ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))

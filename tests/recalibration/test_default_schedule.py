@@ -111,6 +111,15 @@ def test_the_path_has_the_end_of_every_stage(searched):
     np.testing.assert_allclose(path[-2].cost + half.survey_cost, path[-1].cost - last.cost)
 
 
+def test_the_path_of_a_search_that_moves_nothing(searched):
+    began = searched.initial
+    still = [replace(stage, began=began, ended=began, path=()) for stage in searched.stages]
+    start, end = replace(searched, stages=tuple(still)).path
+    np.testing.assert_array_equal(start.extrinsics, began.extrinsics)
+    np.testing.assert_array_equal(end.extrinsics, searched.candidate.extrinsics)
+    assert end.cost == searched.path[-1].cost
+
+
 def test_the_same_again(harbour, repaired):
     again = repair(drifted(), harbour)
     np.testing.assert_array_equal(again.candidate.extrinsics, repaired.candidate.extrinsics)

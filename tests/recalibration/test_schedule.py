@@ -9,7 +9,7 @@ from moody import Crashing
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.recalibration import Schedule, Stage
+from stereorecal.recalibration import Schedule, Stage, as_settings
 from stereorecal.strategies import Need, strategy
 
 COMPASS = strategy("compass")
@@ -70,6 +70,9 @@ def test_default_without_its_plugins(nothing_installed):
     """One sentence that says what to install."""
     with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
         Schedule.default()
+    with pytest.raises(InputError, match="strategy compass is not installed"):
+        as_settings({})
+    assert as_settings({}, sr.HealthOptions.__optional_keys__).schedule.strategies == ()  # a look needs none
 
 
 @pytest.mark.parametrize(
