@@ -111,9 +111,9 @@ def assessed(
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
-    assessing = replace(cost, judging=cost.judging + matching_cost)
+    cost += Cost(judging=matching_cost)
     if conclusive and (disagree or seen.few or seen.by_chance):
-        return None, replace(assessing, judging=assessing.judging + 2.0 * case.images.at(1.0).cost)
+        return None, cost + Cost(judging=2.0 * case.images.at(1.0).cost)
     covered = seen.covered
     if not reason.healthy:  # a candidate that is refused may match by what it should not change
         covered = min(covered, _covered_at(case, run.began))
@@ -128,7 +128,7 @@ def assessed(
         candidate,
         reason,
         tiles,
-        assessing,
+        cost,
         began,
         excluded=excluded,
         intrinsics=intrinsics_of(estimated, decision.theta, shared, IntrinsicsOutcome.REFINED) if shared else None,
@@ -233,16 +233,10 @@ def solution_of(
         stages=stages,
         status=Status.CONVERGED,
         message="one look at the images was enough",
-        cost=Cost(
-            survey=cost.survey + sum(stage.survey_cost for stage in stages),
-            starts=cost.starts,
-            search=sum(stage.search_cost for stage in stages),
-            correspondences=sum(stage.matching_cost for stage in stages),
-            judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
-        ),
+        cost=sum((stage.cost for stage in stages), cost + Cost(judging=2 * whole.cost)),
         seconds=time.perf_counter() - began,
         settings=case.settings,
-        selected=case.selected,
+        selected=tuple(range(frames)) if case.selected is None else case.selected,
         left_out=() if disagree else names,
         disagreeing=names if disagree else (),
         ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),

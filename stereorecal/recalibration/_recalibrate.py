@@ -11,7 +11,7 @@ from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._assessment import assessed
-from stereorecal.recalibration._case import Case, selected_frames
+from stereorecal.recalibration._case import Case, chosen_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
@@ -41,6 +41,7 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     Raises:
         InputError: as `recalibrate`.
     """
+    settings = replace(settings, free=what_may_change(rig, settings))
     images, free = pyramid(rig, pairs, settings.view), settings.free
     free.check(rig)
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
@@ -49,16 +50,16 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     use = prior_use(settings.prior, rig, images.pairs, learns=learns)
     numbers = use.numbers
     if free.shared:
-        chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
-        numbers = tuple(numbers[number] for number in chosen)
+        chosen = chosen_frames([images.pairs[number] for number in numbers])
+        wanted = {id(pair) for pair in (*chosen, *(one.pair for one in ranges))}
+        numbers = tuple(number for number in numbers if id(images.pairs[number]) in wanted)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     measured = bool(ranges) or settings.odometer is not None
     known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
-    selected = numbers if free.shared or use.dropped else None
-    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
+    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, numbers)
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
@@ -78,10 +79,8 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
-    rig = checked_rig(rig)
-    began, settings = time.perf_counter(), as_settings(options)
-    settings = replace(settings, free=what_may_change(rig, settings))
-    return recalibrate_case(prepared(rig, pairs, settings), began)
+    began = time.perf_counter()
+    return recalibrate_case(prepared(checked_rig(rig), pairs, as_settings(options)), began)
 
 
 @one_blas_thread()
@@ -129,10 +128,8 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    settings = replace(settings, free=what_may_change(rig, settings))
-    case, start, cost = started(prepared(rig, pairs, settings, learns=False))
+    case, start, cost = started(prepared(checked_rig(rig), pairs, settings, learns=False))
     run, cost = run_look(case, settings.schedule.stages, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -103,6 +103,6 @@ def test_a_budget_that_ends_after_a_stage_on_fewer_frames(scene):
     options = {"matcher": sr.SAD(num_disparities=24), "schedule": replace(Schedule.default(), survey=False)}
     off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([2.2, 0.0, -2.2, 0.0, 0.0, 0.0]))
     climbed, *_ = sr.recalibrate(off, given.pairs, **options).stages
-    cut = sr.recalibrate(off, given.pairs, budget=climbed.cost + 2.5, **options)
+    cut = sr.recalibrate(off, given.pairs, budget=climbed.cost.budgeted + 2.5, **options)
     assert cut.reason is sr.recalibration.Reason.OUT_OF_BUDGET
     assert len(cut.found.weight) == 2
