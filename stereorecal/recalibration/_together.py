@@ -17,7 +17,6 @@ from stereorecal.estimation import (
     NEGLIGIBLE,
     NO_RANGES,
     NO_WINDOWS,
-    Earlier,
     Estimate,
     Fit,
     MatchedRanges,
@@ -190,10 +189,10 @@ def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[M
     for repair in (recording.repair for recording in recordings):
         prior = None if repair.prior_use is None else repair.prior_use.prior
         known = common
-        if known is None or isinstance(prior, SavedPrior | Earlier):
+        if known is None or isinstance(prior, SavedPrior):
             known = prior_of(prior, free, repair.initial, repair.settings.reach, ranges=ranges)
             known = as_prior(known, rig_parameters(repair.initial))
-        if not isinstance(prior, SavedPrior | Earlier):
+        if not isinstance(prior, SavedPrior):
             common = known
         found.append(known)
     return found
