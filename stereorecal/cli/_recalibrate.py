@@ -43,7 +43,8 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    settings = as_settings(library_options(options, RepairOptions.__optional_keys__))
+    how = library_options(options, RepairOptions.__optional_keys__)
+    settings = as_settings(how)
     check_extra(options, "html", "figures", "stereorecal.report.repair_page")
     check_extra(options, "rrd", "rerun", "stereorecal.report.repair_recording")
     with executor(options.executor) as pool:
@@ -59,7 +60,7 @@ def run(options: RecalibrateOptions) -> int:
         settings = replace(settings, free=what_it_holds(output, rigs[0], settings))
         scenes = found.scenes
         pairing = {"pairing": found.pairing} if found.pairing else {}
-        common = {**settings.options, "executor": pool}
+        common = how | {"prior": settings.prior, "free": settings.free, "executor": pool}
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, common)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
@@ -69,7 +70,7 @@ def run(options: RecalibrateOptions) -> int:
             about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
             steps = [partial(_show, repairs, options)]
             if options.json is not None:
-                told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
+                told = settings_as_json(options, settings, [*vars(settings), "stages", "pairs", "fix"]) | prior
                 content = _content(scenes, repairs, told, interrupted=interrupted)
                 steps.append(partial(write_json, content, options.json, force=options.force))
             if (first := repairs[0].solution) is not None:

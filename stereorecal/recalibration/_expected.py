@@ -167,8 +167,3 @@ def _distance(part: str | float) -> Distance:
     if not 0.0 < value < float("inf"):
         raise InputError(f"distances: {text!r} is none; give lengths, such as 2m or 50cm, or baselines, such as 30.")
     return value, unit or "B"
-
-
-def distance_text(distances: Sequence[Distance]) -> str:
-    """As they can be given again."""
-    return ",".join(f"{value:g}{unit}" for value, unit in distances)

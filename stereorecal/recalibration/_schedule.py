@@ -44,16 +44,8 @@ class Stage:
     rows: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.strategy is not None or self.score is ScoreKind.COUNT:
-            object.__setattr__(self, "strategy", as_strategy(self.strategy))
         if not 0.0 < self.scale <= 1.0:
             raise InputError(f"the scale {self.scale} makes no sense; give one within (0, 1].")
-        if self.rounds < 1:
-            raise InputError(f"{self.rounds} rounds make no sense; give at least 1.")
-        if self.pixels is not None and not 0 < self.pixels[0] <= self.pixels[1]:
-            raise InputError(f"pixels within {self.pixels} make no sense; give the least and the most, or None.")
-        if self.frames is not None and self.frames < 1:
-            raise InputError(f"{self.frames} frames make no sense; give at least 1, or None for all.")
 
     @property
     def solver(self) -> str:

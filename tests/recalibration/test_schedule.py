@@ -27,18 +27,10 @@ class Detector(Solver):
     needs = Need.IMAGES
 
 
-@pytest.mark.parametrize(
-    ("what", "values"),
-    [
-        ("scale", (0.0, -0.5, 1.001, np.nan, np.inf)),
-        ("rounds", (0, -1)),
-        ("pixels", ((0, 10), (-1, 10), (20, 10))),
-    ],
-)
-def test_what_makes_no_sense(what, values):
-    for value in values:
-        with pytest.raises(InputError, match=rf"{what} .*make(s)? no sense"):
-            Stage(COMPASS, **{what: value})
+@pytest.mark.parametrize("scale", [0.0, -0.5, 1.001, np.nan, np.inf])
+def test_a_scale_that_makes_no_sense(scale):
+    with pytest.raises(InputError, match=r"scale .*makes no sense"):
+        Schedule.count(COMPASS, scale)
 
 
 sizes = st.tuples(st.integers(16, 8000), st.integers(16, 8000))
