@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -57,9 +57,9 @@ class Comparison:
                 "versions": self.versions,
                 "settings": {**self.settings, "thresholds": THRESHOLDS},
                 "interrupted": self.interrupted,
-                "scenes": list(self.scenes),
-                "trials": [asdict(trial) for trial in self.trials],
-                "summary": list(self.summary),
+                "scenes": self.scenes,
+                "trials": self.trials,
+                "summary": self.summary,
             }
         )
 
@@ -79,7 +79,7 @@ class Comparison:
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.comparison_page import comparison_page
-        profile = [json_data(asdict(curve)) for curve in self.data_profile()]
+        profile = json_data(self.data_profile())
         pictures = pictures_of(self.trials, self.shown)
         write_text(path, comparison_page(self.as_dict(), profile, pictures), replace=overwrite)
 

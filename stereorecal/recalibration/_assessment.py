@@ -99,14 +99,12 @@ def assessed(
     free, reach = case.settings.free, case.settings.reach
     decision = decide(estimated, free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
+    used_frames = _used_frames(case, excluded, disagree)
     candidate = estimated.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
-    of_used = tiles[:, _used_frames(case, excluded, disagree)]
-    seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
+    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
     if sparse := is_sparse(seen.covered, 2.0 * seen.texture):
-        by_chance, chance_cost = _by_chance(
-            case, estimated.chart, decision.theta, _used_frames(case, excluded, disagree)
-        )
+        by_chance, chance_cost = _by_chance(case, estimated.chart, decision.theta, used_frames)
         seen, matching_cost = replace(seen, by_chance=by_chance), matching_cost + chance_cost
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -76,7 +76,7 @@ class Solution(AbstractResult):
                 "covered": self.covered,
                 "score_before": _score(self.score_before),
                 "score_after": _score(self.score_after),
-                "row_error_px": rows and asdict(rows),
+                "row_error_px": rows,
                 "extrinsics": {
                     "before": _extrinsics(self.initial),
                     "candidate": _extrinsics(self.candidate),
@@ -110,7 +110,7 @@ class Solution(AbstractResult):
                 "evaluations": self.evaluations,
                 "cost": self.cost.budgeted,
                 "cost_total": self.cost.total,
-                "cost_of": asdict(self.cost),
+                "cost_of": self.cost,
                 "seconds": self.seconds,
             }
         )
