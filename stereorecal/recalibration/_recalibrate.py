@@ -68,8 +68,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
     Args:
         rig: the calibration to start from.
         pairs: one or several frames, used jointly; a pair may be a tuple of two arrays.
-        options: those of `RepairOptions`, by name: `matcher, schedule, reach, budget, view, seed, free, ranges, prior,
-            motion, tolerances, distances, odometer`.
+        options: those of `RepairOptions`, by name.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
@@ -85,10 +84,8 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
 
 @one_blas_thread()
 def recalibrate_case(case: Case, began: float | None = None) -> Solution:
-    """The repair of what is prepared.
-
-    It looks before it searches, as `health` does, from the start that the survey found; where that look settles, and
-    sees what a search would see, it is the answer.
+    """The repair of what is prepared: a look, as `health` has it, and a search where that does not settle, or would see
+    more.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -119,8 +116,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     `recalibrate` begins with the same look, and searches where it does not settle.
 
     Args:
-        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
-            saved prior rests on count, for nothing is learnt here.
+        options: those of `HealthOptions`, by name. Pairs that a saved prior rests on count, for nothing is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the

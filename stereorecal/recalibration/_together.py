@@ -1,7 +1,5 @@
-"""The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline.
-
-From repairs of each to one estimate of those that show one calibration: recordings are fitted by themselves, in
-workers, and beside the others, matched again and solved again; then one decision is taken for all.
+"""The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline: one
+estimate of those that show one calibration, and one decision.
 """
 
 from collections.abc import Callable, Sequence

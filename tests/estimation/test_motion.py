@@ -233,13 +233,6 @@ def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
         np.testing.assert_array_equal(told[0][1].a, expected[0][1].a)
 
 
-def test_windows_keep_their_ways_where_frames_are_left_out(chart):
-    true = chart.rig_at(np.zeros(chart.dim))
-    three = Windows(windows(true, 3).tracks, ((0, 1), (1, 2), (3, 4)), (1.0,) * 3, ((1.0, 0.1), None, (2.0, 0.1)))
-    assert three.numbered((0, 1, 3, 4)).ways == ((1.0, 0.1), (2.0, 0.1))
-    assert three.numbered((3, 4)).frames == ((0, 1),)
-
-
 def test_rolling_shutters_whose_readout_is_known(rig, chart):
     """While a third of the time between two pairs passes from the first row to the last: as if all came at once."""
     tracks = rolling_tracks(rig, 0.3, noise=0.0)
