@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from types import ModuleType
 from typing import Any, TypeVar
 
@@ -111,7 +111,10 @@ def group_medians(
 
 
 def json_data(value: Any) -> Any:
-    """`value` with lists for tuples and arrays, text for keys, and None for numbers that are not finite."""
+    """`value` with lists for tuples and arrays, dictionaries for dataclasses, text for keys, and None for numbers that
+    are not finite."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {one.name: json_data(getattr(value, one.name)) for one in fields(value)}
     if isinstance(value, dict):
         return {str(key): json_data(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -42,7 +42,10 @@ from stereorecal.recalibration._motion_windows import (
 from stereorecal.recalibration._prior_use import fingerprint as fingerprint, prior_use as prior_use
 from stereorecal.recalibration._recalibrate import prepared as prepared
 from stereorecal.recalibration._repair_report import conclusion_of as conclusion_of, report_of as report_of
-from stereorecal.recalibration._row_residuals import Cause as Cause, RowResiduals as RowResiduals, misfit as misfit
+from stereorecal.recalibration._row_residuals import (
+    Misfit as Misfit,
+    row_errors_and_misfit as row_errors_and_misfit,
+)
 from stereorecal.recalibration._search import run_schedule as run_schedule
 from stereorecal.recalibration._stages import started as started
 from stereorecal.recalibration._uncertainty import uncertainty as uncertainty

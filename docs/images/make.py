@@ -176,7 +176,7 @@ def misfit() -> None:
         shown = where.imshow(regions, cmap="coolwarm", vmin=-1, vmax=1, extent=(0, 8, 6, 0), alpha=0.7)
         where.set_title(f"{title}\n{solution.reason.name}, {solution.misfit.rms:.2f} px")
         where.set_axis_off()
-        print(title, solution.reason.name, solution.misfit.cause.name)
+        print(title, solution.reason.name)
     assert shown is not None
     figure.colorbar(shown, ax=axes, label="row difference of a region, px")
     save(figure, HERE / "misfit.png")

@@ -31,7 +31,6 @@ from stereorecal.recalibration import (
     as_settings,
     recalibrate_many,
     saved_with,
-    sharing,
 )
 from stereorecal.recordings import Scene
 from stereorecal.report.number_text import short_list
@@ -42,12 +41,13 @@ _CODES = {Fault.INTERRUPTED: INTERRUPTED, Fault.INSIDE: FAILURE, Fault.INPUT: BA
 
 def run(options: RecalibrateOptions) -> int:
     """Repair, save, print; returns the exit code."""
-    settings = as_settings(library_options(options, RepairOptions.__optional_keys__))
+    how = library_options(options, RepairOptions.__optional_keys__)
+    settings = as_settings(how)
     check_extra(options, "html", "figures", "stereorecal.report.repair_page")
     check_extra(options, "rrd", "rerun", "stereorecal.report.repair_recording")
     with executor(options.executor) as pool:
         with files_read() as read:
-            # Ranges name pairs of the whole recording: it is cut down once they are found.
+            # Ranges name pairs of the whole recording.
             few = settings.free.everything or bool(settings.free.shared)
             found = recordings(options, few=few and not settings.ranges)
             rigs = [rig_of(scene) for scene in found.scenes]
@@ -56,11 +56,9 @@ def run(options: RecalibrateOptions) -> int:
         priors = [] if options.prior else [saved_with(rig)[0] for rig in rigs]
         output = output_of(options, rigs[0], settings.free.names, read)
         settings = replace(settings, free=what_it_holds(output, rigs[0], settings))
-        scenes, ranges = sharing(found.scenes, settings.free, settings.ranges, settings.schedule)
-        found.leave_out(found.scenes[0].pairs, scenes[0].pairs, "others show more texture")
-        found.scenes.clear()  # with pairs that are not looked at
+        scenes = found.scenes
         pairing = {"pairing": found.pairing} if found.pairing else {}
-        common = {**settings.options, "ranges": ranges, "executor": pool}
+        common = how | {"prior": settings.prior, "free": settings.free, "executor": pool}
         with progress_bar(options.quiet) as progress:
             repairs, interrupted = _recalibrated_all(scenes, progress, common)
         # Before the workers are waited for: a second Ctrl-C must find everything saved.
@@ -70,7 +68,7 @@ def run(options: RecalibrateOptions) -> int:
             about = {"settings": {**_page_settings(options, settings), **prior, **pairing}, "absent": found.absent}
             steps = [partial(_show, repairs, options)]
             if options.json is not None:
-                told = settings_as_json(options, settings, [*settings.options, "stages", "pairs", "fix"]) | prior
+                told = settings_as_json(options, settings, [*vars(settings), "stages", "pairs", "fix"]) | prior
                 rows = [_row(scene, repair) for scene, repair in zip(scenes, repairs, strict=True)]
                 content = run_as_json(SCHEMA, told, interrupted=interrupted, repairs=rows)
                 steps.append(partial(write_json, content, options.json, force=options.force))

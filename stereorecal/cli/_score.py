@@ -29,7 +29,7 @@ CODES = {  # the first that occurs
 def run(options: ScoreOptions) -> int:
     """Check, save, print; returns the exit code."""
     how = library_options(options, HealthOptions.__optional_keys__)
-    settings = as_settings(how)
+    settings = as_settings(how, HealthOptions.__optional_keys__)
     with files_read() as read:
         scenes = recordings(options).scenes
     refuse_replacing_inputs(options.places, {*read, *options.image_inputs})

@@ -8,10 +8,11 @@ from stereorecal.comparison._compare import (
 )
 from stereorecal.comparison._comparison import Comparison as Comparison
 from stereorecal.comparison._entrants import load_strategies as load_strategies
-from stereorecal.comparison._summary import Summary as Summary, Thresholds as Thresholds, summarise as summarise
+from stereorecal.comparison._summary import summarise as summarise
 from stereorecal.comparison._trial import (
     DISTANCES as DISTANCES,
     FAILED as FAILED,
+    THRESHOLDS as THRESHOLDS,
     Trial as Trial,
     errors_by_truth as errors_by_truth,
     is_harmful as is_harmful,

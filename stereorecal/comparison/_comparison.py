@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,8 @@ import numpy as np
 from stereorecal._arrays import json_data
 from stereorecal._errors import extra
 from stereorecal.comparison._profiles import Curve, curves
-from stereorecal.comparison._summary import Summary, Thresholds, succeeded, summarise
-from stereorecal.comparison._trial import JudgedScene, Trial
+from stereorecal.comparison._summary import succeeded, summarise
+from stereorecal.comparison._trial import THRESHOLDS, JudgedScene, Trial
 from stereorecal.io import write_json, write_text
 from stereorecal.report.disparity_map import TrialPicture
 from stereorecal.scoring.host import disparity
@@ -36,19 +36,18 @@ class Comparison:
     versions: dict[str, str]
     scenes: tuple[dict[str, Any], ...]
     trials: tuple[Trial, ...]
-    thresholds: Thresholds = field(default_factory=Thresholds)
     interrupted: bool = False
     shown: Mapping[str, JudgedScene] = field(default_factory=dict, repr=False, compare=False)
 
     @property
-    def summary(self) -> tuple[Summary, ...]:
+    def summary(self) -> tuple[dict[str, Any], ...]:
         """Medians and success rates by scene, strategy, matcher and schedule."""
-        return summarise(self.trials, self.thresholds)
+        return summarise(self.trials)
 
     def data_profile(self) -> tuple[Curve, ...]:
         """Curves of each scene, strategy and schedule, over units spent: the share of trials that are solved (a data
         profile, Moré & Wild 2009), and quartiles of the rotation error and of the best score."""
-        return curves(self.trials, self.thresholds)
+        return curves(self.trials)
 
     def as_dict(self) -> dict[str, Any]:
         """The content of the JSON file; a missing or non-finite number is None."""
@@ -56,11 +55,11 @@ class Comparison:
             {
                 "schema": SCHEMA,
                 "versions": self.versions,
-                "settings": {**self.settings, "thresholds": asdict(self.thresholds)},
+                "settings": {**self.settings, "thresholds": THRESHOLDS},
                 "interrupted": self.interrupted,
-                "scenes": list(self.scenes),
-                "trials": [asdict(trial) for trial in self.trials],
-                "summary": [asdict(summary) for summary in self.summary],
+                "scenes": self.scenes,
+                "trials": self.trials,
+                "summary": self.summary,
             }
         )
 
@@ -80,24 +79,22 @@ class Comparison:
         """
         with extra("figures", "an HTML page"):
             from stereorecal.report.comparison_page import comparison_page
-        profile = [json_data(asdict(curve)) for curve in self.data_profile()]
-        pictures = pictures_of(self.trials, self.shown, self.thresholds)
+        profile = json_data(self.data_profile())
+        pictures = pictures_of(self.trials, self.shown)
         write_text(path, comparison_page(self.as_dict(), profile, pictures), replace=overwrite)
 
 
-def pictures_of(
-    trials: Sequence[Trial], scenes: Mapping[str, JudgedScene], thresholds: Thresholds
-) -> tuple[TrialPicture, ...]:
+def pictures_of(trials: Sequence[Trial], scenes: Mapping[str, JudgedScene]) -> tuple[TrialPicture, ...]:
     """Disparities before and after, of the best, the median and the worst trial of each scene (of one or two, where
     there are so few): those that succeeded first, as in the tables, and among them by r."""
     found = []
     for name, shown in scenes.items():
         finished = [trial for trial in trials if trial.scene == name and trial.ratio is not None and trial.extrinsics]
-        ranked = sorted(finished, key=lambda trial: (not succeeded(trial, thresholds), -(trial.ratio or 0.0)))
+        ranked = sorted(finished, key=lambda trial: (not succeeded(trial), -(trial.ratio or 0.0)))
         last = len(ranked) - 1
         places = {(last + 1) // 2: "median", last: "worst", 0: "best"} if ranked else {}  # of few, a later name holds
         for place, which in sorted(places.items()):
-            found.append(_picture(which, ranked[place], shown, succeeded(ranked[place], thresholds)))
+            found.append(_picture(which, ranked[place], shown, succeeded(ranked[place])))
     return tuple(found)
 
 

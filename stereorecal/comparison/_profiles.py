@@ -1,8 +1,5 @@
-"""What strategies reach for how much: data profiles, and quartiles over cost.
-
-J. J. Moré and S. M. Wild, Benchmarking derivative-free optimization algorithms, SIAM J. Optim. 20(1), 2009. Their test
-compares with the best value that any solver found; here the rig that is sought is known, and a trial is solved once its
-rotation lies, and stays, within the thresholds of a success.
+"""What strategies reach for how much: quartiles over cost, and data profiles as of J. J. Moré and S. M. Wild,
+Benchmarking derivative-free optimization algorithms, SIAM J. Optim. 20(1), 2009, but with the rig that is known.
 """
 
 from collections.abc import Sequence
@@ -11,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.comparison._summary import Thresholds
-from stereorecal.comparison._trial import SKIPPED, Trial
+from stereorecal.comparison._trial import SKIPPED, THRESHOLDS, Trial
 
 _POINTS = 60  # of a curve
 _LEAST = 1.0  # units over which curves are shown, if none was spent
@@ -39,7 +35,7 @@ class Curve:
     score: Float[np.ndarray, "3 m"] | None
 
 
-def curves(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Curve, ...]:
+def curves(trials: Sequence[Trial]) -> tuple[Curve, ...]:
     """A curve for each scene, strategy and schedule that has a finished trial; all of a scene over the same cost, and
     level where they have ended: from the start if nothing was spent."""
     groups: dict[tuple[str, str, str], list[Trial]] = {}
@@ -51,26 +47,28 @@ def curves(trials: Sequence[Trial], thresholds: Thresholds) -> tuple[Curve, ...]
         if trial.course is not None:
             ends[trial.scene] = max(ends.get(trial.scene, _LEAST), trial.course["cost"][-1], trial.cost or 0.0)
     return tuple(
-        _curve(key, group, np.linspace(0.0, ends[key[0]], _POINTS), thresholds)
+        _curve(key, group, np.linspace(0.0, ends[key[0]], _POINTS))
         for key, group in groups.items()
         if any(trial.course is not None for trial in group)
     )
 
 
-def solved_at(trial: Trial, thresholds: Thresholds) -> float:
+def solved_at(trial: Trial) -> float:
     """The units after which a trial's rotation lies, and stays, within the thresholds; infinite if it never does."""
     if trial.course is None:
         return float("inf")
     pitch, yaw, roll = np.array(trial.course["axes_deg"]).T
-    inside = (np.maximum(pitch, roll) <= thresholds.pitch_roll_deg) & (yaw <= thresholds.yaw_deg)
-    if not inside[-1] or not trial.accepted:
-        return float("inf") if not inside[0] else 0.0
+    inside = (np.maximum(pitch, roll) <= THRESHOLDS["pitch_roll_deg"]) & (yaw <= THRESHOLDS["yaw_deg"])
+    if not trial.accepted:
+        return 0.0 if inside[0] else float("inf")
+    if not inside[-1]:
+        return float("inf")
     outside = np.flatnonzero(~inside)
     return float(trial.course["cost"][outside[-1] + 1]) if outside.size else 0.0
 
 
-def _curve(key: tuple[str, str, str], trials: list[Trial], cost: np.ndarray, thresholds: Thresholds) -> Curve:
-    solved = np.array([solved_at(trial, thresholds) for trial in trials])
+def _curve(key: tuple[str, str, str], trials: list[Trial], cost: np.ndarray) -> Curve:
+    solved = np.array([solved_at(trial) for trial in trials])
     courses = [trial.course for trial in trials if trial.course is not None]
     scored = all(value is not None for course in courses for value in course["score"])
     return Curve(

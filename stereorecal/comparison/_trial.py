@@ -21,6 +21,15 @@ DISTANCES = (10, 30)  # baselines, at which depth is compared
 SCORE_AT = (100, 300, 1000)  # units, at which the best score is noted: spread evenly over a logarithmic axis
 SKIPPED, FAILED = "SKIPPED", "FAILED"  # the status of a trial that did not run, or crashed; else the name of a `Status`
 
+THRESHOLDS = {
+    "ratio": 0.98,  # of a success, at least
+    "pitch_roll_deg": 0.05,  # errors of a success, at most: half a row at a focal length of 600 pixels
+    "yaw_deg": 0.2,  # rows hardly show it
+    "flagged_ratio": 1.05,  # above it a wrong calibration may score higher than the right one
+    "harmful_rows_px": 0.05,  # by which the epipolar error may grow
+    "harmful_depth_percent": 1.0,  # points by which the |error| of depth at 30 baselines may grow
+}
+
 
 def errors_by_truth(start: StereoRig, final: StereoRig, truth: StereoRig, view: View) -> dict[str, Any]:
     """The errors of both rigs, under "start" and "final": "row_error_px", the median |epipolar error| over the view of
@@ -36,14 +45,16 @@ def errors_by_truth(start: StereoRig, final: StereoRig, truth: StereoRig, view: 
     }
 
 
-def is_harmful(errors: dict[str, Any], rows_px: float, depth_percent: float) -> bool:
-    """Whether rows are worse than at the start by more than `rows_px`, or |depth error| at 30 baselines has grown by
-    more than `depth_percent` points, or either was known before and is not any more."""
-    rows, depth = errors["row_error_px"], errors["depth_error_percent"]
-    before, after = (abs(depth[when]["30"]) for when in ("start", "final"))
-    worse_rows = rows["final"] > rows["start"] + rows_px or (np.isnan(rows["final"]) and not np.isnan(rows["start"]))
-    worse_depth = after > before + depth_percent or (np.isnan(after) and not np.isnan(before))
-    return bool(worse_rows or worse_depth)
+def is_harmful(rows_px: tuple[float, float], depth_percent: tuple[float, float] = (0.0, 0.0)) -> bool:
+    """Whether the epipolar error, before and after, grows by more than matters, or the |error| of depth at 30 baselines
+    does, or either was known before and is not any more."""
+    before, after = map(abs, depth_percent)
+    worse_depth = _grows(before, after, THRESHOLDS["harmful_depth_percent"])
+    return worse_depth or _grows(*rows_px, THRESHOLDS["harmful_rows_px"])
+
+
+def _grows(before: float, after: float, most: float) -> bool:
+    return bool(after > before + most or (np.isnan(after) and not np.isnan(before)))
 
 
 @dataclass(frozen=True)

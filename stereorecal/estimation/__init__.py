@@ -15,6 +15,7 @@ from stereorecal.estimation._calibration_prior import (
     calibration_prior as calibration_prior,
     exact_prior as exact_prior,
     physical_prior as physical_prior,
+    with_scaled_boards as with_scaled_boards,
 )
 from stereorecal.estimation._consequences import (
     Consequences as Consequences,
@@ -67,7 +68,6 @@ from stereorecal.estimation._prior_choice import (
     EXACT as EXACT,
     SAVED as SAVED,
     CalibrationCovariance as CalibrationCovariance,
-    Earlier as Earlier,
     Prior as Prior,
     SavedPrior as SavedPrior,
     as_prior as as_prior,

@@ -102,7 +102,7 @@ def estimate(
             where a rig is estimated again.
         start: θ to begin at; default 0.
         ranges: of what was seen; they tell the length of the baseline, too, which the prior must know
-            (`baseline_observable` of `as_prior`).
+            (`with_scaled_boards`).
         windows: tracks of consecutive pairs; they tell depth from the rig's own motion.
         view: in which rows and depth are judged; default the rig's own.
     """

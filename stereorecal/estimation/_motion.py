@@ -308,17 +308,6 @@ class Windows:
     seconds: tuple[float, ...] = ()
     ways: tuple[tuple[float, float] | None, ...] = ()
 
-    def numbered(self, used: Sequence[int]) -> "Windows":
-        """The windows of the frames that are used, which are numbered anew in that order."""
-        new = {frame: number for number, frame in enumerate(used)}
-        some = [number for number, frames in enumerate(self.frames) if all(frame in new for frame in frames)]
-        return Windows(
-            tuple(self.tracks[number] for number in some),
-            tuple((new[self.frames[number][0]], new[self.frames[number][1]]) for number in some),
-            tuple(self.seconds[number] for number in some),
-            tuple(self.ways[number] for number in some if self.ways),
-        )
-
     def linear_at(self, chart: RigChart, theta: Float[np.ndarray, "*w n"]) -> tuple[Window, ...]:
         """The window of each pair of pairs, linear near θ, or near one of its own."""
         each = zip(self.tracks, np.broadcast_to(theta, (len(self.tracks), chart.dim)), self.all_ways, strict=True)

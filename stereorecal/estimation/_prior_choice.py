@@ -15,14 +15,14 @@ from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.estimation._calibration_prior import calibration_prior, exact_prior, with_scaled_boards
+from stereorecal.estimation._calibration_prior import calibration_prior, exact_prior
 from stereorecal.estimation._evidence import Normal
 from stereorecal.estimation._mixture import Mixture
 from stereorecal.estimation._rig_parameters import DRIFTING, rig_parameters
 from stereorecal.geometry import StereoRig, rig_as_data, rig_from_data, same_rig
-from stereorecal.objectives import BASELINE, RigChart
+from stereorecal.objectives import RigChart
 
-SCHEMA = "stereorecal.prior/1"
+SCHEMA = "stereorecal.prior/2"
 _DAMAGED = "this is no prior that stereorecal has written, or it is damaged"
 _INSTEAD = 'copy it again, or go on without it: prior="default" (--prior default)'
 _YAW_UNKNOWN = 1.0  # degrees: what a repair that takes the intrinsics as exact may leave, which is all of depth
@@ -32,39 +32,29 @@ _NOT_POSITIVE = 1e-9  # of the largest eigenvalue of the correlations
 
 
 @dataclass(frozen=True, eq=False)
-class Earlier:
-    """What a repair began with.
-
-    Attributes:
-        rig: the calibration.
-        prior: "default", standard deviations by name, a mixture of θ around that rig, or None: nothing was known of its
-            depth.
-        images: fingerprints of the pairs that this prior rests on.
-    """
-
-    rig: StereoRig
-    prior: str | Mapping[str, Any] | Mixture | None
-    images: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
 class SavedPrior:
     """What is known of a rig after a repair, as `Solution.prior` and `load_prior` give it; `recalibrate` takes it as
     `prior=` with this very rig, and `sr.io.save_rig` writes it with the rig.
 
     Attributes:
         rig: the calibration to use, which is θ = 0.
-        known: of θ (n,), changes of all parameters, in the units of `CalibrationCovariance`; None: the rig was
-            repaired, and of its depth nothing is known.
+        known: of θ (n,), changes of all parameters, in the units of `CalibrationCovariance`; "default": what is known
+            of any calibration; None: the rig was repaired, and of its depth nothing is known.
         images: fingerprints of the pairs that this rests on; they do not count again.
         earlier: what the last repair began with, which stands in where only its own images are looked at again; None
             if that is not known.
     """
 
     rig: StereoRig
-    known: Mixture | None
+    known: Mixture | str | None
     images: tuple[str, ...] = ()
-    earlier: Earlier | None = None
+    earlier: "SavedPrior | None" = None
+
+    def counted_from(self, rig: StereoRig) -> "SavedPrior":
+        """The same, for another calibration of this rig."""
+        chart = rig_parameters(self.rig)
+        known = _known(self.known, chart)
+        return replace(self, rig=rig, known=replace(known, means=known.means - chart.coordinates_of(rig)))
 
     def check(self, rig: StereoRig) -> None:
         """Refuse another rig.
@@ -77,15 +67,15 @@ class SavedPrior:
 
     def as_dict(self) -> dict[str, Any]:
         """Lists, text and finite numbers, without any rounding."""
-        parameters, earlier = rig_parameters(self.rig).parameters, self.earlier
+        parameters, known = rig_parameters(self.rig).parameters, self.known
         return {
             "schema": SCHEMA,
             "rig": rig_as_data(self.rig),
             "names": [parameter.name for parameter in parameters],
             "units": [parameter.unit for parameter in parameters],
-            "components": self.known and self.known.as_data(),
+            "components": known.as_data() if isinstance(known, Mixture) else known,
             "images": list(self.images),
-            "earlier": earlier and _earlier_as_dict(earlier),
+            "earlier": self.earlier and self.earlier.as_dict(),
         }
 
     @staticmethod
@@ -99,45 +89,19 @@ class SavedPrior:
         if schema != SCHEMA:
             raise InputError(f"{_DAMAGED} (its schema is {schema!r:.60}, not {SCHEMA!r}); {_INSTEAD}.")
         try:
-            rig, found = rig_from_data(content["rig"]), content["earlier"]
-            names, components = rig_parameters(rig).names, content["components"]
+            rig, known, images = rig_from_data(content["rig"]), content["components"], content["images"]
+            names, earlier = rig_parameters(rig).names, content["earlier"]
             if tuple(content["names"]) != names:
                 raise InputError(f"it names other parameters than this version of stereorecal has; {_INSTEAD}.")
-            known = None if components is None else Mixture.from_data(components, len(names))
-            return SavedPrior(rig, known, _images(content), None if found is None else _earlier_from(found))
+            if known not in (None, DEFAULT):
+                known = Mixture.from_data(known, len(names))
+            if not isinstance(images, list) or not all(isinstance(one, str) for one in images):
+                raise ValueError("fingerprints that are none")
+            return SavedPrior(rig, known, tuple(images), None if earlier is None else SavedPrior.from_dict(earlier))
         except InputError as error:
             raise InputError(f"{_DAMAGED}: {error}") from None
         except (KeyError, TypeError, ValueError, AttributeError, np.linalg.LinAlgError):
             raise InputError(f"{_DAMAGED}; {_INSTEAD}.") from None
-
-
-def _earlier_as_dict(earlier: Earlier) -> dict[str, Any]:
-    prior: Any = earlier.prior
-    if isinstance(prior, Mixture):
-        prior = prior.as_data()
-    elif isinstance(prior, Mapping):
-        prior = dict(prior)
-    return {"rig": rig_as_data(earlier.rig), "prior": prior, "images": list(earlier.images)}
-
-
-def _earlier_from(content: dict[str, Any]) -> Earlier:
-    rig, prior = rig_from_data(content["rig"]), content["prior"]
-    names = rig_parameters(rig).names
-    if isinstance(prior, list):
-        prior = Mixture.from_data(prior, len(names))
-    elif isinstance(prior, dict):
-        if not all(name in names and float(sigma) > 0.0 for name, sigma in prior.items()):
-            raise ValueError("deviations that are none")
-    elif prior not in (None, "default"):
-        raise ValueError(prior)
-    return Earlier(rig, prior, _images(content))
-
-
-def _images(content: dict[str, Any]) -> tuple[str, ...]:
-    images = content["images"]
-    if not isinstance(images, list) or not all(isinstance(one, str) for one in images):
-        raise ValueError("fingerprints that are none")
-    return tuple(images)
 
 
 def recentred_posterior(posterior: Mixture, used: Float[np.ndarray, "n"]) -> Mixture:
@@ -218,34 +182,20 @@ class CalibrationCovariance:
         object.__setattr__(self, "mean", mean)
 
 
-Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Earlier | Mixture | None
+Prior = str | Mapping[str, float | np.number] | CalibrationCovariance | SavedPrior | Mixture | None
 
 
-def as_prior(prior: Prior, chart: RigChart, *, baseline_observable: bool = False) -> Mixture:
+def as_prior(prior: Prior, chart: RigChart) -> Mixture:
     """The prior itself, for the rig of a chart.
-
-    Args:
-        baseline_observable: something determines the length of the baseline; where the prior does not speak of it,
-            that may be as wrong as the sizes of boards are.
 
     Raises:
         InputError: as `check_prior`.
     """
-    found = _as_prior(prior, chart)
-    named = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
-    return with_scaled_boards(found, chart) if baseline_observable and BASELINE not in named else found
-
-
-def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
     check_prior(prior, chart)
     if isinstance(prior, Mixture):
         return prior
     if isinstance(prior, SavedPrior):
         return _known(prior.known, chart)
-    if isinstance(prior, Earlier):
-        original, before = rig_parameters(prior.rig), prior.prior
-        found = as_prior(before, original) if isinstance(before, str | Mapping) else _known(before, original)
-        return replace(found, means=found.means - original.coordinates_of(chart.rig))
     if prior is None or prior == DEFAULT:
         return calibration_prior(chart)
     if prior == SAVED:
@@ -260,14 +210,14 @@ def _as_prior(prior: Prior, chart: RigChart) -> Mixture:
     return with_deviations(calibration_prior(chart), chart, prior)
 
 
-def _known(known: Mixture | None, chart: RigChart) -> Mixture:
-    """A posterior as a prior; of a rig that was repaired, and nobody knows how well, that of a calibration with a yaw
-    that may be off by any amount that is left."""
-    if known is None:
-        loose, yaw = np.zeros((chart.dim, chart.dim)), DRIFTING.index("yaw")
-        loose[yaw, yaw] = _YAW_UNKNOWN**2
-        return calibration_prior(chart).beside(loose)
-    return known
+def _known(known: Mixture | str | None, chart: RigChart) -> Mixture:
+    """What was known of a rig as a prior; of one that was repaired, and nobody knows how well, that of a calibration
+    with a yaw that may be off by any amount that is left."""
+    if isinstance(known, Mixture):
+        return known
+    loose, yaw = np.zeros((chart.dim, chart.dim)), DRIFTING.index("yaw")
+    loose[yaw, yaw] = 0.0 if known == DEFAULT else _YAW_UNKNOWN**2
+    return calibration_prior(chart).beside(loose)
 
 
 def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
@@ -282,7 +232,7 @@ def check_prior(prior: Prior, chart: RigChart | None = None) -> None:
         raise InputError(
             f"the prior is of {prior.means.shape[1]} parameters, and the rig has {chart.dim}; make it for this rig."
         )
-    if prior is None or isinstance(prior, Mixture | SavedPrior | Earlier):
+    if prior is None or isinstance(prior, Mixture | SavedPrior):
         return
     if isinstance(prior, str):
         checked_choice(prior, [SAVED, DEFAULT, EXACT], "prior")

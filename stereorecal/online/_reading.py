@@ -109,11 +109,11 @@ class Reading:
                 "shifted": self.shifted,
                 "probability_better": self.decision.better,
                 "probability_worse": self.decision.worse,
-                "axes": {name: axis.as_dict() for name, axis in self.axes.items()},
+                "axes": dict(self.axes),
                 "row_error_px": self.row_error,
-                "rows_px": self.rows_px.as_dict(),
-                "depth_percent": {distance: error.as_dict() for distance, error in self.depth_percent.items()},
-                "delay_frames": self.delay.as_dict(),
+                "rows_px": self.rows_px,
+                "depth_percent": dict(self.depth_percent),
+                "delay_frames": self.delay,
             }
         )
 

@@ -20,7 +20,6 @@ from stereorecal.recalibration._many import (
     Fault as Fault,
     Repair as Repair,
     recalibrate_many as recalibrate_many,
-    sharing as sharing,
 )
 from stereorecal.recalibration._match_ranges import RangesSeen as RangesSeen
 from stereorecal.recalibration._mismatch import Cause as Cause, Mismatch as Mismatch, fixed as fixed

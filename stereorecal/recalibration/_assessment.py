@@ -99,21 +99,19 @@ def assessed(
     free, reach = case.settings.free, case.settings.reach
     decision = decide(estimated, free.names, case.settings.tolerances)
     used = found if disagree else without_frames_of(found, excluded)
+    used_frames = _used_frames(case, excluded, disagree)
     candidate = estimated.chart.rig_at(decision.theta)
     tiles = counts(case, candidate)
-    of_used = tiles[:, _used_frames(case, excluded, disagree)]
-    seen = with_candidate(shown, used, estimated, candidate, of_used, reach, frames_disagree=disagree)
+    seen = with_candidate(shown, used, estimated, candidate, tiles[:, used_frames], reach, frames_disagree=disagree)
     if sparse := is_sparse(seen.covered, 2.0 * seen.texture):
-        by_chance, chance_cost = _by_chance(
-            case, estimated.chart, decision.theta, _used_frames(case, excluded, disagree)
-        )
+        by_chance, chance_cost = _by_chance(case, estimated.chart, decision.theta, used_frames)
         seen, matching_cost = replace(seen, by_chance=by_chance), matching_cost + chance_cost
     reason = reason_of(decision, seen)
     if reason in (Reason.FRAMES_DISAGREE, Reason.NO_MATCHES):
         refuse_swapped_images(case.images, excluded if disagree else None)
-    assessing = replace(cost, judging=cost.judging + matching_cost)
+    cost += Cost(judging=matching_cost)
     if conclusive and (disagree or seen.few or seen.by_chance):
-        return None, replace(assessing, judging=assessing.judging + 2.0 * case.images.at(1.0).cost)
+        return None, cost + Cost(judging=2.0 * case.images.at(1.0).cost)
     covered = seen.covered
     if not reason.healthy:  # a candidate that is refused may match by what it should not change
         covered = min(covered, _covered_at(case, run.began))
@@ -128,7 +126,7 @@ def assessed(
         candidate,
         reason,
         tiles,
-        assessing,
+        cost,
         began,
         excluded=excluded,
         intrinsics=intrinsics_of(estimated, decision.theta, shared, IntrinsicsOutcome.REFINED) if shared else None,
@@ -233,16 +231,10 @@ def solution_of(
         stages=stages,
         status=Status.CONVERGED,
         message="one look at the images was enough",
-        cost=Cost(
-            survey=cost.survey + sum(stage.survey_cost for stage in stages),
-            starts=cost.starts,
-            search=sum(stage.search_cost for stage in stages),
-            correspondences=sum(stage.matching_cost for stage in stages),
-            judging=sum(stage.judging_cost for stage in stages) + cost.judging + 2 * whole.cost,
-        ),
+        cost=sum((stage.cost for stage in stages), cost + Cost(judging=2 * whole.cost)),
         seconds=time.perf_counter() - began,
         settings=case.settings,
-        selected=case.selected,
+        selected=tuple(range(frames)) if case.selected is None else case.selected,
         left_out=() if disagree else names,
         disagreeing=names if disagree else (),
         ranges=RangesSeen.of(len(case.ranges), matched_ranges, case.rig, candidate, reason),

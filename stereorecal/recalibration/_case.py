@@ -2,7 +2,7 @@
 looked at, and which of them follow each other."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, starmap
 
 from stereorecal.estimation import EXACT, Prior
@@ -24,30 +24,18 @@ def chosen_frames(pairs: Sequence[Pair], most: int = MOST_FRAMES) -> tuple[Pair,
     """The pairs to look at, at most so many, in order: of equal stretches, which are moments apart, the ones with the
     most texture; where pairs were taken soon after each other, of half as many, each with one a moment later: the rig's
     own motion tells depth."""
-    windows = most > 1 and any(starmap(_is_consecutive, pairwise(times_of(pairs))))
+    windows = most > 1 and any(starmap(soon_after, pairwise(times_of(pairs))))
     return select_frames(pairs, most, a_moment_after if windows else None)
 
 
-def soon_after(first: Pair, second: Pair) -> bool:
+def soon_after(first: float | None, second: float | None) -> bool:
     """Whether the times of two pairs say that one was taken soon after the other."""
-    return _is_consecutive(first.time, second.time)
+    return first is not None and second is not None and 0.0 < second - first <= _SOON
 
 
 def a_moment_after(first: Pair, second: Pair) -> bool:
     """The same, and not so soon that nothing has moved: of 30 pairs a second, the third after."""
-    return soon_after(first, second) and (second.time or 0.0) - (first.time or 0.0) >= _LEAST
-
-
-def _is_consecutive(first: float | None, second: float | None) -> bool:
-    return first is not None and second is not None and 0.0 < second - first <= _SOON
-
-
-def selected_frames(pairs: Sequence[Pair], ranges: Sequence[Range]) -> tuple[int, ...]:
-    """Numbers of the chosen frames, and of those that (resolved) ranges name; of what was chosen before, all."""
-    named = {id(one.pair) for one in ranges}
-    few = len(pairs) <= MOST_FRAMES + sum(id(pair) in named for pair in pairs)
-    wanted = {id(pair) for pair in (pairs if few else chosen_frames(pairs))} | named
-    return tuple(number for number, pair in enumerate(pairs) if id(pair) in wanted)
+    return soon_after(first.time, second.time) and (second.time or 0.0) - (first.time or 0.0) >= _LEAST
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +68,11 @@ class Case:
     def rig(self) -> StereoRig:
         """The initial calibration."""
         return self.images.rig
+
+    @property
+    def anew(self) -> "Case":
+        """The same, of which nothing is prepared yet: of many recordings that would fill the memory."""
+        return replace(self, images=Pyramid(self.rig, self.images.pairs, self.images.view))
 
     @property
     def chart(self) -> RigChart:

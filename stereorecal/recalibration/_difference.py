@@ -151,17 +151,21 @@ class Difference:
     @property
     def row_error_median(self) -> float:
         """Median |row difference| over the grid and both distances, in pixels; NaN if nothing is seen."""
-        return float(np.median(self._row_errors)) if self._row_errors.size else float("nan")
+        return self._row_error(0.5)
 
     @property
     def row_error_most(self) -> float:
         """90th percentile of |row difference|, in pixels; NaN if nothing is seen."""
-        return float(np.quantile(self._row_errors, _MOST)) if self._row_errors.size else float("nan")
+        return self._row_error(_MOST)
 
     @property
     def row_error_worst(self) -> float:
         """Largest |row difference|, in pixels; NaN if nothing is seen."""
-        return float(np.max(self._row_errors)) if self._row_errors.size else float("nan")
+        return self._row_error(1.0)
+
+    def _row_error(self, share: float) -> float:
+        errors = np.abs(self.row_differences[np.isfinite(self.row_differences)])
+        return float(np.quantile(errors, share)) if errors.size else float("nan")
 
     @property
     def depth_text(self) -> str:
@@ -172,10 +176,6 @@ class Difference:
             wrong = 0.01 * percent * metres
             said.append(f"{between(wrong, wrong)} ({change(percent, 'far')}) at {distance(metres)}")
         return ", ".join(said)
-
-    @property
-    def _row_errors(self) -> Float[np.ndarray, "m"]:
-        return np.abs(self.row_differences[np.isfinite(self.row_differences)])
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON; None for what is infinite or unknown."""
@@ -200,7 +200,7 @@ class Difference:
         angles = ", ".join(f"{name} {value:+z.3f}" for name, value in self.rotation_deg.items())
         shifts = ", ".join(f"{name} {value:+z.2f} %" for name, value in self.translation_percent.items())
         rows = "no point of the view is seen by both cameras"
-        if self._row_errors.size:
+        if not np.isnan(self.row_error_median):
             rows = (
                 f"error {self.row_error_median:.2f} px (median over the view), within {self.row_error_most:.2f} px in "
                 f"{100 * _MOST:.0f} % of it"

@@ -1,7 +1,7 @@
 """What those who use a calibration have to expect of it: the epipolar error over the view, and errors of depth."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
@@ -30,10 +30,6 @@ class Interval:
     value: float
     low: float
     high: float
-
-    def as_dict(self) -> dict[str, float]:
-        """Plain data for JSON."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +73,7 @@ class Expected:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        depth = {distance: error.as_dict() for distance, error in self.depth_percent.items()}
-        return json_data({"rows_px": self.rows_px, "depth_error_percent": depth})
+        return json_data({"rows_px": self.rows_px, "depth_error_percent": dict(self.depth_percent)})
 
 
 @dataclass(frozen=True)
@@ -105,7 +100,7 @@ class DepthError:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""
-        return json_data({"percent": self.percent.as_dict(), "metres": self.metres.as_dict()})
+        return json_data({"percent": self.percent, "metres": self.metres})
 
     @property
     def where(self) -> str:
@@ -167,8 +162,3 @@ def _distance(part: str | float) -> Distance:
     if not 0.0 < value < float("inf"):
         raise InputError(f"distances: {text!r} is none; give lengths, such as 2m or 50cm, or baselines, such as 30.")
     return value, unit or "B"
-
-
-def distance_text(distances: Sequence[Distance]) -> str:
-    """As they can be given again."""
-    return ",".join(f"{value:g}{unit}" for value, unit in distances)

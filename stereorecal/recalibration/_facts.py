@@ -12,7 +12,7 @@ from stereorecal.geometry import AXES, PINHOLE, intrinsic
 from stereorecal.objectives import BASELINE
 from stereorecal.recalibration._motion_windows import motion_text, odometer_text
 from stereorecal.recalibration._result import AbstractResult, DepthOutcome, depth_outcome
-from stereorecal.recalibration._row_residuals import WORTH_SAYING, Cause
+from stereorecal.recalibration._row_residuals import WORTH_SAYING
 from stereorecal.report.number_text import count, short_list
 from stereorecal.report.repair_report import Change
 
@@ -23,7 +23,8 @@ _NETWORKS = 2.0  # pixels: stereo networks ask for less (S2M2; Min et al. 2025)
 _AT = (0.5, 0.75, 1.0, 1.5, 2.0, 3.0)  # pixels; below, block matching finds as much, and SGM as much that is right
 _LOST = (0.0, 4.0, 11.0, 30.0, 45.0, 59.0)  # percent of the pixels of StereoBM
 _WRONG = (0.0, 1.0, 3.0, 9.0, 18.0, 37.0)  # percent of the pixels of StereoSGBM that are off by more than 2 px
-_SYSTEMATIC = 0.05  # pixels of radial misfit that regions share; right intrinsics leave 0.01
+_LATE = "the two images of a pair are not taken at the same time"
+_REGIONS = "regions differ in epipolar error: something moved between the two exposures, or the intrinsics do not fit"
 _EPIPOLAR_ERROR_LEFT = (
     "more epipolar error remains than good calibrations have: other intrinsics (were these images rectified already?), "
     "or something that moved"
@@ -152,11 +153,8 @@ def _misfit(solution: AbstractResult) -> Iterator[Fact]:
     misfit = solution.misfit
     if misfit is None:
         return
-    if misfit.cause is Cause.RADIAL and misfit.alike > _SYSTEMATIC:
-        text = f"the lens model does not fit; {misfit.alike:.2f} px of the epipolar error are systematic"
-        yield Fact("misfit", text, remark=True)
-    elif misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
-        text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {misfit.cause.value}"
+    if misfit.high > WORTH_SAYING or solution.reason is Reason.MISFIT:
+        text = f"a tenth of the regions are off by more than {misfit.high:.2f} px; {_LATE if misfit.late else _REGIONS}"
         whose = "" if solution.accepted else " (under the candidate, which was not taken)"
         yield Fact("misfit", f"{text}{whose}", remark=True)
 

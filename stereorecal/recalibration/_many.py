@@ -9,11 +9,11 @@ from typing import Any, Unpack
 
 from stereorecal._errors import InputError, PluginError
 from stereorecal._run_all import Progress, run_all
-from stereorecal.geometry import same_cameras
+from stereorecal.geometry import checked_rig, same_cameras
 from stereorecal.objectives import Parameters
-from stereorecal.recalibration._case import selected_frames
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import resolved_ranges
-from stereorecal.recalibration._recalibrate import recalibrate, what_may_change
+from stereorecal.recalibration._recalibrate import prepared, recalibrate_case, what_may_change
 from stereorecal.recalibration._schedule import Schedule, check_schedule
 from stereorecal.recalibration._settings import RepairOptions, Settings, as_settings
 from stereorecal.recalibration._solution import Solution
@@ -91,8 +91,9 @@ def recalibrate_many(
         raise InputError("there is nothing to repair; give at least one recording.")
     scenes = tuple(one if one.rig is None else replace(one, rig=one.rig.side_by_side()) for one in scenes)
     free = _shared_by(scenes, settings)
-    scenes, ranges = sharing(scenes, free, settings.ranges, settings.schedule)
-    tasks = [(scene, {**options, "ranges": _of_recording(scene, ranges)}) for scene in scenes]
+    _check_sharing(scenes, free, settings.schedule)
+    ranges = resolved_ranges(settings.ranges, [(scene.name, scene.pairs) for scene in scenes])
+    tasks = [_case_or_fault(scene, {**options, "ranges": _of_recording(scene, ranges)}) for scene in scenes]
     done: dict[int, Repair] = {}
     for index, found in run_all(_repaired_or_fault, tasks, executor):
         done[index] = found if isinstance(found, Repair) else _failed(scenes[index].name, found)
@@ -103,7 +104,7 @@ def recalibrate_many(
     repairs = tuple(done[index] for index in range(len(scenes)))
     if len(repairs) == 1:
         return repairs
-    return _repaired_together(scenes, repairs, free, ranges=ranges, executor=executor)
+    return _repaired_together(tasks, repairs, free, executor)
 
 
 def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
@@ -113,15 +114,8 @@ def _shared_by(scenes: Sequence[Scene], settings: Settings) -> Parameters:
     return what_may_change(rigs[0], settings) if len(rigs) > 1 and one else settings.free
 
 
-def sharing(
-    scenes: Sequence[Scene], free: Parameters, ranges: Sequence[Range], schedule: Schedule
-) -> tuple[tuple[Scene, ...], tuple[Range, ...]]:
-    """The recordings with the frames that are looked at, and the ranges with the pairs that they mean, checked before
-    any work is done.
-
-    Raises:
-        InputError: if they cannot share what is free, or a range belongs to no pair of them.
-    """
+def _check_sharing(scenes: Sequence[Scene], free: Parameters, schedule: Schedule) -> None:
+    """Refuse recordings that cannot share what is free, before any work is done."""
     rigs = [scene.rig for scene in scenes if scene.rig is not None]
     if free.shared and rigs:
         free.check(rigs[0])
@@ -132,46 +126,59 @@ def sharing(
                     "repair those of different rigs apart."
                 )
     check_schedule(schedule, free)
-    ranges = resolved_ranges(ranges, [(scene.name, scene.pairs) for scene in scenes])
-    if not free.shared:
-        return tuple(scenes), ranges
-    return tuple(
-        replace(scene, pairs=tuple(scene.pairs[number] for number in selected_frames(scene.pairs, ranges)))
-        for scene in scenes
-    ), ranges
+
+
+def _of_recording(scene: Scene, ranges: Sequence[Range]) -> tuple[Range, ...]:
+    """The ranges of its pairs."""
+    return tuple(one for one in ranges if any(one.pair is pair for pair in scene.pairs))
+
+
+def _case_or_fault(scene: Scene, options: Mapping[str, Any]) -> tuple[str, Case] | Repair:
+    """The name and the case of a recording: only what is looked at travels to a worker."""
+    try:
+        if scene.rig is None:
+            raise InputError("the scene has no calibration; give one to start from.")
+        return scene.name, prepared(checked_rig(scene.rig), scene.pairs, as_settings(options))
+    except Exception as error:
+        return _failed(scene.name, error)
+
+
+def _repaired_or_fault(task: tuple[str, Case] | Repair) -> Repair:
+    """The repair of one recording, in a worker: whatever goes wrong comes back as text, which always pickles."""
+    if isinstance(task, Repair):
+        return task
+    name, case = task
+    try:
+        return Repair(name, recalibrate_case(case.anew))
+    except Exception as error:
+        return _failed(name, error)
 
 
 def _repaired_together(
-    scenes: Sequence[Scene],
-    repairs: Sequence[Repair],
-    free: Parameters,
-    *,
-    ranges: Sequence[Range],
-    executor: Executor | None,
+    tasks: Sequence[tuple[str, Case] | Repair], repairs: Sequence[Repair], free: Parameters, executor: Executor | None
 ) -> tuple[Repair, ...]:
     """Finished repairs with what they share estimated together; those that failed stay as they are.
 
     Where the joint solution fails, the repairs stand, each with an error that says so.
     """
-    solved = [(index, repair.solution) for index, repair in enumerate(repairs) if repair.solution is not None]
-    if not solved or not free.shared:
-        return tuple(repairs)
 
-    def each(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Sequence[Any]:
-        done = dict(run_all(function, tasks, executor))
+    def each(function: Callable[..., Any], *arguments: Sequence[Any]) -> list[Any]:
+        calls = [(function, *several) for several in zip(*arguments, strict=True)]
+        done = dict(run_all(_called, calls, executor))
         for found in done.values():
             if isinstance(found, BaseException):
                 raise found
-        return [done[index] for index in range(len(tasks))]
+        return [done[index] for index in range(len(calls))]
 
-    recordings = []
-    for index, solution in solved:
-        pairs, some = scenes[index].pairs, solution.selected
-        pairs = tuple(pairs if some is None else (pairs[number] for number in some))
-        of_these = tuple(one for one in ranges if any(one.pair is pair for pair in pairs))
-        recordings.append(RepairedRecording(pairs, solution, of_these))
+    recordings = {
+        index: RepairedRecording(replace(task[1], matcher=repair.solution.matcher), repair.solution)
+        for index, (task, repair) in enumerate(zip(tasks, repairs, strict=True))
+        if repair.solution is not None and not isinstance(task, Repair)
+    }
+    if not recordings or not free.shared:
+        return tuple(repairs)
     try:
-        found = solve_jointly(recordings, free, each)
+        found = solve_jointly(list(recordings.values()), free, each)
     except Exception as error:
         failed = _failed("", error)
         message = f"the joint solution failed; the separate repairs are used: {failed.error}"
@@ -179,28 +186,13 @@ def _repaired_together(
             replace(r, error=r.error or message, fault=r.fault or failed.fault, traceback=failed.traceback)
             for r in repairs
         )
-    answers = list(repairs)
-    for (index, _), solution in zip(solved, found, strict=True):
-        answers[index] = replace(answers[index], solution=solution)
-    return tuple(answers)
+    joint = dict(zip(recordings, found, strict=True))
+    return tuple(replace(one, solution=joint.get(index, one.solution)) for index, one in enumerate(repairs))
 
 
-def _of_recording(scene: Scene, ranges: Sequence[Range]) -> tuple[Range, ...]:
-    """The ranges of its pairs, by their numbers: however a pair travels."""
-    numbers = {id(pair): number for number, pair in enumerate(scene.pairs)}
-    return tuple(replace(one, pair=numbers[id(one.pair)]) for one in ranges if id(one.pair) in numbers)
-
-
-def _repaired_or_fault(task: tuple[Scene, Mapping[str, Any]]) -> Repair:
-    """The repair of one recording with its options, in a worker: whatever goes wrong comes back as text, which always
-    pickles."""
-    scene, options = task
-    try:
-        if scene.rig is None:
-            raise InputError("the scene has no calibration; give one to start from.")
-        return Repair(scene.name, recalibrate(scene.rig, scene.pairs, **options))
-    except Exception as error:
-        return _failed(scene.name, error)
+def _called(call: tuple[Any, ...]) -> Any:
+    function, *arguments = call
+    return function(*arguments)
 
 
 def _failed(name: str, error: BaseException) -> Repair:

@@ -73,7 +73,7 @@ def _next(pairs: Sequence[Pair], at: int) -> int | None:
     for after in range(at + 1, len(pairs)):
         if a_moment_after(pairs[at], pairs[after]):
             return after
-        if not soon_after(pairs[at], pairs[after]):
+        if not soon_after(pairs[at].time, pairs[after].time):
             break
     return None
 

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from stereorecal.estimation import (
     DEFAULT,
     EXACT,
     SAVED,
-    Earlier,
+    CalibrationCovariance,
     Estimate,
     Prior,
     SavedPrior,
@@ -23,6 +23,7 @@ from stereorecal.estimation import (
     recentred_posterior,
     rig_parameters,
     with_deviations,
+    with_scaled_boards,
 )
 from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, EXTRINSICS, Parameters, Reach
@@ -39,7 +40,6 @@ class PriorUse:
         prior: that the estimate computes with.
         images: fingerprints of all pairs.
         numbers: of the pairs that count.
-        saved: what was saved with the calibration, or given as such.
         note: what else is to be said, or None.
         other_images: fingerprints of the pairs of other recordings that the same estimate rests on.
     """
@@ -48,7 +48,6 @@ class PriorUse:
     prior: Prior
     images: tuple[str, ...]
     numbers: tuple[int, ...]
-    saved: SavedPrior | None = None
     note: str | None = None
     other_images: tuple[str, ...] = ()
 
@@ -94,7 +93,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, learns: bo
             raise InputError(note or "no prior is saved with this calibration; leave prior= (--prior) out.")
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
-        return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every, prior)
+        return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every)
     return PriorUse(DEFAULT if prior == DEFAULT else "given", prior, images, every, note=note)
 
 
@@ -102,12 +101,12 @@ def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse
     """Pairs that a prior rests on do not count; where it rests on all of them, what was known before stands in."""
     numbers = _fresh(images, saved.images)
     if numbers or not images:
-        return PriorUse(SAVED, saved, images, numbers, saved)
-    before = saved.earlier
+        return PriorUse(SAVED, saved, images, numbers)
+    before = saved.earlier and saved.earlier.counted_from(saved.rig)
     numbers = () if before is None else _fresh(images, before.images)
     if not numbers:
         raise InputError("all of these pairs were used by earlier repairs of this rig; give others.")
-    return PriorUse("saved, without these pairs", before, images, numbers, saved)
+    return PriorUse("saved, without these pairs", before, images, numbers)
 
 
 def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:
@@ -124,26 +123,17 @@ def known_after(
         used: fingerprints of the pairs that it rests on.
         good: whether the rig to use is good; else the images do not fit any rig, and nothing is learnt from them.
     """
+    saved = use.prior if isinstance(use.prior, SavedPrior) else None
     rows_alone = estimated is None or is_exact(use.prior)
     if not good or (rows_alone and rig is initial):
-        return use.saved
+        return saved
     if estimated is None or rows_alone:
         return SavedPrior(rig, None)
-    before = _before(use, initial)
+    default = use.prior is None or isinstance(use.prior, str)
+    before = saved or SavedPrior(initial, DEFAULT if default else as_prior(use.prior, rig_parameters(initial)))
     images = (*before.images, *used, *use.other_images)
     known = recentred_posterior(estimated.posterior, estimated.chart.coordinates_of(rig))
-    return SavedPrior(rig, known, tuple(dict.fromkeys(images)), before)
-
-
-def _before(use: PriorUse, initial: StereoRig) -> Earlier:
-    prior = use.prior
-    if isinstance(prior, Earlier):
-        return prior
-    if isinstance(prior, SavedPrior):
-        return Earlier(initial, prior.known, prior.images)
-    if prior is None or isinstance(prior, str | Mapping):
-        return Earlier(initial, prior or DEFAULT)
-    return Earlier(initial, as_prior(prior, rig_parameters(initial)))
+    return SavedPrior(rig, known, tuple(dict.fromkeys(images)), replace(before, earlier=None))
 
 
 def saved_with(rig: StereoRig) -> tuple[SavedPrior | None, str | None]:
@@ -171,15 +161,18 @@ def fingerprint(pair: Pair) -> str:
 
 def prior_of(prior: Prior, free: Parameters, rig: StereoRig, reach: Reach, *, ranges: bool) -> Prior:
     """What is known of the calibration: the prior, with what `free` says of single parameters. Where all is exact, what
-    is free and no drift moves is as uncertain as `free` has it."""
+    is free and no drift moves is as uncertain as `free` has it. With ranges, where nobody says how long the baseline
+    is, it may be as wrong as the sizes of boards are: what was learnt without ranges does not tell."""
     sigmas = {name: sigma for name, sigma in free.priors.items() if name not in EXTRINSICS}
     if exact := is_exact(prior):
         sigmas = {one.name: one.sigma for one in free.of(rig, reach) if one.name in free.shared}
-    baseline_observable = ranges and not exact and BASELINE not in sigmas
-    if not sigmas and not baseline_observable:
+    named = prior.names if isinstance(prior, CalibrationCovariance) else prior if isinstance(prior, Mapping) else ()
+    widens = ranges and not exact and BASELINE not in (*sigmas, *named)
+    if not sigmas and not widens:
         return prior
     chart = rig_parameters(rig)
-    return with_deviations(as_prior(prior, chart, baseline_observable=baseline_observable), chart, sigmas)
+    known = as_prior(prior, chart)
+    return with_deviations(with_scaled_boards(known, chart) if widens else known, chart, sigmas)
 
 
 def load_prior(path: str | Path | Sequence[str | Path]) -> SavedPrior | None:

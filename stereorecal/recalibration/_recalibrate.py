@@ -11,7 +11,7 @@ from stereorecal.estimation import is_exact, one_blas_thread
 from stereorecal.geometry import StereoRig, checked_rig
 from stereorecal.objectives import Parameters
 from stereorecal.recalibration._assessment import assessed
-from stereorecal.recalibration._case import Case, selected_frames
+from stereorecal.recalibration._case import Case, chosen_frames
 from stereorecal.recalibration._match_ranges import resolved_ranges
 from stereorecal.recalibration._motion_windows import check_motion, check_odometer, following
 from stereorecal.recalibration._prior_use import prior_of, prior_use
@@ -41,6 +41,7 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     Raises:
         InputError: as `recalibrate`.
     """
+    settings = replace(settings, free=what_may_change(rig, settings))
     images, free = pyramid(rig, pairs, settings.view), settings.free
     free.check(rig)
     ranges = resolved_ranges(settings.ranges, [("", images.pairs)])
@@ -49,16 +50,16 @@ def prepared(rig: StereoRig, pairs: Pairs, settings: Settings, *, learns: bool =
     use = prior_use(settings.prior, rig, images.pairs, learns=learns)
     numbers = use.numbers
     if free.shared:
-        chosen = selected_frames([images.pairs[number] for number in numbers], ranges)
-        numbers = tuple(numbers[number] for number in chosen)
+        chosen = chosen_frames([images.pairs[number] for number in numbers])
+        wanted = {id(pair) for pair in (*chosen, *(one.pair for one in ranges))}
+        numbers = tuple(number for number in numbers if id(images.pairs[number]) in wanted)
     if len(numbers) < len(images.pairs):
         images = pyramid(rig, [images.pairs[number] for number in numbers], images.view)
     measured = bool(ranges) or settings.odometer is not None
     known = prior_of(use.prior, free, rig, settings.reach, ranges=measured)
     windows = following(images.pairs, numbers, settings.motion, known)
     check_odometer(settings.odometer, images.pairs, windows)
-    selected = numbers if free.shared or use.dropped else None
-    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, selected)
+    return Case(images, settings, settings.matcher, free.extrinsics, known, ranges, windows, use, numbers)
 
 
 def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) -> Solution:
@@ -67,8 +68,7 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
     Args:
         rig: the calibration to start from.
         pairs: one or several frames, used jointly; a pair may be a tuple of two arrays.
-        options: those of `RepairOptions`, by name: `matcher, schedule, reach, budget, view, seed, free, ranges, prior,
-            motion, tolerances, distances, odometer`.
+        options: those of `RepairOptions`, by name.
 
     Raises:
         InputError: if images and calibration do not fit, a strategy of the schedule is not installed, the prior makes
@@ -78,18 +78,14 @@ def recalibrate(rig: StereoRig, pairs: Pairs, **options: Unpack[RepairOptions]) 
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.recalibrate", "sr.count, sr.soft_count or sr.row_differences and an optimiser of yours", rig)
-    rig = checked_rig(rig)
-    began, settings = time.perf_counter(), as_settings(options)
-    settings = replace(settings, free=what_may_change(rig, settings))
-    return recalibrate_case(prepared(rig, pairs, settings), began)
+    began = time.perf_counter()
+    return recalibrate_case(prepared(checked_rig(rig), pairs, as_settings(options)), began)
 
 
 @one_blas_thread()
 def recalibrate_case(case: Case, began: float | None = None) -> Solution:
-    """The repair of what is prepared.
-
-    It looks before it searches, as `health` does, from the start that the survey found; where that look settles, and
-    sees what a search would see, it is the answer.
+    """The repair of what is prepared: a look, as `health` has it, and a search where that does not settle, or would see
+    more.
 
     Args:
         case: its strategies search all that is free in it, intrinsics too, which `recalibrate` leaves to the estimate;
@@ -120,8 +116,7 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
     `recalibrate` begins with the same look, and searches where it does not settle.
 
     Args:
-        options: those of `HealthOptions`, by name: `matcher, view, prior, motion, tolerances, distances`. Pairs that a
-            saved prior rests on count, for nothing is learnt here.
+        options: those of `HealthOptions`, by name. Pairs that a saved prior rests on count, for nothing is learnt here.
 
     Raises:
         InputError: if images and calibration do not fit, the images are no left and right image of this rig, the
@@ -129,11 +124,8 @@ def health(rig: StereoRig, pairs: Pairs, **options: Unpack[HealthOptions]) -> So
         TypeError: if there is no option of a name.
     """
     refuse_tracers("sr.health", "sr.correspondences and sr.row_differences", rig)
-    rig = checked_rig(rig)
     began, settings = time.perf_counter(), as_settings(options, HealthOptions.__optional_keys__)
-    look = replace(settings.schedule, stages=settings.schedule.on_rows)
-    settings = replace(settings, free=what_may_change(rig, settings), schedule=look)
-    case, start, cost = started(prepared(rig, pairs, settings, learns=False))
-    run, cost = run_look(case, look.stages, start, cost)
+    case, start, cost = started(prepared(checked_rig(rig), pairs, settings, learns=False))
+    run, cost = run_look(case, settings.schedule.stages, start, cost)
     found = solution_of_search(case, (run,), cost, began)
     return replace(found, searched=False, message="one look at the images, without a search")

@@ -97,15 +97,14 @@ def report_of(
     Raises:
         InputError: if the pairs are not those of the solution.
     """
-    numbers = solution.used if solution.selected is None else solution.selected
-    if not pairs or max(numbers, default=0) >= len(pairs):
+    if not pairs or max(solution.selected, default=0) >= len(pairs):
         raise InputError("these are not the pairs that were repaired; give the same, in the same order.")
-    matched = pairs if solution.selected is None else [pairs[number] for number in solution.selected]
+    matched = [pairs[number] for number in solution.selected]
     found, rows, frame = solution.found, None, 0
     telling = solution.reason not in SAYS_NOTHING
     if found is not None and found.found and telling:
         rows, frame = row_map(found, solution.initial, solution.candidate, solution.view)
-    pair = matched[solution.used[frame] if solution.used else 0]
+    pair = matched[frame]
     expected, depths = solution.expected, ", ".join(f"{error} at {error.where}" for error in solution.depth)
     rows_said = expected and f"epipolar error {expected.rows_px:.2f} px where the images show something"
     before, after = _sights(solution, pair)
@@ -191,8 +190,6 @@ def _frames(solution: AbstractResult, pairs: Sequence[Pair]) -> list[tuple[str, 
 
 def _not_matched(solution: AbstractResult, given: int) -> Iterator[tuple[str, str]]:
     """How many of the pairs that were given were not matched, and why."""
-    if solution.selected is None:
-        return
     dropped = 0 if solution.prior_use is None else solution.prior_use.dropped
     if dropped:
         yield f"{dropped} {'pair' if dropped == 1 else 'pairs'}", "used by an earlier repair"

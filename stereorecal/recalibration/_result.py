@@ -12,13 +12,13 @@ from stereorecal.decision import Criterion, Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
-from stereorecal.objectives import EXTRINSICS
+from stereorecal.objectives import EXTRINSICS, differences_at
 from stereorecal.recalibration._difference import Difference, difference
 from stereorecal.recalibration._expected import DepthError, Expected, reported_depths
 from stereorecal.recalibration._match_ranges import RangesSeen
 from stereorecal.recalibration._mismatch import Mismatch, doubts
 from stereorecal.recalibration._prior_use import PriorUse, known_after
-from stereorecal.recalibration._row_residuals import TILES_OF_A_FRAME, Misfit, RowErrors, misfit, row_residuals
+from stereorecal.recalibration._row_residuals import Misfit, RowErrors, row_errors_and_misfit
 from stereorecal.recalibration._settings import Settings
 from stereorecal.recalibration._stages import Cost, StageRun, Waypoint, last_matched, path_of
 from stereorecal.recalibration._uncertainty import Intrinsics, Uncertainty, uncertainty_of
@@ -62,6 +62,7 @@ class AbstractResult:
     reason: Reason
     score_before: Score
     score_after: Score
+    selected: tuple[int, ...]
     used: tuple[int, ...]
     shown: ImageQuality
     view: View
@@ -72,7 +73,6 @@ class AbstractResult:
     cost: Cost
     seconds: float
     settings: Settings
-    selected: tuple[int, ...] | None = None
     left_out: tuple[str, ...] = ()
     disagreeing: tuple[str, ...] = ()
     intrinsics: Intrinsics | None = None
@@ -210,8 +210,7 @@ class AbstractResult:
         """Fingerprints of the pairs that it rests on."""
         if self.prior_use is None:
             return ()
-        numbers = self.used if self.selected is None else (self.selected[number] for number in self.used)
-        return tuple(self.prior_use.images[number] for number in numbers)
+        return tuple(self.prior_use.images[self.selected[number]] for number in self.used)
 
     @property
     def trace(self) -> Trace | None:
@@ -222,11 +221,11 @@ class AbstractResult:
     @property
     def path(self) -> tuple[Waypoint, ...]:
         """Where the repair began, where each stage began and ended, and each new best of the stages on the count."""
-        before = self.cost.survey + self.cost.starts - sum(stage.survey_cost for stage in self.stages)
-        path = path_of(self.initial, before, self.stages)
-        if self.estimate is None:
-            return path
-        return (*path[:-1], replace(path[-1], extrinsics=np.asarray(self.candidate.extrinsics)))
+        before = self.cost.survey + self.cost.starts - sum(stage.cost.survey for stage in self.stages)
+        stages = self.stages
+        if self.estimate is not None:
+            stages = (*stages[:-1], replace(stages[-1], ended=self.candidate))
+        return path_of(self.initial, before, stages)
 
     @property
     def evaluations(self) -> int:
@@ -257,11 +256,14 @@ class AbstractResult:
     def _of_rows(self) -> tuple[RowErrors | None, Misfit | None]:
         """What row differences of the last correspondences show, whichever frames are kept; they themselves, a number
         for each pixel, are not kept."""
-        last = last_matched(self.stages)
-        if self.estimate is None or last is None or last.found is None:
+        estimate, found = self.estimate, self.found
+        if estimate is None or found is None:
             return None, None
-        residuals = row_residuals(self.estimate.chart, last.found, self.candidate)
-        return residuals.errors, misfit(residuals, late=self.estimate.is_late)
+        chart, valid = estimate.chart, np.asarray(found.weight) > 0
+        ends = np.zeros(chart.dim), chart.coordinates_of(self.candidate)
+        before, after = (differences_at(found, chart, at)[valid] / float(found.scale) for at in ends)
+        tile, independent = np.asarray(found.tile)[valid], float(found.independent)
+        return row_errors_and_misfit(before, after, tile, independent, late=estimate.is_late)
 
     @property
     def row_errors(self) -> RowErrors | None:
@@ -284,15 +286,10 @@ class AbstractResult:
 
     @property
     def found(self) -> Correspondences | None:
-        """The last correspondences, of the pairs that are kept; of fewer, if a budget ended in a stage that looks at
-        fewer."""
-        last, used = last_matched(self.stages), self.used
-        found = None if last is None else last.found
-        if found is None or len(used) >= len(found.weight):
-            return found
-        parts = {name: np.asarray(getattr(found, name))[list(used)] for name in ("left", "right", "weight")}
-        tile = np.asarray(found.tile)[list(used)] % TILES_OF_A_FRAME
-        return replace(found, **parts, tile=tile + TILES_OF_A_FRAME * np.arange(len(tile), dtype=np.int32)[:, None])
+        """The last correspondences, without weight in pairs that are left out; of fewer pairs, if a budget ended in a
+        stage that looks at fewer."""
+        last = last_matched(self.stages)
+        return None if last is None else last.found
 
     @property
     def difference(self) -> Difference:

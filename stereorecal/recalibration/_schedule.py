@@ -44,16 +44,8 @@ class Stage:
     rows: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.strategy is not None or self.score is ScoreKind.COUNT:
-            object.__setattr__(self, "strategy", as_strategy(self.strategy))
         if not 0.0 < self.scale <= 1.0:
             raise InputError(f"the scale {self.scale} makes no sense; give one within (0, 1].")
-        if self.rounds < 1:
-            raise InputError(f"{self.rounds} rounds make no sense; give at least 1.")
-        if self.pixels is not None and not 0 < self.pixels[0] <= self.pixels[1]:
-            raise InputError(f"pixels within {self.pixels} make no sense; give the least and the most, or None.")
-        if self.frames is not None and self.frames < 1:
-            raise InputError(f"{self.frames} frames make no sense; give at least 1, or None for all.")
 
     @property
     def solver(self) -> str:
@@ -111,12 +103,8 @@ class Schedule:
         # From afar to a pixel of the next stage (at the default reach), on half of the rows: nearer, correspondences
         # know better than the count.
         climb = named_strategy("compass", step=1.0 / 8.0, min_step=1.0 / 16.0)
-        stages = (
-            Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5),
-            replace(HALF, frames=2),
-            Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST),
-        )
-        return Schedule("default", stages, survey=True)
+        coarse = Stage(climb, 0.25, ScoreKind.COUNT, pixels=(16_000, 30_000), frames=2, rows=0.5)
+        return Schedule("default", (coarse, *LOOK.stages), survey=True)
 
     @property
     def on_rows(self) -> tuple[Stage, ...]:
@@ -134,6 +122,14 @@ class Schedule:
         stages, any other in those on the count."""
         kind = ScoreKind.EPIPOLAR if strategy.needs is Need.RESIDUALS else ScoreKind.COUNT
         return replace(self, stages=tuple(replace(s, strategy=strategy) if s.score is kind else s for s in self.stages))
+
+
+# Of a look at the images, which needs no strategy.
+LOOK = Schedule(
+    "look",
+    (replace(HALF, frames=2), Stage(None, 1.0, ScoreKind.EPIPOLAR, rounds=3, pixels=_FINEST)),
+    survey=True,
+)
 
 
 def watching_scale(size: tuple[int, int]) -> float:

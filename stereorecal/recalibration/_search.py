@@ -73,7 +73,7 @@ def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tupl
     schedule, measured = settings.schedule, settings.matcher.num_disparities is None
     widest, rig, stages = case, start, []
     for stage in schedule.stages:
-        budget_left = remaining(settings.budget, sum(done.cost for done in stages), began)
+        budget_left = remaining(settings.budget, sum(done.cost.budgeted for done in stages), began)
         if budget_left is None:
             break
         done = run_stage(case, stage, rig, budget_left, settings.seed)
@@ -82,7 +82,7 @@ def run_schedule(case: Case, start: StereoRig, began: float) -> tuple[Case, tupl
             epipolar = stage.score is ScoreKind.EPIPOLAR
             yaw_error = float(_YAW_ERROR_AFTER_EPIPOLAR if epipolar else np.radians(case.settings.reach.degrees))
             surveyed = survey(case.images, np.asarray(rig.extrinsics), yaw_error, aligned=True)
-            done = replace(done, survey_cost=surveyed.cost)
+            done = replace(done, cost=done.cost + Cost(survey=surveyed.cost))
             case = replace(case, matcher=surveyed.with_range(settings.matcher, yaw_error))
             # The decision matches under the initial rig too, which may need more disparities than the rig found.
             widest = max(widest, case, key=lambda c: c.matcher.num_disparities or 0)

@@ -1,7 +1,7 @@
 """The settings of a repair: what callers say by name, what a repair computes with, and how people read it."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from typing import Any, TypedDict
 
@@ -11,9 +11,9 @@ from stereorecal.estimation import Prior, check_prior
 from stereorecal.geometry import AnyView, checked_view_arguments
 from stereorecal.matching import AbstractMatcher, as_matcher, name_of
 from stereorecal.objectives import Parameters, Reach, as_parameters, as_reach
-from stereorecal.recalibration._expected import Distance, as_distances, distance_text
+from stereorecal.recalibration._expected import Distance, as_distances
 from stereorecal.recalibration._match_ranges import as_ranges, with_ranges
-from stereorecal.recalibration._schedule import Schedule, as_schedule
+from stereorecal.recalibration._schedule import LOOK, Schedule, as_schedule
 from stereorecal.recordings import Odometer, Range
 from stereorecal.strategies import Budget, as_budget, origin_of
 
@@ -78,27 +78,6 @@ class RepairOptions(HealthOptions, total=False):
     odometer: Odometer | None
 
 
-def _by(read: Callable[[Any], Any]) -> dict[str, Any]:
-    """The metadata of a field: what makes its value of the option of its name, or of None, and refuses what makes no
-    sense."""
-    return {"read": read}
-
-
-def _odometer(given: Any) -> Odometer | None:
-    if not isinstance(given, Odometer | None):
-        raise InputError(f"odometer is a {type(given).__name__}; give an sr.Odometer(times, metres).")
-    return given
-
-
-def _prior(given: Prior) -> Prior:
-    check_prior(given)
-    return given
-
-
-def _view(given: AnyView) -> AnyView:
-    return checked_view_arguments(given) if isinstance(given, Mapping) else given
-
-
 @dataclass(frozen=True, kw_only=True)
 class Settings:
     """What `RepairOptions` come to: values of one type each, checked, with their defaults.
@@ -110,25 +89,19 @@ class Settings:
         ranges, view, prior, motion, odometer: as they were given.
     """
 
-    prior: Prior = field(metadata=_by(_prior))
-    matcher: AbstractMatcher = field(metadata=_by(as_matcher))
-    schedule: Schedule = field(metadata=_by(as_schedule))
-    reach: Reach = field(metadata=_by(as_reach))
-    budget: Budget = field(metadata=_by(as_budget))
-    view: AnyView = field(metadata=_by(_view))
-    seed: int = field(metadata=_by(lambda seed: seed or 0))
-    free: Parameters = field(metadata=_by(as_parameters))
-    ranges: tuple[Range, ...] = field(metadata=_by(as_ranges))
-    motion: bool | None = field(metadata=_by(lambda motion: motion))
-    tolerances: Tolerances = field(metadata=_by(as_tolerances))
-    distances: tuple[Distance, ...] = field(metadata=_by(as_distances))
-    odometer: Odometer | None = field(metadata=_by(_odometer))
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """The options by name, as `recalibrate` takes them."""
-        options = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {**options, "distances": distance_text(self.distances) or None}
+    prior: Prior
+    matcher: AbstractMatcher
+    schedule: Schedule
+    reach: Reach
+    budget: Budget
+    view: AnyView
+    seed: int
+    free: Parameters
+    ranges: tuple[Range, ...]
+    motion: bool | None
+    tolerances: Tolerances
+    distances: tuple[Distance, ...]
+    odometer: Odometer | None
 
 
 def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptions.__optional_keys__) -> Settings:
@@ -136,7 +109,7 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
 
     Args:
         options: by name.
-        names: that there are.
+        names: that there are; if a schedule is none of them, it is that of a look.
 
     Raises:
         TypeError: if there is no option of a name; it names the nearest one.
@@ -147,8 +120,26 @@ def as_settings(options: Mapping[str, Any], names: Collection[str] = RepairOptio
             closest = get_close_matches(name, names, 1)
             meant = f"did you mean {closest[0]}?" if closest else f"there are: {', '.join(sorted(names))}."
             raise TypeError(f"there is no option {name!r}; {meant}")
-    found = Settings(**{field.name: field.metadata["read"](options.get(field.name)) for field in fields(Settings)})
-    return replace(found, free=with_ranges(found.free, found.ranges, found.odometer))
+    given: dict[str, Any] = dict.fromkeys(RepairOptions.__optional_keys__) | dict(options)
+    prior, view, odometer, ranges = given["prior"], given["view"], given["odometer"], as_ranges(given["ranges"])
+    check_prior(prior)
+    if not isinstance(odometer, Odometer | None):
+        raise InputError(f"odometer is a {type(odometer).__name__}; give an sr.Odometer(times, metres).")
+    return Settings(
+        prior=prior,
+        matcher=as_matcher(given["matcher"]),
+        schedule=as_schedule(given["schedule"]) if "schedule" in names else LOOK,
+        reach=as_reach(given["reach"]),
+        budget=as_budget(given["budget"]),
+        view=checked_view_arguments(view) if isinstance(view, Mapping) else view,
+        seed=given["seed"] or 0,
+        free=with_ranges(as_parameters(given["free"]), ranges, odometer),
+        ranges=ranges,
+        motion=given["motion"],
+        tolerances=as_tolerances(given["tolerances"]),
+        distances=as_distances(given["distances"]),
+        odometer=odometer,
+    )
 
 
 def settings_as_data(settings: Settings) -> dict[str, Any]:

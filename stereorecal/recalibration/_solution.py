@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ class Solution(AbstractResult):
         reason: the verdict on the candidate.
         score_before, score_after: of the initial calibration and of the candidate, at full scale, over the pairs that
             were kept.
+        selected: numbers of the pairs that were matched, among those that were given.
         used: numbers of the pairs that the candidate rests on, among those that were matched.
         shown: light and texture of the images, of the frame that shows most.
         view, matcher: with which everything was scored; the matcher carries its measured disparity range.
@@ -39,7 +40,6 @@ class Solution(AbstractResult):
         cost: units that the repair took, by what they were spent on; `cost.total` is all of it.
         seconds: wall time.
         settings: with which it can be repeated; `free` is what could move in the calibration to use.
-        selected: numbers of the pairs that were matched; None: all of them.
         left_out: names of the pairs that show another rig than the others; the candidate does without them.
         disagreeing: the same where they are too many, and nothing is left out.
         intrinsics: what became of intrinsics that could move; None if none could, or nothing was repaired.
@@ -76,7 +76,7 @@ class Solution(AbstractResult):
                 "covered": self.covered,
                 "score_before": _score(self.score_before),
                 "score_after": _score(self.score_after),
-                "row_error_px": rows and asdict(rows),
+                "row_error_px": rows,
                 "extrinsics": {
                     "before": _extrinsics(self.initial),
                     "candidate": _extrinsics(self.candidate),
@@ -110,7 +110,7 @@ class Solution(AbstractResult):
                 "evaluations": self.evaluations,
                 "cost": self.cost.budgeted,
                 "cost_total": self.cost.total,
-                "cost_of": asdict(self.cost),
+                "cost_of": self.cost,
                 "seconds": self.seconds,
             }
         )
@@ -231,5 +231,5 @@ def _stage(done: StageRun) -> dict[str, Any]:
         "strategy": done.stage.solver,
         "scale": done.scale,
         "evaluations": done.evaluations,
-        "cost": done.cost,
+        "cost": done.cost.budgeted,
     }

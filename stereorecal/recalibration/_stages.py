@@ -5,7 +5,7 @@ One unit of cost: one matcher run on one full-size frame (a candidate at scale s
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -52,10 +52,13 @@ class Cost:
     correspondences: float = 0.0
     judging: float = 0.0
 
+    def __add__(self, other: "Cost") -> "Cost":
+        return Cost(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+
     @property
     def total(self) -> float:
         """All of it."""
-        return sum(getattr(self, part.name) for part in fields(self))
+        return sum(astuple(self))
 
     @property
     def budgeted(self) -> float:
@@ -86,12 +89,11 @@ class StageRun:
         began, ended: the rigs where it began and ended.
         runs: of the strategy; several in an epipolar stage, where each fit weighs the rows anew.
         path: of a stage on the count: each new best, its cost counted from where the stage began.
-        matching_cost: units that went into finding correspondences.
+        cost: what it took; its survey measured the disparity range anew after it.
         found: the last correspondences, with the rays that the initial calibration's cameras give; None in a stage on
             the count, and where the budget allowed none.
         settled: the last fit of an epipolar stage moved no rows any more, so that it would match the same again.
         cut: the budget ended an epipolar stage before a round was solved.
-        survey_cost: units of the survey that measured the disparity range anew after it.
     """
 
     stage: Stage
@@ -100,31 +102,15 @@ class StageRun:
     ended: StereoRig
     runs: tuple[Run, ...]
     path: tuple[Waypoint, ...] = ()
-    matching_cost: float = 0.0
+    cost: Cost = Cost()
     found: Correspondences | None = None
     settled: bool = False
     cut: bool = False
-    survey_cost: float = 0.0
 
     @property
     def matches_enough(self) -> bool:
         """Whether its last correspondences are so many that a rig can be fitted to them."""
         return self.found is not None and self.found.found >= ENOUGH.matches
-
-    @property
-    def search_cost(self) -> float:
-        """Units that the strategy spent."""
-        return sum(run.trace.total_cost for run in self.runs)
-
-    @property
-    def judging_cost(self) -> float:
-        """Units that judging its runs took."""
-        return sum(run.judging_cost for run in self.runs)
-
-    @property
-    def cost(self) -> float:
-        """Units that the budget pays for."""
-        return self.matching_cost + self.search_cost
 
     @property
     def evaluations(self) -> int:
@@ -170,8 +156,8 @@ def run_look(case: Case, stages: Sequence[Stage], start: StereoRig, cost: Cost) 
         runs.append(run_stage(case, of_all, runs[-1].ended if runs else start, Budget(), seed=0))
     last = runs[-1]
     ended = last.ended if last.matches_enough else case.rig  # else nothing speaks for the start either
-    look = replace(last, began=start, ended=ended, matching_cost=0.0)
-    return look, replace(cost, starts=cost.starts + sum(run.cost for run in runs))
+    look = replace(last, began=start, ended=ended, cost=Cost())
+    return look, cost + Cost(starts=sum(run.cost.budgeted for run in runs))
 
 
 def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
@@ -181,7 +167,10 @@ def run_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: 
         NeedNotMet: if the strategy needs what the stage's score does not offer.
         StrategyError: if the strategy crashes.
     """
-    return (_count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage)(case, stage, start, budget, seed)
+    run = _count_stage if stage.score is ScoreKind.COUNT else _epipolar_stage
+    done = run(case, stage, start, budget, seed)
+    search, judging = sum(one.trace.total_cost for one in done.runs), sum(one.judging_cost for one in done.runs)
+    return replace(done, cost=done.cost + Cost(search=search, judging=judging))
 
 
 def _count_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, seed: int) -> StageRun:
@@ -236,7 +225,7 @@ def _epipolar_stage(case: Case, stage: Stage, start: StereoRig, budget: Budget, 
         settled = not cut and rows_moved(found, chart, before, at) < SETTLED
         if settled or cut:
             break
-    ended, cost = chart.rig_at(at), rounds * data.cost
+    ended, cost = chart.rig_at(at), Cost(correspondences=rounds * data.cost)
     return StageRun(stage, scale, start, ended, tuple(runs), (), cost, found, settled, cut)
 
 
@@ -285,8 +274,8 @@ def path_of(initial: StereoRig, before: float, stages: Sequence[StageRun]) -> tu
     for stage in stages:
         found.append(Waypoint(spent, np.asarray(stage.began.extrinsics)))
         found += [replace(one, cost=spent + one.cost) for one in stage.path]
-        spent += stage.cost
+        spent += stage.cost.budgeted
         found.append(Waypoint(spent, np.asarray(stage.ended.extrinsics)))
-        spent += stage.survey_cost
+        spent += stage.cost.survey
     moves = [after for before, after in pairwise(found) if np.any(before.extrinsics != after.extrinsics)]
     return (found[0], *moves)

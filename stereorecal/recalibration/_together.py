@@ -1,7 +1,5 @@
-"""The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline.
-
-From repairs of each to one estimate of those that show one calibration: recordings are fitted by themselves, in
-workers, and beside the others, matched again and solved again; then one decision is taken for all.
+"""The joint solution of recordings of the same cameras, which share intrinsics and the length of the baseline: one
+estimate of those that show one calibration, and one decision.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +15,6 @@ from stereorecal.estimation import (
     NEGLIGIBLE,
     NO_RANGES,
     NO_WINDOWS,
-    Earlier,
     Estimate,
     Fit,
     MatchedRanges,
@@ -34,68 +31,59 @@ from stereorecal.estimation import (
     rig_parameters,
     with_free_together,
 )
-from stereorecal.geometry import StereoRig, View, with_unit_baseline
-from stereorecal.matching import AbstractMatcher
+from stereorecal.geometry import StereoRig
 from stereorecal.objectives import BASELINE, Parameters
-from stereorecal.recalibration._assessment import MOST_EXCLUDED, with_candidate
+from stereorecal.recalibration._assessment import MOST_EXCLUDED, counts, with_candidate, without_frames_of
+from stereorecal.recalibration._case import Case
 from stereorecal.recalibration._match_ranges import RangesSeen, match_ranges
 from stereorecal.recalibration._prior_use import prior_of
 from stereorecal.recalibration._solution import Solution
-from stereorecal.recalibration._stages import with_found
+from stereorecal.recalibration._stages import matched, with_found
 from stereorecal.recalibration._uncertainty import Intrinsics, IntrinsicsOutcome, intrinsics_of
-from stereorecal.recordings import Pair, Range
-from stereorecal.scoring import Correspondences, ScoringData, pyramid, with_rays_of
-from stereorecal.scoring.host import Score, correspondences, counts_by_tile
+from stereorecal.scoring import Correspondences
+from stereorecal.scoring.host import Score
 
 _UNUSABLE = (Reason.OUT_OF_BUDGET, Reason.TOO_LITTLE_TEXTURE, Reason.NO_MATCHES, Reason.FRAMES_DISAGREE)
 
-Each = Callable[[Callable[[Any], Any], Sequence[Any]], Sequence[Any]]  # does one thing to many, somewhere
+# Calls a function with each of some arguments, as `map` does, somewhere: the function and they travel.
+Each = Callable[..., list[Any]]
 
 
-@dataclass(frozen=True, eq=False)
-class MatchTask:
-    """Pairs to look at through rigs: no more than a worker needs travels to it, and the scale at which they are
-    matched."""
-
-    rigs: tuple[StereoRig, ...]
-    pairs: tuple[Pair, ...]
-    view: View
-    matcher: AbstractMatcher
-    scale: float
-    ranges: tuple[Range, ...] = ()
+def matched_again(case: Case, scale: float, theta: Float[np.ndarray, "n"]) -> Correspondences:
+    """The correspondences under the rig at θ."""
+    return matched(case.anew.images.at(scale), rig_parameters(case.rig), theta, case.matcher)
 
 
-def _data(task: MatchTask, rig: StereoRig, scale: float) -> ScoringData:
-    return pyramid(rig, task.pairs, task.view).at(scale)
+def range_matches(case: Case, scale: float, rig: StereoRig, used: Sequence[int]) -> MatchedRanges:
+    """The ranges of the frames that are used, matched under a rig."""
+    pairs, data = case.images.pairs, case.anew.images.at(scale).through(rig)
+    ranges = [one for one in case.ranges if any(one.pair is pairs[frame] for frame in used)]
+    return match_ranges(data, rig, case.matcher, pairs, ranges)
 
 
-def matched(task: MatchTask) -> Correspondences:
-    """The correspondences under the first rig."""
-    rig = task.rigs[0]
-    return correspondences(_data(task, rig, task.scale), with_unit_baseline(rig.extrinsics), task.matcher)
-
-
-def range_matches(task: MatchTask) -> MatchedRanges:
-    """The ranges, matched under the first rig."""
-    rig = task.rigs[0]
-    return match_ranges(_data(task, rig, task.scale), rig, task.matcher, task.pairs, task.ranges)
-
-
-def counted(task: MatchTask) -> Int[np.ndarray, "rigs k tiles"]:
-    """Counts of the tiles of all frames at full scale, under each rig."""
-    several = ((_data(task, rig, 1.0), with_unit_baseline(rig.extrinsics)[None]) for rig in task.rigs)
-    return np.concatenate([counts_by_tile(data, extrinsics, task.matcher) for data, extrinsics in several])
+def counted(case: Case, candidate: StereoRig) -> Int[np.ndarray, "2 k tiles"]:
+    """Counts of the tiles of all frames at full scale, under the initial rig and the candidate."""
+    return counts(case.anew, candidate)
 
 
 @dataclass(frozen=True, eq=False)
 class RepairedRecording:
-    """Pairs, their repair by themselves, and ranges of what they show; the frames that the repair left out take no
+    """A recording, with the disparity range of its repair by itself, and that; the frames that it left out take no
     part.
     """
 
-    pairs: tuple[Pair, ...]
+    case: Case
     repair: Solution
-    ranges: tuple[Range, ...] = ()
+
+    @property
+    def scale(self) -> float:
+        """At which it was matched."""
+        return self.repair.stages[-1].scale
+
+    @property
+    def theta(self) -> Float[np.ndarray, "n"]:
+        """Where its candidate lies, counted from the initial rig."""
+        return rig_parameters(self.case.rig).coordinates_of(self.repair.candidate)
 
     @property
     def found(self) -> Correspondences:
@@ -109,15 +97,9 @@ class RepairedRecording:
         return self.repair.found
 
     @property
-    def kept(self) -> tuple[Pair, ...]:
-        """The pairs that it rests on."""
-        return tuple(self.pairs[index] for index in self.repair.used)
-
-    @property
     def windows(self) -> Windows:
-        """The windows of the kept pairs that follow each other, numbered as these."""
-        estimate = self.repair.estimate
-        return NO_WINDOWS if estimate is None else estimate.windows.numbered(self.repair.used)
+        """The windows of the pairs that follow each other."""
+        return NO_WINDOWS if self.repair.estimate is None else self.repair.estimate.windows
 
     @property
     def usable(self) -> bool:
@@ -126,14 +108,10 @@ class RepairedRecording:
         enough = found is not None and found.found >= ENOUGH.matches
         return enough and not by_chance and self.repair.reason not in _UNUSABLE
 
-    def theta_of(self, rig: StereoRig) -> Float[np.ndarray, "n"]:
-        """Where a rig lies, counted from the initial one."""
-        return rig_parameters(self.repair.initial).coordinates_of(rig)
-
-    def task(self, *rigs: StereoRig, ranges: bool = False) -> MatchTask:
-        """The task of looking at the kept pairs through rigs, as the repair looked at them."""
-        repair, own = self.repair, self.ranges if ranges else ()
-        return MatchTask(rigs, self.kept, repair.view, repair.matcher, repair.stages[-1].scale, own)
+    @property
+    def excluded(self) -> tuple[int, ...]:
+        """Numbers of the frames that it left out."""
+        return tuple(set(range(len(self.case.images.pairs))) - set(self.repair.used))
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,12 +136,14 @@ class Member:
 
 def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, each: Each) -> list[Member]:
     """The joint estimate of recordings, without those that show another calibration: fitted, matched again, weighed;
-    and the decision on it. None, where those are too many to say which they are; `each` runs a task for each."""
-    ranges = (NO_RANGES,) * len(recordings)
-    if any(r.ranges for r in recordings):
-        ranges = tuple(each(range_matches, [r.task(r.repair.candidate, ranges=True) for r in recordings]))
+    and the decision on it. Empty, where those are too many to say which they are; `each` is as `Each`."""
+    cases, scales = [r.case for r in recordings], [r.scale for r in recordings]
+    ranges = [NO_RANGES for _ in cases]
+    if any(case.ranges for case in cases):
+        found_by = [(r.repair.candidate, r.repair.used) for r in recordings]
+        ranges = each(range_matches, cases, scales, *zip(*found_by, strict=True))
     estimated_from = [
-        Recording(r.found, r.repair.initial, prior, r.theta_of(r.repair.candidate), some, r.windows, r.repair.view)
+        Recording(r.found, r.case.rig, prior, r.theta, some, r.windows, r.case.images.view)
         for r, prior, some in zip(recordings, _priors(recordings, free), ranges, strict=True)
     ]
     tolerances = recordings[0].repair.settings.tolerances
@@ -173,12 +153,11 @@ def joint_estimate(recordings: Sequence[RepairedRecording], free: Parameters, ea
     recordings, estimated_from = [recordings[index] for index in kept], [estimated_from[index] for index in kept]
     estimates = [fit.alone.judged_by(tolerances.matters) for fit in fits]
     likely = with_free_together(estimates, free.names)
-    rigs = [estimate.chart.rig_at(theta) for estimate, theta in zip(estimates, likely, strict=True)]
-    again = each(matched, [r.task(rig) for rig, r in zip(rigs, recordings, strict=True)])
-    for index, (r, found, rig) in enumerate(zip(recordings, again, rigs, strict=True)):
-        enough = found.found >= ENOUGH.matches
-        read = with_rays_of(r.repair.initial, found, matched_rig=rig) if enough else r.found
-        estimated_from[index] = replace(estimated_from[index], found=read, start=r.theta_of(rig))
+    again = each(matched_again, [r.case for r in recordings], [r.scale for r in recordings], likely)
+    for index, (r, found, theta) in enumerate(zip(recordings, again, likely, strict=True)):
+        used = without_frames_of(found, r.excluded)
+        read = used if used.found >= ENOUGH.matches else r.found
+        estimated_from[index] = replace(estimated_from[index], found=read, start=theta)
     fits = fitted_together(each(most_probable, beside_others(estimated_from, fits)))
     estimates = [one.judged_by(tolerances.matters) for one in each(Fit.weighed, fits)]
     decisions = decide_together(estimates, free.names, tolerances)
@@ -204,14 +183,14 @@ def _of_one_calibration(alone: Sequence[Fit]) -> tuple[list[int], list[Fit]]:
 
 def _priors(recordings: Sequence[RepairedRecording], free: Parameters) -> list[Mixture]:
     """The prior of each recording of a joint estimate: the saved one of its calibration, or the common one."""
-    ranges, common, found = any(r.ranges or r.windows.measured for r in recordings), None, []
+    ranges, common, found = any(r.case.ranges or r.windows.measured for r in recordings), None, []
     for repair in (recording.repair for recording in recordings):
         prior = None if repair.prior_use is None else repair.prior_use.prior
         known = common
-        if known is None or isinstance(prior, SavedPrior | Earlier):
+        if known is None or isinstance(prior, SavedPrior):
             known = prior_of(prior, free, repair.initial, repair.settings.reach, ranges=ranges)
             known = as_prior(known, rig_parameters(repair.initial))
-        if not isinstance(prior, SavedPrior | Earlier):
+        if not isinstance(prior, SavedPrior):
             common = known
         found.append(known)
     return found
@@ -251,11 +230,13 @@ def _in_joint_solution(member: Member, answer: Solution, shared: Intrinsics | No
 
 def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[Solution]:
     """The solutions with the shared parameters taken, or found and not taken."""
-    counts = each(counted, [one.recording.task(one.recording.repair.initial, one.rig) for one in members])
+    every = each(counted, [one.recording.case for one in members], [one.rig for one in members])
     answers = []
-    for member, tiles in zip(members, counts, strict=True):
+    for member, counts_of_all in zip(members, every, strict=True):
         repair, estimated, found, rig = member.recording.repair, member.estimate, member.found, member.rig
-        disagree = len(estimated.other_rigs) > MOST_EXCLUDED * len(found.weight)
+        given, matched_ranges = len(member.recording.case.ranges), estimated.matched_ranges
+        tiles = counts_of_all[:, list(repair.used)]
+        disagree = len(estimated.other_rigs) > MOST_EXCLUDED * len(repair.used)
         shown, reach = repair.seen or Seen(), repair.settings.reach
         seen = with_candidate(shown, found, estimated, rig, tiles, reach, frames_disagree=disagree)
         reason = reason_of(member.decision, seen)
@@ -269,7 +250,7 @@ def _answers(members: Sequence[Member], free: Parameters, each: Each) -> list[So
             estimate=estimated,
             decision=member.decision,
             seen=seen,
-            ranges=RangesSeen.of(len(member.recording.ranges), estimated.matched_ranges, repair.initial, rig, reason),
+            ranges=RangesSeen.of(given, matched_ranges, repair.initial, rig, reason),
             settings=replace(repair.settings, free=free),
             prior_use=repair.prior_use and replace(repair.prior_use, other_images=tuple(chain(*of_others))),
         )

@@ -65,11 +65,18 @@ class Odometer:
     times: Real[np.ndarray, "n"]
     metres: Real[np.ndarray, "m"]  # as many, or an InputError says otherwise
     sigma: float = 0.01
-    positions: Real[np.ndarray, "n d"] | None = None
+    positions: Real[np.ndarray, "k d"] | None = None  # as many
     noise: float = 0.0
 
     def __post_init__(self) -> None:
         times, metres = (np.asarray(some, float) for some in (self.times, self.metres))
+        if self.positions is not None:
+            places = np.asarray(self.positions, float)
+            if places.ndim != 2 or len(places) != times.size:
+                raise InputError(f"there are {times.size} times and positions of shape {places.shape}; give one each.")
+            if not np.isfinite(places).all():
+                raise InputError("an odometer's positions are not finite; leave out what is not known.")
+            object.__setattr__(self, "positions", places)
         if times.ndim != 1 or times.shape != metres.shape or len(times) < 2:
             raise InputError(
                 f"an odometer has times of shape {times.shape} and metres of shape {metres.shape}; give as many of one "
@@ -126,10 +133,8 @@ class Odometer:
             InputError: as `Odometer`.
         """
         places = np.asarray(positions, float)
-        if places.ndim != 2 or len(places) != np.size(times):
-            raise InputError(f"there are {np.size(times)} times and positions of shape {places.shape}; give one each.")
-        steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
-        metres = np.concatenate([[0.0], np.cumsum(steps)])
+        steps = np.linalg.norm(np.diff(np.atleast_2d(places), axis=0), axis=1)
+        metres = np.append(0.0, np.cumsum(steps))
         return Odometer(np.asarray(times, float), metres, sigma, places, noise)
 
     def between(self, first: float, second: float) -> float | None:

@@ -33,8 +33,8 @@ class Pair:
         turns: by how many quarters the images are turned, as a rig has it; (0, 0): as they were taken.
 
     Raises:
-        InputError: if the images differ in size, contain NaN or infinite values, or are constant, the time is not
-            finite, or the readout makes no sense or is of images that are turned.
+        InputError: if the images differ in size, are empty, contain NaN or infinite values, or are constant, the time
+            is not finite, or the readout makes no sense or is of images that are turned.
     """
 
     left: Float[np.ndarray, "h w"]
@@ -72,6 +72,8 @@ class Pair:
                 "both must have the same size."
             )
         for side, image in (("left", self.left), ("right", self.right)):
+            if not image.size:
+                raise InputError(f"{self.name}, {side}: the image has no pixels; check camera and file.")
             darkest, brightest = float(image.min()), float(image.max())  # NaN if there is one
             if not np.isfinite(brightest - darkest):
                 raise InputError(f"{self.name}, {side}: the image contains NaN or infinite values; replace them.")

@@ -73,7 +73,7 @@ def test_what_is_written_and_what_is_listed(command, schema: str, clean_scene, d
 def test_the_page_is_read():
     """Every heading, more than one key in a row, and what would not be found."""
     pages = listed()
-    written = "solution/3", "health/4", "difference/1", "compare/1", "events/1", "prior/1", "reproduce/1", "field/1"
+    written = "solution/3", "health/4", "difference/1", "compare/1", "events/1", "prior/2", "reproduce/1", "field/1"
     assert set(pages) == {"All schemas", *(f"stereorecal.{name}" for name in written)}
     assert {"before", "after"} <= pages["stereorecal.difference/1"]
     assert list(paths({"a": {"b": 1, "c": [{"d": None}, {"e": []}]}, "f": {}})) == ["a.b", "a.c[].d", "a.c[].e", "f"]

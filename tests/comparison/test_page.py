@@ -207,3 +207,5 @@ def test_when_a_trial_is_solved(table: Comparison):
     assert solved_at([far, near, far, near], accepted=True) == 3.0
     assert solved_at([far, near, far, near], accepted=False) == np.inf
     assert solved_at([near, near], accepted=False) == 0.0
+    assert solved_at([near, far], accepted=False) == 0.0  # it stays where it began
+    assert solved_at([near, far], accepted=True) == np.inf

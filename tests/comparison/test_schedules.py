@@ -31,7 +31,7 @@ def table(scene):
 def test_scores_of_several_stages_do_not_compare(table):
     assert table["default"].trials[0].score_at is None
     assert table["count"].trials[0].score_at["100"] > 0
-    assert table["default"].summary[0].score_at_median == {"100": None, "300": None, "1000": None}
+    assert table["default"].summary[0]["score_at_median"] == {"100": None, "300": None, "1000": None}
 
 
 def test_counts_and_errors_have_one_reference(table, scene):
@@ -65,7 +65,7 @@ def test_without_schedule_and_strategies_both_schedules_run_the_default_one_firs
     rows = [(draw, schedule) for draw in (0, 1) for schedule in ("default", "count")]
     assert [(t.draw, t.schedule) for t in comparison.trials] == rows
     assert all(t.strategies == ran[t.schedule] for t in comparison.trials)
-    assert [(row.schedule, row.strategies, row.draws) for row in comparison.summary] == [
+    assert [(row["schedule"], row["strategies"], row["draws"]) for row in comparison.summary] == [
         ("default", ran["default"], 2),
         ("count", ran["count"], 2),
     ]

@@ -10,7 +10,6 @@ from simulated_tracks import AHEAD, REST, tracks_of
 from stereorecal.decision import COSTS, LIMITS, Criterion, Tolerances, Verdict, decide, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
-    Earlier,
     Estimate,
     HeldOut,
     Losses,
@@ -64,7 +63,7 @@ def test_other_images_of_what_was_repaired_ask_for_no_repair(drifted, rig, seen)
     for true, first in drifted[:3]:
         new = first.chart.rig_at(decide(first, AXES).theta)
         posterior = recentred_posterior(first.posterior, first.chart.coordinates_of(new))
-        for prior in (SavedPrior(new, posterior, (), Earlier(rig, "default")), None):
+        for prior in (SavedPrior(new, posterior, (), SavedPrior(rig, "default")), None):
             assert decide(estimate(seen(new, true, 77, cells=900), new, prior), AXES).refused
 
 

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from stereorecal.estimation import MatchedRanges, Mixture, as_prior, estimate, points_of_view, readings
+from stereorecal.estimation import (
+    MatchedRanges,
+    Mixture,
+    as_prior,
+    estimate,
+    points_of_view,
+    readings,
+    with_scaled_boards,
+)
 
 METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 
@@ -14,7 +22,7 @@ METRES = np.array([0.5, 5.0])  # of a baseline of 0.12
 @pytest.fixture(scope="module")
 def scaled(chart, prior) -> Mixture:
     """The prior where something tells the length of the baseline."""
-    return as_prior(prior, chart, baseline_observable=True)
+    return with_scaled_boards(as_prior(prior, chart), chart)
 
 
 def ranges_of(true, seed=0, number=40, noise=0.1, relative=0.01) -> MatchedRanges:

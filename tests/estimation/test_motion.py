@@ -17,6 +17,7 @@ from stereorecal.estimation import (
     readings,
     rig_parameters,
     window,
+    with_scaled_boards,
 )
 from stereorecal.geometry import rotation_from_vector
 from stereorecal.scoring import Tracks
@@ -191,7 +192,7 @@ def test_a_known_way_tells_the_length_of_the_baseline(chart, share, heard):
     longer[3:] *= 1.05
     given = rig_parameters(true.with_extrinsics(longer))
     tracks = windows(true, 8).tracks
-    prior = as_prior(None, given, baseline_observable=True)
+    prior = with_scaled_boards(as_prior(None, given), given)
     told = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8, ways(true, share)).likelihoods(given, np.zeros(given.dim), prior)
     alone = Windows(tracks, ((0, 1),) * 8, (1.0,) * 8).likelihoods(given, np.zeros(given.dim), prior)
     (log, best), (other, without) = told[0], told[1]
@@ -218,7 +219,7 @@ def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
     true = chart.rig_at(theta)
     tracks, prior = (
         (tracks_of(true), tracks_of(true, move=REST, seed=1)),
-        as_prior(None, chart, baseline_observable=True),
+        with_scaled_boards(as_prior(None, chart), chart),
     )
     (moving, *_), baseline = ways(true), float(true.baseline)
     alone = Windows(tracks, frames, seconds).likelihoods(chart, theta, prior)
@@ -230,13 +231,6 @@ def test_ways_of_a_vehicle_that_stands_are_left_out(chart):
         )
         assert [log for log, _ in told] == [log for log, _ in expected]
         np.testing.assert_array_equal(told[0][1].a, expected[0][1].a)
-
-
-def test_windows_keep_their_ways_where_frames_are_left_out(chart):
-    true = chart.rig_at(np.zeros(chart.dim))
-    three = Windows(windows(true, 3).tracks, ((0, 1), (1, 2), (3, 4)), (1.0,) * 3, ((1.0, 0.1), None, (2.0, 0.1)))
-    assert three.numbered((0, 1, 3, 4)).ways == ((1.0, 0.1), (2.0, 0.1))
-    assert three.numbered((3, 4)).frames == ((0, 1),)
 
 
 def test_rolling_shutters_whose_readout_is_known(rig, chart):

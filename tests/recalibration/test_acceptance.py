@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fixtures import SAD_48
 from hypothesis import given, strategies as st
-from parts_of_repairs import RowResiduals, share_lost
+from parts_of_repairs import row_errors_and_misfit, share_lost
 
 from stereorecal import difference, health, make_pair, recalibrate
 from stereorecal.recalibration import Condition, Reason
@@ -17,7 +17,7 @@ from stereorecal.synthetic import decalibrate
 def test_row_errors_are_means_over_tiles_of_medians():
     rng = np.random.default_rng(0)
     before, after, tile = rng.normal(0, 3, 480), rng.normal(0, 1, 480), rng.integers(0, 48, 480)
-    found = RowResiduals(residual=after, start_residual=before, tile=tile).errors
+    found, _ = row_errors_and_misfit(before, after, tile)
     for error, rows in ((found.before, before), (found.after, after)):
         assert error == pytest.approx(np.mean([np.median(np.abs(rows[tile == one])) for one in np.unique(tile)]))
 

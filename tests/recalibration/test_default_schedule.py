@@ -93,22 +93,31 @@ def test_what_it_says_about_itself(repaired):
 
 def test_stages(searched):
     assert [stage.stage.scale for stage in searched.stages] == [0.25, 0.5, 1.0]
-    assert searched.cost.budgeted == pytest.approx(sum(stage.cost for stage in searched.stages))
+    assert searched.cost.budgeted == pytest.approx(sum(stage.cost.budgeted for stage in searched.stages))
     assert searched.evaluations == sum(len(run.trace.values) for stage in searched.stages for run in stage.runs)
     for stage in searched.stages[1:]:
         # Each match is paid for; the solver's own work is next to nothing.
-        matches = stage.matching_cost / stage.scale**2
+        matches = stage.cost.correspondences / stage.scale**2
         assert matches == pytest.approx(round(matches))
         assert 1 <= matches <= stage.stage.rounds
-        assert stage.cost < stage.matching_cost + 0.5
+        assert stage.cost.search < 0.5
 
 
 def test_the_path_has_the_end_of_every_stage(searched):
     path, cost, (*_, half, last) = searched.path, searched.cost, searched.stages
     np.testing.assert_allclose(path[-1].extrinsics, searched.candidate.extrinsics, atol=1e-12)
     assert cost.starts >= 1  # of the look, which came before them
-    np.testing.assert_allclose(path[-1].cost, cost.total - cost.judging - last.survey_cost)
-    np.testing.assert_allclose(path[-2].cost + half.survey_cost, path[-1].cost - last.cost)
+    np.testing.assert_allclose(path[-1].cost, cost.total - cost.judging - last.cost.survey)
+    np.testing.assert_allclose(path[-2].cost + half.cost.survey, path[-1].cost - last.cost.budgeted)
+
+
+def test_the_path_of_a_search_that_moves_nothing(searched):
+    began = searched.initial
+    still = [replace(stage, began=began, ended=began, path=()) for stage in searched.stages]
+    start, end = replace(searched, stages=tuple(still)).path
+    np.testing.assert_array_equal(start.extrinsics, began.extrinsics)
+    np.testing.assert_array_equal(end.extrinsics, searched.candidate.extrinsics)
+    assert end.cost == searched.path[-1].cost
 
 
 def test_the_same_again(harbour, repaired):
@@ -187,5 +196,5 @@ def test_what_a_late_shutter_leaves_moves_no_intrinsics():
     found = sr.recalibrate(given, list(photographs(plan))[::3], motion=True)
     assert found.estimate.is_late
     assert found.rig is given
-    assert found.misfit.cause.name == "LATE"
+    assert found.misfit.late
     assert "are not taken at the same time" in str(found)

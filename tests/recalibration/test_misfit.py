@@ -1,11 +1,9 @@
 """Misfit of linear problems whose regions are spoiled in known ways."""
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import pytest
-from parts_of_repairs import Cause, RowResiduals, misfit
+from parts_of_repairs import Misfit, row_errors_and_misfit
 
 import stereorecal as sr
 
@@ -14,13 +12,14 @@ COLUMN, ROW = np.meshgrid(np.arange(8), np.arange(6))
 X, Y = (2 * COLUMN.ravel() + 1) / 8 - 1, (2 * ROW.ravel() + 1) / 6 - 1
 
 
-def seen(spoil, start=(0.0,) * 5, noise=0.1, frames=1, seed=0) -> RowResiduals:
-    """A rig at `start` degrees and percent from true, whose rows are spoiled by spoil(x, y) pixels, solved.
+def seen(spoil, start=(0.0,) * 5, noise=0.1, seed=0, late=False, most=None) -> Misfit:
+    """The misfit of a rig at `start` degrees and percent from true, whose rows are spoiled by spoil(x, y) pixels,
+    solved; of so many correspondences at most.
 
     Derivatives of the rows as of a rig with a field of view of some 60 degrees: pitch, yaw, roll, y, z.
     """
     rng = np.random.default_rng(seed)
-    tile = np.repeat(np.arange(frames * 48), PER_TILE)
+    tile = np.repeat(np.arange(48), PER_TILE)
     x, y = X[tile % 48] + rng.uniform(-0.1, 0.1, tile.size), Y[tile % 48] + rng.uniform(-0.1, 0.1, tile.size)
     near = rng.uniform(0.02, 0.15, tile.size)  # baselines over depth
     degree, percent = np.radians(1.0) * FOCAL, 0.01 * FOCAL
@@ -29,7 +28,8 @@ def seen(spoil, start=(0.0,) * 5, noise=0.1, frames=1, seed=0) -> RowResiduals:
     target = jacobian @ np.array(start) + spoil(x, y) + rng.normal(0, noise, tile.size)
     weight = np.full(tile.size, 0.5 / noise**2)
     z = -np.linalg.solve(jacobian.T @ (weight[:, None] * jacobian) + np.eye(5), jacobian.T @ (weight * target))
-    return RowResiduals(residual=target + jacobian @ z, start_residual=target, tile=tile, independent=0.5)
+    before, after = target[:most], (target + jacobian @ z)[:most]
+    return row_errors_and_misfit(before, after, tile[:most], 0.5, late=late)[1]
 
 
 def nothing(x, y):
@@ -38,43 +38,29 @@ def nothing(x, y):
 
 @pytest.mark.parametrize("noise", [0.05, 0.4])
 def test_noise_is_no_misfit(noise):
-    found = misfit(seen(nothing, start=(0.5, 0.2, -0.3, 1.0, 0.5), noise=noise))
+    found = seen(nothing, start=(0.5, 0.2, -0.3, 1.0, 0.5), noise=noise)
     assert found.rms < 0.3 * noise
     assert found.high < 0.5 * noise
     assert found.rms_before > 3.0
 
 
 def test_a_moved_region_is_seen_where_it_is():
-    found = misfit(seen(lambda x, y: 1.0 * (x > 0.3)))
+    found = seen(lambda x, y: 1.0 * (x > 0.3))
     assert 0.2 < found.rms < 0.6
-    assert found.cause is Cause.REGIONS
+    assert found.as_dict()["cause"] == "regions"
     assert found.high > 0.3
     right = X[found.place] > 0.3
     assert np.mean(found.after[right]) > np.mean(found.after[~right]) + 0.2
 
 
-@pytest.mark.parametrize(
-    ("spoil", "cause"),
-    [
-        (lambda x, y: 1.5 * y, Cause.ROWS),
-        (lambda x, y: 3.0 * y * (x * x + y * y) - 2.0 * y, Cause.RADIAL),
-        (lambda x, y: 1.5 * np.sign(np.sin(7 * x) * np.sin(9 * y)), Cause.REGIONS),
-    ],
-)
-def test_the_likely_cause(spoil, cause):
-    assert misfit(seen(spoil)).cause is cause
-
-
 def test_a_late_shutter_is_the_cause_whatever_it_looks_like():
-    assert misfit(seen(lambda x, y: 1.5 * y), late=True).cause is Cause.LATE
+    assert seen(lambda x, y: 1.5 * y, late=True).as_dict()["cause"] == "late"
 
 
+@pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value")
 def test_nothing_to_look_at():
-    found, none = seen(nothing), slice(0)
-    rows = {name: getattr(found, name)[none] for name in ("residual", "start_residual", "tile")}
-    left = misfit(replace(found, **rows))
+    left = seen(nothing, most=0)
     assert (left.rms, left.high, left.rms_before) == (0.0, 0.0, 0.0)
-    assert left.cause is Cause.REGIONS
     assert left.as_dict()["place"] == []
 
 

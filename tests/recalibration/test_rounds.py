@@ -48,7 +48,7 @@ def staged(scene):
 
 
 def matches(stage):
-    return round(stage.matching_cost / stage.scale**2)
+    return round(stage.cost.correspondences / stage.scale**2)
 
 
 @pytest.mark.parametrize("solver", [None, Going()], ids=["fit", "strategy"])

@@ -9,7 +9,7 @@ from moody import Crashing
 
 import stereorecal as sr
 from stereorecal import InputError
-from stereorecal.recalibration import Schedule, Stage
+from stereorecal.recalibration import Schedule, Stage, as_settings
 from stereorecal.strategies import Need, strategy
 
 COMPASS = strategy("compass")
@@ -27,18 +27,10 @@ class Detector(Solver):
     needs = Need.IMAGES
 
 
-@pytest.mark.parametrize(
-    ("what", "values"),
-    [
-        ("scale", (0.0, -0.5, 1.001, np.nan, np.inf)),
-        ("rounds", (0, -1)),
-        ("pixels", ((0, 10), (-1, 10), (20, 10))),
-    ],
-)
-def test_what_makes_no_sense(what, values):
-    for value in values:
-        with pytest.raises(InputError, match=rf"{what} .*make(s)? no sense"):
-            Stage(COMPASS, **{what: value})
+@pytest.mark.parametrize("scale", [0.0, -0.5, 1.001, np.nan, np.inf])
+def test_a_scale_that_makes_no_sense(scale):
+    with pytest.raises(InputError, match=r"scale .*makes no sense"):
+        Schedule.count(COMPASS, scale)
 
 
 sizes = st.tuples(st.integers(16, 8000), st.integers(16, 8000))
@@ -70,6 +62,9 @@ def test_default_without_its_plugins(nothing_installed):
     """One sentence that says what to install."""
     with pytest.raises(InputError, match="strategy compass is not installed; run: pip install"):
         Schedule.default()
+    with pytest.raises(InputError, match="strategy compass is not installed"):
+        as_settings({})
+    assert as_settings({}, sr.HealthOptions.__optional_keys__).schedule.strategies == ()  # a look needs none
 
 
 @pytest.mark.parametrize(
@@ -100,6 +95,6 @@ def test_a_budget_that_ends_after_a_stage_on_fewer_frames(scene):
     options = {"matcher": sr.SAD(num_disparities=24), "schedule": replace(Schedule.default(), survey=False)}
     off = given.rig.with_extrinsics(given.rig.extrinsics + np.radians([2.2, 0.0, -2.2, 0.0, 0.0, 0.0]))
     climbed, *_ = sr.recalibrate(off, given.pairs, **options).stages
-    cut = sr.recalibrate(off, given.pairs, budget=climbed.cost + 2.5, **options)
+    cut = sr.recalibrate(off, given.pairs, budget=climbed.cost.budgeted + 2.5, **options)
     assert cut.reason is sr.recalibration.Reason.OUT_OF_BUDGET
     assert len(cut.found.weight) == 2

@@ -14,11 +14,6 @@ def test_nothing_said_is_the_default():
     assert found.schedule == sr.Schedule.default()
 
 
-def test_settings_are_options_again():
-    found = as_settings({"reach": (2.0, 0.01), "budget": 50, "free": "rotation", "tolerances": {"harm": 0.001}})
-    assert as_settings(found.options) == found
-
-
 def test_ranges_free_the_length_of_the_baseline():
     named = sr.Range("pair", (5.0, 5.0), 3.0)
     assert as_settings({"ranges": named}).free.names == (*sr.Parameters().names, "baseline")

@@ -1,16 +1,18 @@
 """Freed intrinsics, shared by recordings: rows come right over the view, and nothing is taken that does not help."""
 
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from operator import attrgetter
 
 import numpy as np
 import pytest
+from parts_of_repairs import fingerprint, prepared
 from wrong_lenses import TRUE, over_the_view, wrong
 
 import stereorecal as sr
-from stereorecal.objectives import Parameters
-from stereorecal.recalibration import MOST_FRAMES, IntrinsicsOutcome, sharing
+from stereorecal.estimation import SavedPrior
+from stereorecal.recalibration import MOST_FRAMES, Case, IntrinsicsOutcome, as_settings
 from stereorecal.synthetic import photographs, plan_drive
 
 SIZE = (320, 240)
@@ -111,20 +113,26 @@ def long(number: int = 100) -> sr.Scene:
 def test_long_recordings_are_looked_at_in_part():
     """The frame with the most texture of each stretch is looked at, and those that ranges name."""
     scene = long()
-    ((some,), _) = sharing([scene], Parameters(BOTH), (), sr.Schedule.default())
-    numbers = [int(pair.name) for pair in some.pairs]
+
+    def looked_at(prior="default", **options) -> Case:
+        return prepared(scene.rig, scene.pairs, as_settings({"prior": prior, **options}))
+
+    numbers = list(looked_at().selected)
+    assert [int(pair.name) for pair in looked_at().images.pairs] == numbers
     assert len(numbers) == MOST_FRAMES
     assert numbers == sorted(numbers)
     assert max(np.diff(numbers)) < 10
     assert sum(number % 7 == 5 for number in numbers) >= 13  # of 14 that there are, two in one stretch
-    named = [sr.Range("1", (5.0, 5.0), 3.0)]
-    ((ranged,), (found,)) = sharing([scene], Parameters((*BOTH, "baseline")), named, sr.Schedule.default())
-    assert [int(pair.name) for pair in ranged.pairs] == sorted({1, *numbers})
-    assert found.pair is ranged.pairs[[pair.name for pair in ranged.pairs].index("1")]
-    ((again,), _) = sharing([ranged], Parameters((*BOTH, "baseline")), named, sr.Schedule.default())
-    assert again.pairs == ranged.pairs  # what was chosen stays chosen
-    ((every,), _) = sharing([scene], Parameters(), (), sr.Schedule.default())
-    assert len(every.pairs) == 100
+    ranged = looked_at(ranges=sr.Range("1", (5.0, 5.0), 3.0))
+    assert list(ranged.selected) == sorted({1, *numbers})
+    travelled = pickle.loads(pickle.dumps(ranged))
+    for case in (ranged, travelled):
+        assert case.ranges[0].pair is case.images.pairs[case.selected.index(1)]
+    assert len(looked_at(free="extrinsics").images.pairs) == 100
+    used = tuple(fingerprint(scene.pairs[number]) for number in numbers)
+    fresh = looked_at(SavedPrior(scene.rig, None, used))
+    assert len(fresh.selected) == MOST_FRAMES
+    assert not set(fresh.selected) & set(numbers)
     assert sr.health(scene.rig, scene.pairs[:30], matcher=sr.BM(num_disparities=16)).used == tuple(range(MOST_FRAMES))
 
 

@@ -53,6 +53,16 @@ def test_a_noise_that_makes_no_sense(noise):
         sr.Odometer.from_positions([0.0, 1.0], np.zeros((2, 2)), noise=noise)
 
 
+@pytest.mark.parametrize(
+    ("positions", "said"), [(np.zeros((3, 2)), "give one each"), (np.array([[0.0, np.nan], [1.0, 0.0]]), "not finite")]
+)
+def test_positions_that_make_no_sense(positions, said):
+    with pytest.raises(sr.InputError, match=f"positions .*{said}"):
+        sr.Odometer(np.arange(2.0), np.arange(2.0), positions=positions)
+    with pytest.raises(sr.InputError, match=f"positions .*{said}"):
+        sr.Odometer.from_positions(np.arange(2.0), positions)
+
+
 @pytest.mark.parametrize("times", [(-0.1, 1.0), (0.0, 3.1), (2.0, 1.0)])
 def test_outside_of_its_times_it_knows_nothing(times):
     assert sr.Odometer(np.arange(4.0), np.arange(4.0)).between(*times) is None

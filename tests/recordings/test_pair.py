@@ -97,6 +97,11 @@ def test_a_pair_is_of_grey_levels_up_to_255(scale, words):
         Pair(scale * texture(0).astype(np.float32), texture(1).astype(np.float32))
 
 
+def test_a_pair_has_pixels():
+    with pytest.raises(InputError, match="pair, left: the image has no pixels"):
+        Pair(np.zeros((0, 0), np.float32), np.zeros((0, 0), np.float32))
+
+
 @pytest.mark.parametrize(
     ("given", "what"),
     [

@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass
 
-import numpy as np
+from stereorecal.comparison import THRESHOLDS, is_harmful
 
-from stereorecal.comparison import Thresholds
-
-ROWS_WORSE, DEPTH_WORSE = Thresholds.harmful_rows_px, Thresholds.harmful_depth_percent  # px; points at 30 baselines
+ROWS_WORSE, DEPTH_WORSE = THRESHOLDS["harmful_rows_px"], THRESHOLDS["harmful_depth_percent"]
 
 
 @dataclass(frozen=True)
@@ -28,10 +26,7 @@ class Judgement:
     def worse_than(self, other: "Judgement") -> bool:
         """Whether rows are worse by more than matters, or |depth error| at 30 baselines is, by a percentage point, or
         either was known of the other and is not any more."""
-        mine, before = self.row_error_px, other.row_error_px
-        rows = mine > before + ROWS_WORSE or (np.isnan(mine) and not np.isnan(before))
-        if self.depth_error_percent is None or other.depth_error_percent is None:
-            return bool(rows)
-        after, start = (abs(one.depth_error_percent[30]) for one in (self, other) if one.depth_error_percent)
-        depth = after > start + DEPTH_WORSE or (np.isnan(after) and not np.isnan(start))
-        return bool(rows or depth)
+        rows, depths = (other.row_error_px, self.row_error_px), (other.depth_error_percent, self.depth_error_percent)
+        if depths[0] is None or depths[1] is None:
+            return is_harmful(rows)
+        return is_harmful(rows, (depths[0][30], depths[1][30]))

@@ -1,7 +1,7 @@
 """The table, and its JSON form (`stereorecal.field/1`)."""
 
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from stereorecal.cli import extra
@@ -53,8 +53,8 @@ class Field:
                 "planned": self.planned,
                 "judges": self.judges,
                 "methods": list(self.methods),
-                "trials": [asdict(trial) for trial in self.trials],
-                "summary": [asdict(row) for row in self.summary],
+                "trials": self.trials,
+                "summary": self.summary,
             }
         )
 
