@@ -22,6 +22,11 @@ _Group = TypeVar("_Group")
 
 TWO_FILES = "the two files of a calibration are named as LEFT,RIGHT"
 QUOTED = "a pattern such as 'left/*.png' must be quoted"
+_ELSEWHERE = {  # what comes with distributions of their own: their folders in a clone
+    "reproduce": "paper",
+    **dict.fromkeys(("--judge", "--preset", "--full"), "field"),
+    **dict.fromkeys(("--boards", "--board-corners"), "boards"),
+}
 
 # Headings in the help, in their order; other headings follow them, and RUNNING is the last.
 WRITES = "what to write"
@@ -208,6 +213,8 @@ class Parser(argparse.ArgumentParser):
             return f" ({QUOTED})"
         if flag is None:
             return f" ({TWO_FILES})" if "--unit" in known else ""
+        if flag in _ELSEWHERE:
+            return f" ({flag} comes with: {install_line(_ELSEWHERE[flag])})"
         word, names = flag.lstrip("-"), {name.lstrip("-"): name for name in known}  # dashes are alike in all of them
         takers = [one.option_strings[0] for one in self._actions if one.metavar == word.upper() and one.option_strings]
         close = takers or [names[one] for one in get_close_matches(word, names, 1)]
@@ -216,8 +223,8 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
-        if value == "reproduce":  # of a distribution of its own
-            raise argparse.ArgumentError(None, f"{value} is not installed; run: {install_line('paper')}")
+        if value in _ELSEWHERE:
+            raise argparse.ArgumentError(None, f"{value} is not installed; run: {install_line(_ELSEWHERE[value])}")
         close = get_close_matches(str(value), action.choices, 1)
         hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(action.choices)}"
         what = action.option_strings[0] if action.option_strings else action.dest

@@ -84,6 +84,7 @@ def test_an_option_that_is_written_wrongly(command, words: str, said: str):
 def test_a_command_of_another_distribution(command, nothing_installed):
     install = "pip install stereorecal-paper (in a clone: pip install -e plugins/paper)"
     command("reproduce").refuses(f"reproduce is not installed; run: {install}")
+    command("score", "scene", "--boards", "seen").refuses("--boards comes with: pip install stereorecal-boards (in")
 
 
 def test_help_says_what_there_is(command):
