@@ -80,8 +80,8 @@ def test_no_common_time(tmp_path: Path):
         ("T_BS:", "T_SB:", "'T_BS' is missing"),
         ("distortion_model: radial-tangential\n", "", "'distortion_model' is missing"),
         ("intrinsics:", "intrinsic:", "'intrinsics' is missing"),
-        ("camera_model: pinhole", "camera_model: omni", "the camera model 'omni'"),
-        ("radial-tangential", "fov", "distortion model 'fov'"),
+        ("camera_model: pinhole", "camera_model: omni", "the lens model 'omni radial-tangential' is not supported"),
+        ("radial-tangential", "fov", "the lens model 'pinhole fov' is not supported"),
     ],
 )
 def test_bad_sensors(tmp_path: Path, old: str, new: str, words: str, capfd: pytest.CaptureFixture[str]):

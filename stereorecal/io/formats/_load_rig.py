@@ -207,7 +207,7 @@ def _recognised(documents: Documents) -> Format:
         return known[0]
     if any(document.content.keys() == {DOCUMENTS} for document in documents):
         raise InputError(f"{' and '.join(document.name for document in documents)}: {SEVERAL}")
-    if known:
+    if known and len(documents) <= 2:
         said = (
             f"{document.name} looks like {'nothing that is known' if format is None else format.name}"
             for document, format in zip(documents, looks, strict=True)

@@ -53,11 +53,6 @@ def match_all(left: Files, right: Files) -> Matched:
     return _complete(_by_name(left, right), left, right)
 
 
-def match_equal(left: Path, right: Path) -> Matched:
-    """The images of two folders whose names without suffix are equal."""
-    return match_keys(by_stem(left), by_stem(right))
-
-
 def match_keys(left: Mapping[Any, Path], right: Mapping[Any, Path]) -> Matched:
     """The files with equal keys, in the order of the left ones; an InputError names a file without a partner."""
     partners = {path: right[key] for key, path in left.items() if key in right}

@@ -18,7 +18,7 @@ from stereorecal.io.formats.text._document import Syntax, read_document
 from stereorecal.io.images._frame_source import pairs_by_time
 from stereorecal.io.images._image_files import natural_order
 from stereorecal.io.images._load_pairs import load_matched
-from stereorecal.io.images._match_by_name import Matched, by_stem, match_equal
+from stereorecal.io.images._match_by_name import Matched, by_stem, match_keys
 from stereorecal.io.layouts._own_folders import folder_name
 from stereorecal.recordings import LazyPairs, Log, Mission
 
@@ -117,7 +117,7 @@ def _odometry(folder: Path, limit: int | None) -> Iterator[Sequence]:
     """The sequences whose images have been unpacked."""
     for place in _places_in(folder, *_ODOMETRY):
         left, right = _sides_in(place, _ODOMETRY[1])
-        matched = match_equal(place / left, place / right)
+        matched = match_keys(by_stem(place / left), by_stem(place / right))
         pairs = load_matched(matched, limit, _read_times(place / "times.txt", len(matched)))
         hints = Hints(size=pairs[0].size, cameras=(f"P{left[-1]}", f"P{right[-1]}"))
         check_there(place / "calib.txt", _IF_MISSING.format("data_odometry_calib.zip"))
@@ -168,7 +168,7 @@ def _raw(folder: Path, limit: int | None) -> Iterator[Sequence]:
         check_there(day / _OF_DAY, _IF_MISSING.format(f"{day.name}_calib.zip"))
         rig = read_files([day / _OF_DAY], "kitti-raw", hints=hints)
         if rectified:
-            matched = match_equal(drive / left / "data", drive / right / "data")
+            matched = match_keys(by_stem(drive / left / "data"), by_stem(drive / right / "data"))
         else:
             matched = _match_by_time(drive / left, drive / right)
         yield drive, rig, load_matched(matched, limit, _seconds(drive / left, matched))
@@ -231,7 +231,7 @@ def _stereo(folder: Path, limit: int | None) -> Iterator[Sequence]:
     sides = _sides_in(folder, _KINDS)
     (calibrations, format, archive), cameras, projections = _KINDS[sides]
     days: dict[object, tuple[Path, list[tuple[Path, Path]]]] = {}
-    for left, right in match_equal(folder / sides[0], folder / sides[1]):
+    for left, right in match_keys(by_stem(folder / sides[0]), by_stem(folder / sides[1])):
         if left.stem.endswith(_BENCHMARK):
             path = folder / calibrations / f"{left.stem.removesuffix(_BENCHMARK)}.txt"
             check_there(path, _IF_MISSING.format(archive))

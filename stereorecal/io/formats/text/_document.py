@@ -28,11 +28,12 @@ class Syntax(Enum):
     DEVICES = "text of rs-enumerate-devices"
 
 
-_READ_ONLY: dict[Syntax, Callable[[str], dict[str, Any]]] = {
-    Syntax.NUMBERS: _lines.parsed_numbers,
-    Syntax.SECTIONS: _lines.parsed_ost,
-    Syntax.INI: _lines.parsed_ini,
-    Syntax.DEVICES: _lines.parsed_devices,
+# Texts that are read and not written: whether a text looks like one, and its content.
+_READ_ONLY: dict[Syntax, tuple[Callable[[str], object], Callable[[str], dict[str, Any]]]] = {
+    Syntax.NUMBERS: (_lines.numbers_in, _lines.parsed_numbers),
+    Syntax.SECTIONS: (_lines.looks_like_ost, _lines.parsed_ost),
+    Syntax.DEVICES: (_lines.looks_like_devices, _lines.parsed_devices),
+    Syntax.INI: (_lines.looks_like_ini, _lines.parsed_ini),
 }
 _TREES: dict[Syntax, Callable[[str], tuple[str, Node]]] = {
     Syntax.YAML: _yaml.tree,
@@ -49,9 +50,6 @@ _LONGEST = 1 << 22  # characters; a calibration of a rig has a few thousand, and
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _COLONS = re.compile(rf"^\w+:[ \t]+{_NUMBER}[ \t]+{_NUMBER}(?!\S)", re.MULTILINE)
 _SECTION = re.compile(r"\A\s*\[[A-Za-z_][^\]\n]*\]\s*(?:[;#].*)?$", re.MULTILINE)  # of an INI file
-_OST = re.compile(r"^camera matrix[ \t\r]*$", re.MULTILINE)  # a line of its own, as no other text has it
-_INI = re.compile(r"^\[[A-Za-z_][^\]\n]*\][ \t]*\r?\n(?:[ \t]*(?:[#;].*)?\r?\n)*[ \t]*\w+[ \t]*=", re.MULTILINE)
-_DEVICES = re.compile(r'^\s*(?:In|Ex)trinsic (?:of|from) "', re.MULTILINE)
 _PYTHON = re.compile(r"\{\s*(?:#[^\n]*\n\s*)*'")  # a dict with comments, as mrcal writes it, which YAML has, too
 _YAML = re.compile(r"%YAML|---|[\w.\"'][\w.\"' -]{,100}:(?:[\s\[{]|\Z)")  # what its first line has
 _EQUALS = re.compile(r"^\w+[ \t]*=", re.MULTILINE)
@@ -95,7 +93,7 @@ def document(name: object, text: str, syntax: Syntax | None = None, *, lines: bo
             items = max((line.count("- ") for line in text.splitlines()), default=0)
             if len(text) > _LONGEST or max(openings, items) > _MOST_OPENINGS:
                 raise InputError(_NESTED)
-            content = _READ_ONLY[syntax](text) if syntax in _READ_ONLY else plain(_TREES[syntax](text)[1])
+            content = _READ_ONLY[syntax][1](text) if syntax in _READ_ONLY else plain(_TREES[syntax](text)[1])
             return Document(str(name), text, syntax, content)
         except RecursionError:
             raise InputError(_NESTED) from None
@@ -116,14 +114,9 @@ def read_document(path: Path, syntax: Syntax | None = None, *, lines: bool = Tru
 
 def _syntax_of(text: str, lines: bool) -> Syntax:
     start = text.lstrip()[:1]
-    if _lines.numbers_in(text) is not None:
-        return Syntax.NUMBERS
-    if _OST.search(text):
-        return Syntax.SECTIONS
-    if start not in "{<" and _DEVICES.search(text):
-        return Syntax.DEVICES
-    if start not in "{<" and _INI.search(text):
-        return Syntax.INI
+    for syntax, (looks, _) in _READ_ONLY.items():
+        if start not in "{<" and looks(text):
+            return syntax
     if _PYTHON.match(text.lstrip()):
         return Syntax.YAML
     if start == "{" or (start == "[" and not _SECTION.search(text)):

@@ -58,6 +58,10 @@ def parsed_numbers(text: str) -> dict[str, Any]:
     return {"numbers": [x for row in found for x in row] if len(found) == 1 else found}
 
 
+# A line of its own, as no other text has it.
+looks_like_ost = re.compile(r"^camera matrix[ \t\r]*$", re.MULTILINE).search
+
+
 def parsed_ost(text: str) -> dict[str, Any]:
     """The cameras of an ost.txt, as the documents of a YAML text would say them: the rows of numbers of a section by
     title, which stands on a line of its own above them, with those of the section of the image."""
@@ -76,6 +80,11 @@ def parsed_ost(text: str) -> dict[str, Any]:
     return {DOCUMENTS: [{**image, **camera, "camera_name": name} for name, camera in cameras.items()]}
 
 
+looks_like_ini = re.compile(
+    r"^\[[A-Za-z_][^\]\n]*\][ \t]*\r?\n(?:[ \t]*(?:[#;].*)?\r?\n)*[ \t]*\w+[ \t]*=", re.MULTILINE
+).search
+
+
 def parsed_ini(text: str) -> dict[str, Any]:
     """The values of an INI file by section and key, in capitals, as its readers do not tell them apart."""
     sections: list[tuple[str, list[tuple[str, Any]]]] = []
@@ -86,6 +95,9 @@ def parsed_ini(text: str) -> dict[str, Any]:
         elif sign and sections:
             sections[-1][1].append((key.strip().upper(), number_or_word(value.strip())))
     return without_duplicates([(title, without_duplicates(values)) for title, values in sections])
+
+
+looks_like_devices = re.compile(r'^\s*(?:In|Ex)trinsic (?:of|from) "', re.MULTILINE).search
 
 
 def parsed_devices(text: str) -> dict[str, Any]:
