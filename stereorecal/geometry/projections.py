@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._arrays import namespace
-from stereorecal._errors import InputError
+from stereorecal._errors import checked_choice
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +54,7 @@ def projection(name: str) -> Projection:
     Raises:
         InputError: if there is none.
     """
-    if name not in _PROJECTIONS:
-        raise InputError(f"there is no projection {name!r}; give one of {', '.join(NAMES)}.")
-    return _PROJECTIONS[name]
+    return _PROJECTIONS[checked_choice(name, NAMES, "projection")]
 
 
 def _plane_slopes(y: Any, z: Any) -> tuple[Any, Any]:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError
-from stereorecal.geometry import StereoRig, checked_unit, described_turns, doubt_of_length, fitted_to, whole_size
+from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError, checked_choice
+from stereorecal.geometry import METRES, StereoRig, described_turns, doubt_of_length, fitted_to, whole_size
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._matrix_search import said_of
@@ -96,7 +96,8 @@ def read_files(
         InputError: naming the file, if it cannot be read, no format is recognised, or it holds no valid calibration.
         UnsupportedModelError: if the model of a lens is not known.
     """
-    checked_unit(unit)
+    if unit is not None:
+        checked_choice(unit, METRES, "unit")
     hints = hints or Hints()
     documents, found = _documents_of(paths, format, hints)
     rig = rig_in(documents, found, unit, hints)

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry import (
     METRES,
     PINHOLE,
     AnyView,
     StereoRig,
     checked_rig,
-    checked_unit,
     rectification,
     same_camera,
     same_rig,
@@ -189,7 +188,8 @@ def _texts_of(
     It is written into the source, if the format is its own; else `unit` is that of a format that says none.
     """
     chosen = _chosen_format(paths, source, format)
-    checked_unit(unit)
+    if unit is not None:
+        checked_choice(unit, METRES, "unit")
     before = rig
     if source is not None:
         before = rig_in(source.documents, named(source.format), source.unit, source.hints).turned(rig.turns)
