@@ -94,6 +94,11 @@ class Camera:
         of the matrix, but of double spheres and omni lenses."""
         return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
+    @property
+    def middle(self) -> Float[np.ndarray, "2"]:
+        """The middle of the image, in pixels."""
+        return 0.5 * (np.array(self.size, float) - 1.0)
+
     def resized(self, size: tuple[int, int]) -> "Camera":
         """The camera of the same image resampled to `size` (area convention: pixel corners stay corners).
 

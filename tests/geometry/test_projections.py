@@ -105,7 +105,7 @@ def test_maps_follow_the_directions_over_the_whole_field(model: str):
     matrix = np.array([[150.0, 0, 322.4], [0, 151.0, 236.1], [0, 0, 1]])
     lens = Camera(SIZE, matrix, np.array(WIDE_LENSES[model]), model=model)
     turn, shown = rotation_from_euler(np.array([0.3, -0.2, 0.1])), View((200, 160), 60.0, 100.0, 100.0, 80.0, NAMES[1])
-    maps = np.asarray(pixel_map(lens, turn, shown.matrix_left, shown.size, shown.projection))
+    maps = np.asarray(pixel_map(lens, turn, shown, 0))
     columns, rows = np.meshgrid(np.arange(200.0), np.arange(160.0))
     rays = shown.directions(columns, rows, 0) @ turn
     off = np.arccos(np.clip(rays[..., 2], -1.0, 1.0))

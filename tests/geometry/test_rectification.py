@@ -11,6 +11,7 @@ from lenses import FEW, LENSES
 from stereorecal.geometry import (
     Camera,
     StereoRig,
+    View,
     bilinear_warp,
     mapped_area,
     pixel_map,
@@ -259,10 +260,10 @@ def test_gradients_are_finite_where_rays_turn_behind_the_camera():
 
 def test_gradients_are_finite_where_rays_lie_in_the_plane_of_the_image():
     sideways = jnp.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    matrix = np.array([[100.0, 0, 4], [0, 100.0, 4], [0, 0, 1]])  # column 4 looks exactly along x: z = 0
+    shown = View((9, 9), 100.0, 4.0, 4.0, 4.0)  # column 4 looks exactly along x: z = 0
 
     def total(rotation):
-        return jnp.sum(pixel_map(SCENE.left, rotation, matrix, (9, 9)))
+        return jnp.sum(pixel_map(SCENE.left, rotation, shown, 0))
 
     value, gradient = jax.jit(jax.value_and_grad(total))(sideways)
     assert np.isfinite(value)
