@@ -131,6 +131,8 @@ class StereoRig:
             for K, D in ((K1, D1), (K2, D2))
         )
         translation = np.ravel(np.asarray(T, float))
+        if translation.shape != (3,) or np.shape(R) != (3, 3):
+            raise InputError(f"R and T have shapes {np.shape(R)} and {np.shape(T)}; give (3, 3) and three numbers.")
         rig = StereoRig.from_rotation(left, right, R, translation * METRES[unit])
         doubt = doubt_of_length(float(rig.baseline), unit)
         if doubt is not None:
