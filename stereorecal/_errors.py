@@ -75,7 +75,7 @@ def checked_choice(name: str, names: Iterable[str], what: str) -> str:
     names = list(names)
     if name in names:
         return name
-    close = difflib.get_close_matches(name, names, 1)
+    close = difflib.get_close_matches(str(name), names, 1)
     hint = f"did you mean {close[0]}?" if close else f"choose one of: {', '.join(names)}."
     raise InputError(f"unknown {what} {name!r}; {hint}")
 

@@ -44,7 +44,7 @@ NOT_IN_CORE = ("nlopt", "optimistix", "equinox")
 # Rooms that use the core as anybody could: what their files import from other rooms are public names of these rooms.
 # The second part: what they need of the commands' own helpers, which are nobody's room.
 PUBLIC_FACE_ONLY: dict[str, set[str]] = {
-    "synthetic": set(),
+    "synthetic": {"_errors"},
     "online": {"_arrays", "_errors"},
 }
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stereorecal._errors import NeedNotMet
 from stereorecal.comparison._entrants import Entrant
-from stereorecal.geometry import StereoRig, View, angle_between, axis_errors
+from stereorecal.geometry import AXES, StereoRig, View, angle_between, axis_errors
 from stereorecal.matching import AbstractMatcher, name_of
 from stereorecal.objectives import Parameters, Reach, count_chart, count_objective
 from stereorecal.recalibration import Case, Solution, as_settings, difference, recalibrate_case
@@ -182,8 +182,8 @@ def _trial_of_solution(task: Task, solution: Solution) -> Trial:
         score_final=final,
         score_reference=target,
         ratio=final / target if target else None,
-        rotation_error_deg=errors.rotation_deg,
-        translation_error_percent=errors.translation_percent,
+        rotation_error_deg={name: errors[name] for name in AXES[:3]},
+        translation_error_percent={name: errors[name] for name in "yz"},
         evaluations=solution.evaluations,
         cost=solution.cost.budgeted,
         cost_total=solution.cost.total,
@@ -272,6 +272,6 @@ def course_of(reference: StereoRig, solution: Solution, *, one_score: bool) -> d
     return {
         "cost": cost,
         "rotation_error_deg": [float(np.degrees(angle_between(rig.rotation, reference.rotation))) for rig in rigs],
-        "axes_deg": [list(axis_errors(rig, reference).rotation_deg.values()) for rig in rigs],
+        "axes_deg": [list(axis_errors(rig, reference).values())[:3] for rig in rigs],
         "score": score,
     }

@@ -32,7 +32,6 @@ from stereorecal.geometry._rig import (
     with_unit_baseline as with_unit_baseline,
 )
 from stereorecal.geometry._rig_differences import (
-    AxisErrors as AxisErrors,
     axis_changes as axis_changes,
     axis_errors as axis_errors,
     same_cameras as same_cameras,
@@ -51,7 +50,6 @@ from stereorecal.geometry._so3 import (
 )
 from stereorecal.geometry._units import (
     METRES as METRES,
-    checked_unit as checked_unit,
     doubt_of_length as doubt_of_length,
     inferred_unit as inferred_unit,
 )

@@ -94,6 +94,11 @@ class Camera:
         of the matrix, but of double spheres and omni lenses."""
         return self.lens.magnification(np.asarray(self.distortion)) * np.asarray(self.matrix)[(0, 1), (0, 1)]
 
+    @property
+    def middle(self) -> Float[np.ndarray, "2"]:
+        """The middle of the image, in pixels."""
+        return 0.5 * (np.array(self.size, float) - 1.0)
+
     def resized(self, size: tuple[int, int]) -> "Camera":
         """The camera of the same image resampled to `size` (area convention: pixel corners stay corners).
 
@@ -149,19 +154,16 @@ class Camera:
         focal = self.matrix[(0, 1), (0, 1)]
         return image * focal + self.matrix[:2, 2]
 
-    def rays(self, pixels: Float[AnyArray, "*n 2"]) -> Float[AnyArray, "*n 3"]:
-        """Pixels to rays (x/z, y/z, 1) in the camera frame; float64 for NumPy arrays, else float32. NaN where a wide
-        lens looks 90 degrees off its axis and more; `directions` has no such limit."""
-        return self.flat_rays((pixels - self.matrix[:2, 2]) / self.matrix[(0, 1), (0, 1)])
-
-    def flat_rays(
-        self, points: Float[AnyArray, "*n 2"], start: Float[np.ndarray, "*n 2"] | None = None
+    def rays(
+        self, pixels: Float[AnyArray, "*n 2"], start: Float[np.ndarray, "*n 2"] | None = None
     ) -> Float[AnyArray, "*n 3"]:
-        """`rays` of image points: pixels less the principal point, over the focal lengths.
+        """Pixels to rays (x/z, y/z, 1) in the camera frame; float64 for NumPy arrays, else float32. NaN where a wide
+        lens looks 90 degrees off its axis and more; `directions` has no such limit.
 
         Args:
             start: of NumPy arrays: (x/z, y/z) near the answer, if it is known.
         """
+        points = (pixels - self.matrix[:2, 2]) / self.matrix[(0, 1), (0, 1)]
         found = self.lens.unproject(points, self.distortion, start)
         if not self.lens.WIDE:
             return found

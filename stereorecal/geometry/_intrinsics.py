@@ -86,9 +86,7 @@ def reread(rays: Float[np.ndarray, "*n 3"], true: Camera, read: Camera) -> Float
     if same_camera(true, read):
         return rays
     rays = np.asarray(rays, float)
-    points = rays[..., :2] / rays[..., 2:]
-    goals = (true.project(rays) - read.matrix[:2, 2]) / read.matrix[(0, 1), (0, 1)]
-    return np.asarray(read.flat_rays(goals, start=points))
+    return np.asarray(read.rays(true.project(rays), start=rays[..., :2] / rays[..., 2:]))
 
 
 def ray_slopes(camera: Camera, rays: Float[np.ndarray, "*n 3"], names: Sequence[str]) -> Float[np.ndarray, "p *n 2"]:

@@ -8,11 +8,11 @@ import numpy as np
 from jaxtyping import Float
 
 from stereorecal._arrays import AnyArray, Extrinsics, Mat3, Vec3, is_host, namespace, register_pytree
-from stereorecal._errors import CalibrationWarning, InputError
+from stereorecal._errors import CalibrationWarning, InputError, checked_choice
 from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._quarter_turns import UPRIGHT, Turns, turn_of, turned_size, turns_of
 from stereorecal.geometry._so3 import euler_from_rotation, rotation_from_euler
-from stereorecal.geometry._units import METRES, checked_unit, doubt_of_length
+from stereorecal.geometry._units import METRES, doubt_of_length
 
 _FROM_ROTATION = (
     "write sr.StereoRig.from_rotation(left, right, R, T), or sr.StereoRig.from_matrices(K1, D1, K2, D2, R, T, size), "
@@ -119,8 +119,7 @@ class StereoRig:
         Warns:
             CalibrationWarning: if the baseline is longer than 5 m or shorter than 5 mm, as of a T in another unit.
         """
-        if checked_unit(unit) is None:
-            raise InputError('the unit of T is None; give "m", "cm", "mm" or "in".')
+        checked_choice(unit, METRES, "unit")
         for name, K in (("K1", K1), ("K2", K2)):
             if np.shape(K) != (3, 3):
                 raise InputError(

@@ -1,21 +1,8 @@
 """Units of length, and whether a baseline is as long as baselines are."""
 
-from stereorecal._errors import InputError
-
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 _WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches"}
 _USUAL = (0.005, 5.0)  # metres, from the smallest endoscope to the longest ship's rig
-
-
-def checked_unit(unit: str | None) -> str | None:
-    """The unit, if it is one or none is given.
-
-    Raises:
-        InputError: otherwise.
-    """
-    if unit is not None and unit not in METRES:
-        raise InputError(f"unknown unit {unit!r}; choose one of: {', '.join(METRES)}.")
-    return unit
 
 
 def inferred_unit(length: float) -> str:

@@ -10,7 +10,6 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3, namespace, register_pytree
 from stereorecal._errors import InputError, checked_choice
-from stereorecal.geometry._camera import Camera
 from stereorecal.geometry._rig import StereoRig, checked_rig
 from stereorecal.geometry._so3 import rectifying_rotations
 from stereorecal.geometry.projections import Projection, projection as projection_of
@@ -57,7 +56,8 @@ class View:
     @property
     def degrees(self) -> float:
         """How much it shows across, in degrees."""
-        return float(np.degrees(2.0 * self.formulas.angle(0.5 * self.size[0] / float(self.focal))))
+        x, _, z = self.formulas.directions(0.5 * self.size[0] / float(self.focal), 0.0)
+        return float(np.degrees(2.0 * np.arctan2(x, z)))
 
     @property
     def at_infinity(self) -> float | Float[AnyArray, ""]:
@@ -142,29 +142,18 @@ class View:
 def view(
     rig: StereoRig, *, zero_disparity: bool = True, field: float | None = None, projection: str | None = None
 ) -> View:
-    """The default View of a rig, at the size of its left image.
+    """The default View of a rig, at the size of its left image: a pinhole, or equirectangular, where wide lenses show
+    more than a pinhole can at 0.7 times their mean focal length (docs/conventions.md). Projection and focal length
+    depend on the intrinsics alone, so no zoom follows the extrinsics.
 
-    Projection: a pinhole; of fisheyes and other wide models, a pinhole where it shows the whole field that both cameras
-    see, or the one that is asked for, at 0.7 times their mean focal length or more (of an ideal fisheye, 107 degrees),
-    and else equirectangular.
-
-    Focal length of a pinhole: as long as keeps the middles of all four borders of both undistorted images inside, but
-    between 0.7 and 1 times the mean focal length of the cameras, so that nothing is magnified and wide lenses do not
-    shrink the middle away; of a wide model whose field it cannot show, and of the other projection, 1, the widest that
-    keeps the resolution of the middle (but not more than 160 degrees). Centre: the image centres of both cameras,
-    undistorted and rotated into the rectified frame, project on average to the centre of the view; with
-    `zero_disparity` both share one principal column (points at infinity have disparity 0), else each camera's own
-    centre lies in the middle.
-
-    Projection and focal length depend on the intrinsics alone, so no zoom follows the extrinsics.
-
-    A pinhole shows 97 degrees of a fisheye of 130, and 118 of one of 190. "equirectangular" shows all of the first, and
-    160 degrees of the second, at the resolution of the middle.
+    Centre: the image centres of both cameras, undistorted and rotated into the rectified frame, project on average to
+    the centre of the view; with `zero_disparity` both share one principal column (points at infinity have disparity 0),
+    else each camera's own centre lies in the middle.
 
     Args:
-        field: the width of the view in degrees, in place of the focal length above: up to 165 of a pinhole, up to 180
-            of "equirectangular".
-        projection: "pinhole" or "equirectangular", as `View` has it, in place of the rule above.
+        field: the width of the view in degrees, in place of the rule: up to 165 of a pinhole, up to 180 of
+            "equirectangular".
+        projection: "pinhole" or "equirectangular", as `View` has it, in place of the rule.
 
     Raises:
         InputError: if the field makes no sense, the projection is unknown, or no lens has such a focal length.
@@ -196,7 +185,7 @@ def view(
     rotations = rectifying_rotations(rig.rotation, rig.translation)
     columns, rows = [], []
     for camera, rotation in zip((rig.left, rig.right), rotations, strict=True):
-        u, v = formulas.project(*(rotation @ np.asarray(camera.rays(_image_centre(camera)[None]))[0].astype(float)))
+        u, v = formulas.project(*(rotation @ np.asarray(camera.rays(camera.middle[None]))[0].astype(float)))
         columns.append(0.5 * (width - 1) - focal * u)
         rows.append(0.5 * (height - 1) - focal * v)
     if zero_disparity:
@@ -263,13 +252,9 @@ def _shown_focal(rig: StereoRig) -> float:
     see: the narrower one decides beside a fisheye."""
     focals = []
     for camera in (rig.left, rig.right):
-        (cx, cy), (w, h) = _image_centre(camera), camera.size
+        (cx, cy), (w, h) = camera.middle, camera.size
         rays = np.asarray(camera.rays(np.array([[cx, cy], [0, cy], [w - 1, cy], [cx, 0], [cx, h - 1]], float)), float)
         offset = np.abs(rays[1:, :2] - rays[0, :2])
         offset = np.where(np.isnan(offset), np.inf, offset)  # 90 degrees off the axis, and more
         focals.append(float(min(0.5 * w / offset[:2, 0].max(), 0.5 * h / offset[2:, 1].max())))
     return max(focals) if rig.is_wide else min(focals)
-
-
-def _image_centre(camera: Camera) -> Float[np.ndarray, "2"]:
-    return 0.5 * (np.array(camera.size, float) - 1.0)

@@ -10,8 +10,7 @@ from jaxtyping import Bool, Float
 
 from stereorecal._arrays import AnyArray, Mat3
 from stereorecal.geometry._camera import Camera
-from stereorecal.geometry._view import PINHOLE, View
-from stereorecal.geometry.projections import projection as projection_of
+from stereorecal.geometry._view import View
 
 PixelMap = Float[AnyArray, "2 h w"]  # a plane of columns x and one of rows y
 
@@ -19,24 +18,21 @@ _POLE = np.sqrt(3.0) - 2.0  # of the filter from samples to the coefficients of 
 _REACH = 8  # pixels, where that filter has fallen to 3e-5
 
 
-def pixel_map(
-    camera: Camera, rotation: Mat3, matrix: Mat3, size: tuple[int, int], projection: str = PINHOLE
-) -> PixelMap:
+def pixel_map(camera: Camera, rotation: Mat3, view: View, side: int) -> PixelMap:
     """Where each pixel of a rectified view comes from in the camera's image: (2, h, w), columns x and rows y.
 
-    Of a pinhole the same as `initUndistortRectifyMap(K, D, rotation, matrix, size)` of `cv2`, or of `cv2.fisheye` for
-    an equidistant lens, float32, except that pixels that the lens does not show, behind the camera or beyond the angle
-    at which its model folds back, lie at (-1, -1), outside every image.
+    Of a pinhole the same as `initUndistortRectifyMap` of `cv2`, or of `cv2.fisheye` for an equidistant lens, float32,
+    except that pixels that the lens does not show, behind the camera or beyond the angle at which its model folds back,
+    lie at (-1, -1), outside every image.
 
     Args:
         rotation: (3, 3) camera frame to rectified frame.
-        matrix: (3, 3) from image points of the projection to pixels of the view.
-        size: (width, height) of the view.
-        projection: of the view.
+        side: of the view: 0 left, 1 right.
     """
-    formulas = projection_of(projection)
-    u = ((jnp.arange(size[0], dtype=jnp.float32) - matrix[0, 2]) / matrix[0, 0])[None, :]
-    v = ((jnp.arange(size[1], dtype=jnp.float32) - matrix[1, 2]) / matrix[1, 1])[:, None]
+    formulas, (width, height) = view.formulas, view.size
+    centre = (view.centre_left, view.centre_right)[side]
+    u = ((jnp.arange(width, dtype=jnp.float32) - centre) / view.focal)[None, :]
+    v = ((jnp.arange(height, dtype=jnp.float32) - view.centre_row) / view.focal)[:, None]
     x, y, z = formulas.directions(u, v)
     r = rotation  # directions of the view, turned back by the transpose
     ray_x, ray_y, ray_z = (r[0, axis] * x + r[1, axis] * y + r[2, axis] * z for axis in range(3))
@@ -62,10 +58,7 @@ def rectifying_maps(
     left: Camera, right: Camera, rotations: Sequence[Mat3] | AnyArray, view: View
 ) -> tuple[PixelMap, PixelMap]:
     """The pixel maps of both cameras in one View, by their rotations into its frame (`rectifying_rotations`)."""
-    return (
-        pixel_map(left, rotations[0], view.matrix_left, view.size, view.projection),
-        pixel_map(right, rotations[1], view.matrix_right, view.size, view.projection),
-    )
+    return pixel_map(left, rotations[0], view, 0), pixel_map(right, rotations[1], view, 1)
 
 
 def bilinear_warp(image: Float[AnyArray, "height width"], coordinates: PixelMap) -> Float[jax.Array, "h w"]:

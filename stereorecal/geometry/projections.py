@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from stereorecal._arrays import namespace
-from stereorecal._errors import InputError
+from stereorecal._errors import checked_choice
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +21,6 @@ class Projection:
         widest: the largest field that a view may show across, in degrees.
         usual: the largest field that a view shows unless more is asked for, in degrees.
         edge: the image point of a direction so many radians off the middle, along the columns.
-        angle: the inverse of `edge`.
         directions: x, y and z of image points u, v. Beyond what the projection shows, those of its edge.
         shows: whether image points are those of directions; True if all are.
         project: u and v of directions; analytic, so that complex steps differentiate it.
@@ -36,7 +35,6 @@ class Projection:
     widest: float
     usual: float
     edge: Callable[[float], float]
-    angle: Callable[[float], float]
     directions: Callable[[Any, Any], tuple[Any, Any, Any]]
     shows: Callable[[Any, Any], Any]
     project: Callable[[Any, Any, Any], tuple[Any, Any]]
@@ -52,9 +50,7 @@ def projection(name: str) -> Projection:
     Raises:
         InputError: if there is none.
     """
-    if name not in _PROJECTIONS:
-        raise InputError(f"there is no projection {name!r}; give one of {', '.join(NAMES)}.")
-    return _PROJECTIONS[name]
+    return _PROJECTIONS[checked_choice(name, NAMES, "projection")]
 
 
 def _sphere_directions(u: Any, v: Any) -> tuple[Any, Any, Any]:
@@ -89,7 +85,6 @@ _PROJECTIONS = {
         widest=165.0,
         usual=165.0,
         edge=lambda angle: float(np.tan(angle)),
-        angle=lambda edge: float(np.arctan(edge)),
         directions=lambda u, v: (u, v, 1.0),
         shows=lambda u, v: True,
         project=lambda x, y, z: (x / z, y / z),
@@ -105,7 +100,6 @@ _PROJECTIONS = {
         widest=180.0,
         usual=160.0,  # beyond, the baseline is a sixth of what it is in the middle
         edge=lambda angle: angle,
-        angle=lambda edge: edge,
         directions=_sphere_directions,
         shows=lambda u, v: (abs(u) <= 0.5 * np.pi) & (abs(v) <= np.pi),
         project=_sphere_point,

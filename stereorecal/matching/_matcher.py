@@ -1,10 +1,7 @@
 """The matcher interface: two rectified images in, a Disparity out."""
 
 import abc
-import difflib
 import math
-import re
-from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,7 +9,7 @@ import jax
 from jaxtyping import Bool, Float, Int
 
 from stereorecal._arrays import AnyArray, namespace, register_pytree
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.matching._texture import textured
 
 
@@ -78,9 +75,8 @@ class AbstractMatcher(abc.ABC):
         known = [option.name for option in fields(cls)]
         if values:
             raise InputError(f"name the options of {cls.__name__}, as in {called(cls)}(num_disparities=64).")
-        for name, value in options.items():
-            if name not in known:
-                raise InputError(_no_option(cls, name, value, known))
+        for name in options:
+            checked_choice(name, known, f"option of {cls.__name__}")
         return super().__new__(cls)
 
     @property
@@ -155,12 +151,3 @@ class AbstractMatcher(abc.ABC):
 def called(cls: type[AbstractMatcher]) -> str:
     """How a program calls the class: the core's own are public names of the library."""
     return f"sr.{cls.__name__}" if cls.__module__.partition(".")[0] == "stereorecal" else cls.__name__
-
-
-def _no_option(cls: type[AbstractMatcher], name: str, value: Any, known: Sequence[str]) -> str:
-    matcher = cls.__name__
-    snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-    close = [snake] if snake in known else difflib.get_close_matches(snake, known, 1)
-    if close:
-        return f"{matcher} has no option {name!r}; write {called(cls)}({close[0]}={value!r})."
-    return f"{matcher} has no option {name!r}; it has: {', '.join(known)}."

@@ -119,7 +119,7 @@ class Difference:
         rotation_deg: change of pitch, yaw and roll, in degrees, by name.
         angle_deg: of the rotation that leads from one to the other, in degrees.
         translation_percent: change of y and z, in percent of the baseline, by name: of its direction, as in
-            `AxisErrors`.
+            `axis_errors`.
         baseline_percent: by how much the baseline is longer.
         same_intrinsics: whether the cameras are the same.
         baseline: of `after`, metres.

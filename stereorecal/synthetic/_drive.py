@@ -23,7 +23,7 @@ from stereorecal.geometry import StereoRig, rig_as_data
 from stereorecal.recordings import Pair
 from stereorecal.synthetic._noise import Texture
 from stereorecal.synthetic._patch import Patch
-from stereorecal.synthetic._render import default_rig, expose, middle_of, pixel_rays, world_rays
+from stereorecal.synthetic._render import default_rig, expose, pixel_rays, world_rays
 from stereorecal.synthetic._scenes import make_world
 from stereorecal.synthetic._studio import Studio
 from stereorecal.synthetic._vehicles import boat, car
@@ -237,13 +237,12 @@ def _rendered(drive: Drive, place: int) -> _Images:
         for side in (0, 1):
             time = number + (drive.late[frame] if side else 0.0)
             shown = replace(world, patches=(*world.patches, *(patch.moved(time * way) for patch, way in moving)))
-            focal = float(cameras[side].focal[0])
-            rays = world_rays(course(time), rig, side, directions[side], focal, samples=1)
+            rays = world_rays(course(time), rig, side, directions[side], 1.0 / float(cameras[side].focal[0]))
             falling = np.random.default_rng([drive.seed, frame, side, 1])
             light = radiance(shown, rays, time * _SECONDS_PER_FRAME)
             light = _lit(light, weather, falling, np.random.default_rng([drive.seed, side, 2]))
             noise = _NIGHT_NOISE if weather == "night" else _NOISE
-            how = {"gain": gains[side], "centre": middle_of(cameras[side]), "noise": noise}
+            how = {"gain": gains[side], "centre": cameras[side].middle, "noise": noise}
             images[number, side] = expose(light, falling, blur=_BLUR, vignetting=_VIGNETTING, **how)
     return images
 

@@ -45,8 +45,8 @@ def ground_truth(
     columns, rows = np.moveaxis(pixel_grid(view.size), -1, 0)
     rectified = np.asarray(view.directions(columns, rows, 0))
     directions = rectified @ left_turn
-    pose, focal = world.motion(frame), float(view.focal)
-    rays = world_rays(pose, rig, 0, directions.astype(np.float32), focal)
+    pose, spread = world.motion(frame), 0.5 / float(view.focal)
+    rays = world_rays(pose, rig, 0, directions.astype(np.float32), spread)
     distance = depth(world, rays)  # in lengths of the directions
     nearness = float(rig.baseline) / distance.astype(float)
     in_right = rectified - nearness[..., None] * [1.0, 0.0, 0.0]
@@ -58,7 +58,7 @@ def ground_truth(
     in_right = points @ rig.rotation.T + rig.translation
     away = np.linalg.norm(in_right, axis=-1)
     back = in_right / away[..., None]
-    second = world_rays(pose, rig, 1, back.astype(np.float32), focal)
+    second = world_rays(pose, rig, 1, back.astype(np.float32), spread)
     hidden = (depth(world, second) < 0.995 * away) | ~np.broadcast_to(view.shows(columns, rows, 0), away.shape)
     return GroundTruth(disparity.astype(np.float32), hidden | ~_inside(rig.right, back))
 
@@ -93,7 +93,7 @@ def ranges(
     size = np.array(rig.left.size, float)
     pixels = random.uniform(_BORDER * size, (1 - _BORDER) * size, (_TRIES * number, 2)).round()
     directions = np.asarray(rig.left.rays(pixels))[None]
-    depths = depth(world, world_rays(world.motion(0), rig, 0, directions.astype(np.float32), 600.0))[0]
+    depths = depth(world, world_rays(world.motion(0), rig, 0, directions.astype(np.float32), 0.5 / 600.0))[0]
     metres = np.linalg.norm(directions[0], axis=-1) * depths
     baseline = float(rig.baseline)
     within = np.flatnonzero((metres > _NEAREST * baseline) & (metres < _FARTHEST * baseline))[:number]

@@ -21,7 +21,6 @@ from stereorecal.synthetic._scenes import make_world
 from stereorecal.synthetic._world import Pose, radiance
 
 _SECONDS_PER_FRAME = 0.2  # how far the waves run between frames; chosen
-_SUPERSAMPLE = 2  # per axis: 4 samples a pixel antialias the edges of patches
 
 _camera_rays = jax.jit(lambda camera, pixels: (camera.directions if camera.lens.WIDE else camera.rays)(pixels))
 
@@ -102,12 +101,12 @@ def render(
     gains = 1.0, 1.0 + float(draw.uniform(-exposure, exposure))
     cameras = rig.left, rig.right
     # The optical axis of a real lens misses the middle of the sensor by a few percent.
-    centres = [middle_of(camera) * (1.0 + draw.uniform(-0.04, 0.04, 2)) for camera in cameras]
+    centres = [camera.middle * (1.0 + draw.uniform(-0.04, 0.04, 2)) for camera in cameras]
     directions = [_supersampled_rays(c.size, c.matrix.tobytes(), c.distortion.tobytes(), c.model) for c in cameras]
-    focals = [float(camera.focal[0]) for camera in cameras]
+    spreads = [0.5 / float(camera.focal[0]) for camera in cameras]
 
     def photograph(frame: int, side: int) -> Texture:
-        rays = world_rays(world.motion(frame), rig, side, directions[side], focals[side])
+        rays = world_rays(world.motion(frame), rig, side, directions[side], spreads[side])
         light = radiance(world, rays, frame * _SECONDS_PER_FRAME)
         light = cv2.resize(light, cameras[side].size, interpolation=cv2.INTER_AREA)
         grain = np.random.default_rng([seed, frame, side])
@@ -123,10 +122,6 @@ def render(
     return Scene(f"{kind}-{seed}", rig, tuple(pairs), "truth", {"kind": kind, "seed": seed})
 
 
-def middle_of(camera: Camera) -> Float[np.ndarray, "2"]:
-    return 0.5 * (np.array(camera.size, float) - 1.0)
-
-
 def pixel_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
     """Rays through the centres of the pixels, (h, w, 3) float32, camera frame: (x/z, y/z, 1), or unit vectors of a wide
     lens."""
@@ -135,9 +130,9 @@ def pixel_rays(camera: Camera) -> Float[np.ndarray, "h w 3"]:
 
 @lru_cache(maxsize=4)
 def _supersampled_rays(size: tuple[int, int], matrix: bytes, distortion: bytes, model: str):
-    """Rays of 2 x 2 samples in each pixel, (2h, 2w, 3) float32, camera frame: (x/z, y/z, 1), or unit vectors of a wide
-    lens. The camera is given by its numbers, so that scenes of equal cameras share them; the samples lie a quarter of
-    a pixel off the pixel centres, near enough for a first-order expansion."""
+    """Rays of 2 x 2 samples in each pixel, which antialias edges, (2h, 2w, 3) float32, camera frame: (x/z, y/z, 1), or
+    unit vectors of a wide lens. The camera is given by its numbers, so that scenes of equal cameras share them; the
+    samples lie a quarter of a pixel off the pixel centres, near enough for a first-order expansion."""
     camera = Camera(size, np.frombuffer(matrix).reshape(3, 3), np.frombuffer(distortion), model=model)
     centre = pixel_rays(camera)
     down, across = (np.float32(0.25) * slope for slope in np.gradient(centre, axis=(0, 1)))
@@ -149,24 +144,15 @@ def _supersampled_rays(size: tuple[int, int], matrix: bytes, distortion: bytes, 
     return fine
 
 
-def world_rays(
-    pose: Pose,
-    rig: StereoRig,
-    side: int,
-    directions: Float[np.ndarray, "h w 3"],
-    focal: float,
-    samples: int = _SUPERSAMPLE,
-) -> Rays:
+def world_rays(pose: Pose, rig: StereoRig, side: int, directions: Float[np.ndarray, "h w 3"], spread: float) -> Rays:
     """Rays of one camera of a rig in the world frame.
 
     Args:
         side: 0 for the left camera, 1 for the right one.
         directions: (h, w, 3) float32, in the frame of that camera.
-        focal: focal length [px] of the image, for the choice of texture detail.
-        samples: of a pixel, per axis.
+        spread: angle between neighbours, for the choice of texture detail.
     """
     centre, to_world = pose
-    spread = 1.0 / focal / samples
     if side == 1:
         centre = centre - to_world @ rig.rotation.T @ rig.translation
         to_world = to_world @ rig.rotation.T

@@ -6,14 +6,13 @@ modules of its own: objects (`_buildings`, `_nature`, `_vehicles`), ground and s
 the rig (`_world`).
 """
 
-import difflib
 from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
-from stereorecal import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.synthetic._buildings import boards, corrugated, facade, house, masonry, paving, plain, quay
 from stereorecal.synthetic._ground import make_road, make_water, shade_map
 from stereorecal.synthetic._nature import cliff, crown, hill, shoreline, tree
@@ -259,10 +258,7 @@ def make_world(kind: str, seed: int) -> World:
     Raises:
         InputError: for an unknown kind or a negative seed.
     """
-    if kind not in MAKERS:
-        close = difflib.get_close_matches(str(kind), KINDS, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else "."
-        raise InputError(f"unknown kind of scene {kind!r}: it must be one of {', '.join(KINDS)}{hint}")
+    checked_choice(kind, KINDS, "kind of scene")
     if seed < 0:
         raise InputError(f"the seed is {seed}; give a whole number that is not negative.")
     return MAKERS[kind](np.random.default_rng([KINDS.index(kind), seed]))

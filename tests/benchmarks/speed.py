@@ -205,7 +205,7 @@ def warping(threads: int, rounds: int) -> Iterator[Figure]:
 
     @jax.jit
     def warp(image, turn):
-        return bilinear_warp(image, jax.lax.optimization_barrier(pixel_map(camera, turn, matrix, view.size)))
+        return bilinear_warp(image, jax.lax.optimization_barrier(pixel_map(camera, turn, view, 0)))
 
     turned = jnp.asarray(turn, jnp.float32)
     ours, theirs = timed(

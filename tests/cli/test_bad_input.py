@@ -142,7 +142,7 @@ OPTIONS = {
         "--view=field=200": "the field of a view is 200.0; give degrees, more than 0 and at most",
         "--view=field=0.001": "a field of 0.001 degrees magnifies the images",
         "--view=field=wide": "--view has 'field=wide'; give degrees, such as field=140",
-        "--view=projection=fisheye": "there is no projection 'fisheye'; give one of pinhole, equi",
+        "--view=projection=fisheye": "unknown projection 'fisheye'; choose one of: pinhole, equi",
         "--view=pinhole": "unknown argument of --view 'pinhole'; choose one of: projection,",
         "--view=fields=80": "did you mean field?",
         "--view=": "--view is empty; give",

@@ -11,6 +11,7 @@ from lenses import FEW, LENSES
 from stereorecal.geometry import (
     Camera,
     StereoRig,
+    View,
     bilinear_warp,
     mapped_area,
     pixel_map,
@@ -113,13 +114,13 @@ def test_scaling_the_view_is_resizing_its_images(scale: float):
     full = view(stereo)
     half = full.scaled(scale)
     rotation = rectifying_rotations(stereo.rotation, stereo.translation)[0]
-    large = np.asarray(map_of(stereo.left, rotation, full.matrix_left, full.size))
-    small = np.asarray(map_of(stereo.left, rotation, half.matrix_left, half.size))
+    large = np.asarray(map_of(stereo.left, rotation, full, 0))
+    small = np.asarray(map_of(stereo.left, rotation, half, 0))
     averaged = np.stack([cv2.resize(plane, half.size, interpolation=cv2.INTER_AREA) for plane in large])
     np.testing.assert_allclose(averaged, small, atol=0.02)
     # In the resized camera the same place has the coordinates of the resized image.
     resized = stereo.left.resized((round(SIZE[0] * scale), round(SIZE[1] * scale)))
-    again = np.asarray(map_of(resized, rotation, half.matrix_left, half.size))
+    again = np.asarray(map_of(resized, rotation, half, 0))
     np.testing.assert_allclose(again, (small + 0.5) * scale - 0.5, atol=1e-3)
 
 
@@ -132,10 +133,10 @@ def test_pixel_map_is_that_of_opencv(count: int, seed: int):
     camera = Camera(SIZE, MATRIX, np.array(LENSES[count]))
     rng = np.random.default_rng(seed)
     rotation = cv2.Rodrigues(rng.uniform(-0.15, 0.15, 3))[0]
-    matrix = np.array([[115.0, 0, 70 + 20 * rng.random()], [0, 115.0, 50 + 20 * rng.random()], [0, 0, 1]])
-    size = (171, 113)
-    expected = np.stack(cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, matrix, size, cv2.CV_32FC1))
-    traced = map_of(camera, rotation, matrix, size)
+    column, row, size = 70 + 20 * rng.random(), 50 + 20 * rng.random(), (171, 113)
+    shown = View(size, 115.0, column, column, row)
+    opencv = cv2.initUndistortRectifyMap(MATRIX, camera.distortion, rotation, shown.matrix_left, size, cv2.CV_32FC1)
+    expected, traced = np.stack(opencv), map_of(camera, rotation, shown, 0)
     assert traced.dtype == jnp.float32
     assert traced.shape == (2, 113, 171)
     np.testing.assert_allclose(traced, expected, atol=0.01)
@@ -148,8 +149,8 @@ def pixels_of(size: tuple[int, int]) -> np.ndarray:
 
 def test_pixels_that_no_ray_of_the_lens_reaches_are_outside():
     barrel = Camera(SIZE, MATRIX, np.array([-0.3, 0, 0, 0]))
-    wide = np.array([[20.0, 0, 79.5], [0, 20.0, 59.5], [0, 0, 1]])
-    coordinates = np.asarray(map_of(barrel, np.eye(3), wide, SIZE))
+    shown = View(SIZE, 20.0, 79.5, 79.5, 59.5)
+    wide, coordinates = shown.matrix_left, np.asarray(map_of(barrel, np.eye(3), shown, 0))
     radius = np.linalg.norm((pixels_of(SIZE) - np.array([79.5, 59.5])[:, None, None]) / 20.0, axis=0)
     far, near = radius > barrel.lens_radius + 0.01, radius < barrel.lens_radius - 0.01
     np.testing.assert_array_equal(coordinates[:, far], -1.0)
@@ -259,10 +260,10 @@ def test_gradients_are_finite_where_rays_turn_behind_the_camera():
 
 def test_gradients_are_finite_where_rays_lie_in_the_plane_of_the_image():
     sideways = jnp.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
-    matrix = np.array([[100.0, 0, 4], [0, 100.0, 4], [0, 0, 1]])  # column 4 looks exactly along x: z = 0
+    shown = View((9, 9), 100.0, 4.0, 4.0, 4.0)  # column 4 looks exactly along x: z = 0
 
     def total(rotation):
-        return jnp.sum(pixel_map(SCENE.left, rotation, matrix, (9, 9)))
+        return jnp.sum(pixel_map(SCENE.left, rotation, shown, 0))
 
     value, gradient = jax.jit(jax.value_and_grad(total))(sideways)
     assert np.isfinite(value)

@@ -94,7 +94,7 @@ def test_arguments_of_views_by_name(scene):
         ({"fields": 80}, "unknown argument of a view 'fields'; did you mean field"),
         ({"field": "80"}, "the field of a view is '80'; give degrees, more than 0 and at most 180"),
         ({"field": 170.0, "projection": "pinhole"}, "more than 0 and at most 165 of pinhole"),
-        ({"projection": "fisheye"}, "there is no projection 'fisheye'; give one of pinhole, equirectangular"),
+        ({"projection": "fisheye"}, "unknown projection 'fisheye'; choose one of: pinhole, equirectangular"),
         ({"zero_disparity": None}, "give True or False"),
         (140.0, "the view is a float; give an sr.View"),
     ):
@@ -124,7 +124,7 @@ def test_a_very_wide_rig_is_repaired_in_an_equirectangular_view(very_wide):
     assert solution.accepted
     assert view.projection == "equirectangular"  # since a pinhole cannot show what the lens does
     assert f"view     {view}" in str(solution)
-    assert max(axis_errors(solution.rig, very_wide.rig).rotation_deg.values()) < 0.2
+    assert max(list(axis_errors(solution.rig, very_wide.rig).values())[:3]) < 0.2
     assert sr.difference(solution.rig, very_wide.rig, view=view).row_error_median < 0.2
     assert solution.score_after.count > 1.1 * solution.score_before.count
     # What is to be expected is of the same view: rows of what lies far aside, too.
@@ -170,7 +170,7 @@ def test_a_fisheye_beside_a_pinhole():
     assert not {"left.p1", "right.k4"} & set(names)
     solution = sr.recalibrate(rig.with_extrinsics(rig.extrinsics + DRIFT), scene.pairs, prior="exact")
     assert solution.accepted
-    assert max(axis_errors(solution.rig, rig).rotation_deg.values()) < 0.1
+    assert max(list(axis_errors(solution.rig, rig).values())[:3]) < 0.1
 
 
 def test_a_good_rig_whose_lenses_leave_corners_black_is_healthy(scene):

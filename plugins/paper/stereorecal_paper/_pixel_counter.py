@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereorecal.geometry import StereoRig, View, axis_errors, view, with_unit_baseline
+from stereorecal.geometry import AXES, StereoRig, View, axis_errors, view, with_unit_baseline
 from stereorecal.matching import AbstractMatcher
 from stereorecal.objectives import Reach
 from stereorecal.recalibration import Waypoint
@@ -51,7 +51,7 @@ class PixelCounter:
     def errors(self, extrinsics: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
         """|pitch|, |yaw|, |roll| error [degrees] and |y|, |z| error [percent of the baseline]."""
         found = axis_errors(self.rig.with_extrinsics(extrinsics), self.reference)
-        return found.rotation_deg, found.translation_percent
+        return {name: found[name] for name in AXES[:3]}, {name: found[name] for name in "yz"}
 
     def way(self, pair: Pair, path: Sequence[Waypoint]) -> list[dict[str, float]]:
         """The progress of a repair over its cost: the count, and the squared errors of rotation [degrees²] and of the

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError, warn
-from stereorecal.geometry import StereoRig, checked_unit, described_turns, doubt_of_length, fitted_to, whole_size
+from stereorecal._errors import CalibrationWarning, InputError, UnsupportedModelError, checked_choice, warn
+from stereorecal.geometry import METRES, StereoRig, described_turns, doubt_of_length, fitted_to, whole_size
 from stereorecal.io._read_files import AnyPath
 from stereorecal.io.formats._format import Documents, Format, Hints
 from stereorecal.io.formats._matrix_search import said_of
@@ -103,7 +103,8 @@ def read_files(
 
 def rig_of_documents(documents: Documents, format: Format, unit: str | None, hints: Hints) -> StereoRig:
     """As `read_files`, of files that are parsed."""
-    checked_unit(unit)
+    if unit is not None:
+        checked_choice(unit, METRES, "unit")
     rig = rig_in(documents, format, unit, hints)
     return replace(rig, source=replace(rig.source, beside=read_stored_prior(Path(documents[0].name))))
 

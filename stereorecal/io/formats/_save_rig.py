@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from stereorecal._errors import InputError
+from stereorecal._errors import InputError, checked_choice
 from stereorecal.geometry import (
     METRES,
     PINHOLE,
     AnyView,
     StereoRig,
     checked_rig,
-    checked_unit,
     rectification,
     same_camera,
     same_rig,
@@ -187,7 +186,8 @@ def _texts_of(
         if not place.parent.is_dir():
             raise InputError(f"{place}: cannot be written, there is no such folder; choose another place.")
     chosen = _chosen_format(paths, source, format)
-    checked_unit(unit)
+    if unit is not None:
+        checked_choice(unit, METRES, "unit")
     before = rig
     if source is not None:
         before = rig_in(source.documents, named(source.format), source.unit, source.hints).turned(rig.turns)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from stereorecal.comparison import DISTANCES
-from stereorecal.geometry import StereoRig, View, axis_errors
+from stereorecal.geometry import AXES, StereoRig, View, axis_errors
 from stereorecal.recalibration import difference
 from stereorecal_field.judges._judgement import Judgement
 
@@ -21,8 +21,9 @@ class ByTrueRig:
 
     def __call__(self, rig: StereoRig) -> Judgement:
         wrong = difference(rig, self.truth, view=self.view)
+        errors = axis_errors(rig, self.truth)
         return Judgement(
             wrong.row_error_median,
             {distance: wrong.depth_error_percent[distance] for distance in DISTANCES},
-            axis_errors(rig, self.truth).rotation_deg,
+            {name: errors[name] for name in AXES[:3]},
         )
