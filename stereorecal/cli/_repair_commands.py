@@ -6,7 +6,18 @@ from typing import Any
 
 from stereorecal._errors import InputError
 from stereorecal.cli._option_values import camera_names, parameter_names, schedule_name
-from stereorecal.cli._options import DEPTH, READS, RIG, RUNNING, SEARCH, TWO_FILES, WRITES, option, option_group
+from stereorecal.cli._options import (
+    DEPTH,
+    READS,
+    RIG,
+    RUNNING,
+    SEARCH,
+    TWO_FILES,
+    WRITES,
+    CommonOptions,
+    option,
+    option_group,
+)
 from stereorecal.cli._places import calibration_path, check_places
 from stereorecal.cli._shared_options import (
     FREE,
@@ -21,7 +32,7 @@ from stereorecal.cli._shared_options import (
 
 
 @option_group
-class OutputOptions(ReportOptions):
+class OutputOptions(CommonOptions):
     """Where the repaired calibration goes, and a recording of the run."""
 
     output: str | None = option(
@@ -38,7 +49,25 @@ class OutputOptions(ReportOptions):
 
 
 @option_group
-class RecalibrateOptions(OutputOptions, HealthOptions, ReachOptions, ExecutorOptions):
+class RepairFileOptions(ReportOptions):
+    """What else a repair writes."""
+
+    maps: str | None = option(
+        WRITES,
+        "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
+        metavar="FILE.npz",
+        writes=True,
+    )
+    html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=True)
+    force: bool = option(
+        WRITES,
+        "replace existing files; of those that are read only the calibration, by --output, which keeps it as NAME.bak",
+        False,
+    )
+
+
+@option_group
+class RecalibrateOptions(OutputOptions, RepairFileOptions, HealthOptions, ReachOptions, ExecutorOptions):
     """Repair the calibration of each recording's rig from its images. Recordings with the same intrinsics are of one
     rig, unless the images show another: each gets its own extrinsics, and all share what is found of the intrinsics. A
     candidate is accepted only if it gains, if it makes rows or depth worse with less than 2 % probability, and if it
@@ -52,18 +81,6 @@ class RecalibrateOptions(OutputOptions, HealthOptions, ReachOptions, ExecutorOpt
     summary = "repair the calibration of a rig"
     module = "stereorecal.cli._recalibrate"
 
-    force: bool = option(
-        WRITES,
-        "replace existing files; of those that are read only the calibration, by --output, which keeps it as NAME.bak",
-        False,
-    )
-    maps: str | None = option(
-        WRITES,
-        "maps for cv2.remap, and R1 R2 P1 P2 Q: of the repaired calibration, or of the initial one if that is good",
-        metavar="FILE.npz",
-        writes=True,
-    )
-    html: str | None = option(WRITES, "one page with pictures", metavar="FILE", writes=True)
     free: str | None = option(
         RIG, f"{FREE} (default: all that the calibration file can hold)", metavar="NAME,…", reads=parameter_names
     )
@@ -130,7 +147,7 @@ class ScoreOptions(HealthOptions):
 
 
 @option_group
-class MonitorOptions(OutputOptions, RecordingOptions, JudgingOptions):
+class MonitorOptions(OutputOptions, ReportOptions, RecordingOptions, JudgingOptions):
     """Watch a rig pair by pair, over a recording or while its cameras run: its health over time, knocks, drift, late
     shutters. Repair it. Say what to show it next. A terminal shows a live view, other outputs get lines. The
     calibration file stays as it is.

@@ -22,18 +22,12 @@ _NOT_MEASURED = (
 )
 
 
-def significant_errors(misfit: Mapping[str, Any], when: str) -> dict[int, float]:
-    """The epipolar error beyond two standard errors by place, in pixels, in the frame where it is largest, "before" or
-    "after"."""
+def misaligned(misfit: Mapping[str, Any], when: str) -> list[int]:
+    """Places whose epipolar error, beyond two standard errors, degrades stereo matching in some frame, "before" or
+    "after"; the worst first."""
     found: dict[int, float] = {}
     for place, offset, error in zip(misfit["place"], misfit[when], misfit["error"], strict=True):
         found[place] = max(found.get(place, 0.0), abs(offset) - 2 * error)
-    return found
-
-
-def misaligned(misfit: Mapping[str, Any], when: str) -> list[int]:
-    """Places whose epipolar error degrades stereo matching; the worst first."""
-    found = significant_errors(misfit, when)
     return sorted((place for place, error in found.items() if error > LIMIT), key=lambda place: -found[place])
 
 

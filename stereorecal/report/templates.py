@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup as Markup  # which jinja2 brings: the one that people install is missed first
 
-from stereorecal.report.number_text import between, change, count, distance, number, percent
+from stereorecal.report.number_text import between, change, distance, number, percent
 
 
 def rendered(template: str | Path, *, script: Path | None = None, **values: Any) -> str:
@@ -27,6 +27,6 @@ def rendered(template: str | Path, *, script: Path | None = None, **values: Any)
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {one.__name__: one for one in (between, change, count, distance, number, percent)}
+    environment.filters |= {one.__name__: one for one in (between, change, distance, number, percent)}
     environment.filters["json"] = partial(json.dumps, indent=1, ensure_ascii=False)
     return environment.get_template(Path(template).name).render(values)

@@ -169,6 +169,14 @@ def test_a_watch_that_ends_before_its_first_pair_leaves_no_log(command, moody_ma
     assert "interrupted after 0 pairs" in answer.err
 
 
+def test_a_log_that_appears_meanwhile_stays(command, moody_matcher, scene: Path, tmp_path: Path):
+    log, state = tmp_path / "log.jsonl", tmp_path / "state"
+    moody_matcher(lambda search: log.write_text("theirs"))
+    answer = command("monitor", scene, "--once", "--matcher", "moody", "--pairs", 0, "--json", log, "--state", state)
+    assert (answer.code, log.read_text(), state.exists()) == (2, "theirs", True)
+    assert answer.err == f"stereorecal: --json {log}: a file has appeared there; choose another or add --force.\n"
+
+
 def test_a_new_calibration_is_not_watched_with_an_old_state(command, scene: Path, tmp_path: Path):
     recalibrated, state = Path(shutil.copytree(scene, tmp_path / "ride")), tmp_path / "state"
     command("monitor", f"{scene}+{recalibrated}").refuses("folders are watched one after the other")
