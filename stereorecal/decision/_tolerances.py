@@ -2,7 +2,7 @@
 images must show."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from numbers import Real
 
 import numpy as np
@@ -48,7 +48,8 @@ class Tolerances:
     distances: tuple[float, ...] = Matters().distances
 
     def __post_init__(self) -> None:
-        for name, value in self.limits.items():
+        for name in LIMITS:
+            value: float = getattr(self, name)
             if not isinstance(value, Real) or isinstance(value, bool) or not np.isfinite(float(value)):
                 raise InputError(f"tolerances: {name} is {value!r}; give a number.")
             if name in _SHARES and not 0.0 < value < 1.0:
@@ -58,19 +59,13 @@ class Tolerances:
         try:
             distances = tuple(float(distance) for distance in self.distances)
         except (TypeError, ValueError):
-            raise InputError(
-                f"tolerances: distances are {self.distances!r}; give numbers, such as (5, 10, 30)."
-            ) from None
+            distances = ()
         if not distances or not all(1.0 <= distance < float("inf") for distance in distances):
             raise InputError(
-                f"tolerances: distances are {self.distances!r}; give some, in baselines, each 1 or more and finite."
+                f"tolerances: distances are {self.distances!r}; give some, in baselines, each 1 or more and finite, "
+                "such as (5, 10, 30)."
             )
         object.__setattr__(self, "distances", tuple(sorted(set(distances))))
-
-    @property
-    def limits(self) -> dict[str, float]:
-        """All values but the distances, by name."""
-        return {name: value for name, value in asdict(self).items() if name != "distances"}
 
     @property
     def matters(self) -> Matters:
@@ -78,10 +73,10 @@ class Tolerances:
         return Matters(self.rows_px, self.depth_points, self.distances)
 
 
+LIMITS = {field.name: field.default for field in fields(Tolerances) if field.name != "distances"}
 DEFAULT = Tolerances()
 STEPS = 8  # in which a change of depth is made
 COSTS = (4.0, 16.0, 64.0)  # times that its square may cost: half the change each
-LIMITS = DEFAULT.limits
 
 
 def as_tolerances(given: Tolerances | Mapping[str, object] | None) -> Tolerances:
