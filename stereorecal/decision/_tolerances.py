@@ -101,9 +101,8 @@ class Enough:
     """What images must show for a verdict.
 
     Attributes:
-        matches: the least number of correspondences; five parameters from fewer would be a guess.
-        covered: the least share of the image that they cover, where they may be chance: chance matches cover a
-            twentieth.
+        matches: the least number of correspondences.
+        covered: the least share of the image that they cover, where they may be chance, which covers a twentieth.
         places: the least number of tiles of a frame that show something.
         of_texture: the least share of the textured image that matches cover: under an aligned rig they cover a half and
             more, under one that is a degree off a fifth. Below twice this, what matches by chance is measured, and
@@ -112,7 +111,7 @@ class Enough:
             to 2.4 where they are off by a period of bricks or slats.
         lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
             0.11 where repairs end well.
-        reach: the largest distance of a candidate, in reaches; the search goes no farther.
+        reach: the largest distance of a candidate, in reaches.
         lens_change: the largest change of a focal length or k1, in standard deviations of the worst calibrations.
         misfit_px: the largest systematic epipolar error [px] that no parameter explains.
     """
