@@ -76,11 +76,7 @@ class _Parcel:
 
 
 def run_task(parcel: _Parcel) -> Any:
-    """Open the parcel, in a worker, and do what it says. Its name is what clusters call the task.
-
-    Raises:
-        ForkedError: if this process is a fork of one that had JAX: it would hang.
-    """
+    """Open the parcel, in a worker, and do what it says. Its name is what clusters call the task."""
     if os.getpid() != _PROCESS:
         raise ForkedError(
             "the executor forks its workers, in which JAX hangs; give "

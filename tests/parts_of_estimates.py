@@ -3,6 +3,7 @@
 What is private, tests import by this and `parts_of_repairs` alone.
 """
 
+from stereorecal.decision._tolerances import COSTS as COSTS
 from stereorecal.estimation import _calibration_prior as _calibration_prior
 from stereorecal.estimation._calibration_prior import SIZES as SIZES, drift_sizes as drift_sizes, widest as widest
 from stereorecal.estimation._estimate import parts_of as parts_of
@@ -59,4 +60,5 @@ from stereorecal.scoring._count import _soft_area as _soft_area
 from stereorecal.scoring._rectify import Rectified as Rectified
 from stereorecal.scoring._subpixel import refine as refine
 from stereorecal.scoring.host import _survey as _survey
+from stereorecal.scoring.host._disparities import counts_at_once as counts_at_once
 from stereorecal.testing import _analytic_problems as _analytic_problems

@@ -37,10 +37,6 @@ def parser(words: Sequence[str] = ()) -> Parser:
 
     Args:
         words: if commands are among them, it knows no others, and reads the options of no others.
-
-    Raises:
-        InputError: if two distributions claim a command.
-        PluginError: if a command cannot be loaded.
     """
     made = Parser(
         prog="stereorecal",

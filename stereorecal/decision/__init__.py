@@ -20,7 +20,6 @@ from stereorecal.decision._rule import (
     decide_together as decide_together,
 )
 from stereorecal.decision._tolerances import (
-    COSTS as COSTS,
     DEFAULT as DEFAULT,
     ENOUGH as ENOUGH,
     LIMITS as LIMITS,

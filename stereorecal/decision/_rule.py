@@ -25,9 +25,9 @@ class Verdict(enum.Enum):
 class Criterion(enum.Enum):
     """What a candidate has to meet; the value says what it is to fail."""
 
-    GAINS = "no change is a significant improvement"
-    HARMLESS = "a change may make it worse"
-    PREDICTS = "parts of the images contradict each other"
+    GAINS = "what a correction would gain is too little"
+    HARMLESS = "a correction may make it worse"
+    PREDICTS = "parts of the images that were left out do not confirm a correction"
 
 
 @dataclass(frozen=True, eq=False)

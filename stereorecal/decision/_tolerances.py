@@ -2,7 +2,7 @@
 images must show."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from numbers import Real
 
 import numpy as np
@@ -48,7 +48,8 @@ class Tolerances:
     distances: tuple[float, ...] = Matters().distances
 
     def __post_init__(self) -> None:
-        for name, value in self.limits.items():
+        for name in LIMITS:
+            value: float = getattr(self, name)
             if not isinstance(value, Real) or isinstance(value, bool) or not np.isfinite(float(value)):
                 raise InputError(f"tolerances: {name} is {value!r}; give a number.")
             if name in _SHARES and not 0.0 < value < 1.0:
@@ -58,19 +59,13 @@ class Tolerances:
         try:
             distances = tuple(float(distance) for distance in self.distances)
         except (TypeError, ValueError):
-            raise InputError(
-                f"tolerances: distances are {self.distances!r}; give numbers, such as (5, 10, 30)."
-            ) from None
+            distances = ()
         if not distances or not all(1.0 <= distance < float("inf") for distance in distances):
             raise InputError(
-                f"tolerances: distances are {self.distances!r}; give some, in baselines, each 1 or more and finite."
+                f"tolerances: distances are {self.distances!r}; give some, in baselines, each 1 or more and finite, "
+                "such as (5, 10, 30)."
             )
         object.__setattr__(self, "distances", tuple(sorted(set(distances))))
-
-    @property
-    def limits(self) -> dict[str, float]:
-        """All values but the distances, by name."""
-        return {name: value for name, value in asdict(self).items() if name != "distances"}
 
     @property
     def matters(self) -> Matters:
@@ -78,10 +73,10 @@ class Tolerances:
         return Matters(self.rows_px, self.depth_points, self.distances)
 
 
+LIMITS = {field.name: field.default for field in fields(Tolerances) if field.name != "distances"}
 DEFAULT = Tolerances()
 STEPS = 8  # in which a change of depth is made
 COSTS = (4.0, 16.0, 64.0)  # times that its square may cost: half the change each
-LIMITS = DEFAULT.limits
 
 
 def as_tolerances(given: Tolerances | Mapping[str, object] | None) -> Tolerances:
@@ -106,9 +101,8 @@ class Enough:
     """What images must show for a verdict.
 
     Attributes:
-        matches: the least number of correspondences; five parameters from fewer would be a guess.
-        covered: the least share of the image that they cover, where they may be chance: chance matches cover a
-            twentieth.
+        matches: the least number of correspondences.
+        covered: the least share of the image that they cover, where they may be chance, which covers a twentieth.
         places: the least number of tiles of a frame that show something.
         of_texture: the least share of the textured image that matches cover: under an aligned rig they cover a half and
             more, under one that is a degree off a fifth. Below twice this, what matches by chance is measured, and
@@ -117,7 +111,7 @@ class Enough:
             to 2.4 where they are off by a period of bricks or slats.
         lost: the largest share of its matches that a candidate may lose where the initial calibration matches; 0 to
             0.11 where repairs end well.
-        reach: the largest distance of a candidate, in reaches; the search goes no farther.
+        reach: the largest distance of a candidate, in reaches.
         lens_change: the largest change of a focal length or k1, in standard deviations of the worst calibrations.
         misfit_px: the largest systematic epipolar error [px] that no parameter explains.
     """

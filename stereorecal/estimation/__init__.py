@@ -13,7 +13,6 @@ written.
 from stereorecal.estimation._calibration_prior import (
     calibration_covariances as calibration_covariances,
     calibration_prior as calibration_prior,
-    exact_prior as exact_prior,
     physical_prior as physical_prior,
     with_scaled_boards as with_scaled_boards,
 )

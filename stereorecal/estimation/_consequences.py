@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Inexact
+from jaxtyping import Bool, Float, Inexact, Int
 
 from stereorecal.estimation._mixture import remembered
 from stereorecal.estimation._rig_parameters import moved_by_extrinsics, rays_by_lens
@@ -69,20 +69,16 @@ def _pixel_grid(size: tuple[int, int]) -> Float[np.ndarray, "p 2"]:
 
 
 def _weights(
-    rig: StereoRig, sets: Sequence[Float[np.ndarray, "_ 3"]], view: View | None
-) -> list[Float[np.ndarray, "2 _"]]:
+    rig: StereoRig, points: Float[np.ndarray, "p 3"], which: Int[np.ndarray, "p"], view: View | None
+) -> Float[np.ndarray, "2 p"]:
     """The weights of each set of points in a mean over the view, and over what lies ahead: the middle of the left
     image; over the view again where nothing does. In views that are no pinhole, points count by the squares of their
     disparities."""
-    points, ends = np.concatenate(sets), np.cumsum([len(some) for some in sets])[:-1]
     of_image = np.asarray(rig.left.project(points / points[:, 2:])) / np.array(rig.left.size)
     ahead = (np.abs(of_image - 0.5) <= 0.5 * _MIDDLE).all(axis=1)
-    by_squared_disparity = _stretch(rig, points, view) ** -2
-    found = []
-    for inside, counts in zip(np.split(ahead, ends), np.split(by_squared_disparity, ends), strict=True):
-        weights = np.stack([counts, counts * inside if inside.any() else counts])
-        found.append(weights / weights.sum(axis=1, keepdims=True))
-    return found
+    ahead |= np.bincount(which, ahead)[which] == 0
+    weights = _stretch(rig, points, view) ** -2 * np.stack([np.ones(len(points)), ahead])
+    return weights / np.stack([np.bincount(which, some)[which] for some in weights])
 
 
 def _rays_of_view(rig: StereoRig, view: View) -> Float[np.ndarray, "_ 3"]:
@@ -174,31 +170,33 @@ class Consequences:
 
     Attributes:
         distances: in baselines, of the first sets of points.
-        points: the sets.
-        rows: for each set, (p, n) pixels a unit of θ(used) - θ(true).
-        nearness: for each set, (p, n) relative error of disparity, likewise.
-        weights: for each set, (2, p) of its points in a mean over the view, and over what lies ahead.
+        points: (p, 3), set by set.
+        which: (p,) the number of the set of each.
+        rows: (p, n) pixels a unit of θ(used) - θ(true).
+        nearness: (p, n) relative error of disparity, likewise.
+        weights: (2, p) of each point in a mean of its set over the view, and over what lies ahead.
     """
 
     distances: tuple[float, ...]
-    points: tuple[Float[np.ndarray, "_ 3"], ...]
-    rows: tuple[Float[np.ndarray, "_ n"], ...]
-    nearness: tuple[Float[np.ndarray, "_ n"], ...]
-    weights: tuple[Float[np.ndarray, "2 _"], ...]
+    points: Float[np.ndarray, "p 3"]
+    which: Int[np.ndarray, "p"]
+    rows: Float[np.ndarray, "p n"]
+    nearness: Float[np.ndarray, "p n"]
+    weights: Float[np.ndarray, "2 p"]
+
+    @property
+    def at_distances(self) -> list[tuple[float, Bool[np.ndarray, "p"]]]:
+        """Each of the distances, and which points lie there."""
+        return [(distance, self.which == number) for number, distance in enumerate(self.distances)]
 
     @cached_property
     def mean_nearness(self) -> Float[np.ndarray, "d n"]:
         """Mean relative error of disparity over the view at each of the distances."""
-        return self.mean_over_view(np.concatenate(self.nearness))
-
-    def of_sets(self, values: Float[np.ndarray, "p *n"]) -> list[Float[np.ndarray, "_ *n"]]:
-        """Values at all points, by the set that they are of."""
-        return np.split(values, np.cumsum([len(some) for some in self.points])[:-1])
+        return self.mean_over_view(self.nearness)
 
     def mean_over_view(self, values: Float[np.ndarray, "p *n"]) -> Float[np.ndarray, "d *n"]:
         """The mean of values at all points over the view, at each of the distances."""
-        each = zip(self.weights, self.of_sets(values), self.distances, strict=False)
-        return np.stack([over_view @ some for (over_view, _), some, _ in each])
+        return np.stack([self.weights[0, there] @ values[there] for _, there in self.at_distances])
 
 
 def consequences(
@@ -212,7 +210,7 @@ def consequences(
     it, and at more sets of points."""
     used = chart.rig_at(theta)
     sets = [*(points_of_view(used, distance, view) for distance in distances), *more]
-    points = np.concatenate(sets)
+    points, which = np.concatenate(sets), np.repeat(np.arange(len(sets)), [len(some) for some in sets])
     right = points @ used.rotation.T + used.translation
     # How the rays that the used cameras give move if the truth is another: those of pixels that stay, the other way.
     left_rays, right_rays = (np.zeros((chart.dim, *points.shape)) for _ in SIDES)
@@ -230,9 +228,7 @@ def consequences(
     rows, inverse_depth = _rows_and_nearness(_formulas(view), *turned)
     rows = _focal(used) * np.imag(rows) / _stretch(used, points, view) / _TINY
     nearness = np.imag(inverse_depth) / np.real(inverse_depth) / _TINY
-    ends = np.cumsum([len(some) for some in sets])[:-1]
-    by_rows, by_nearness = (tuple(np.split(part.T, ends)) for part in (rows, nearness))
-    return Consequences(distances, tuple(sets), by_rows, by_nearness, tuple(_weights(used, sets, view)))
+    return Consequences(distances, points, which, rows.T, nearness.T, _weights(used, points, which, view))
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,8 +252,8 @@ class Readings:
         """Epipolar errors [pixels] and relative errors of disparity of the rig at θ = used; read-only."""
         rig = self.chart.rig_at(used)
         kept = rig.left is self.chart.rig.left and rig.right is self.chart.rig.right
-        rays = self._given_rays if kept else rays_read(rig, self.true, self._points)
-        found = np.stack(readings_of_rays(rig, *rays, self._points, self.view))
+        rays = self._given_rays if kept else rays_read(rig, self.true, self.near.points)
+        found = np.stack(readings_of_rays(rig, *rays, self.near.points, self.view))
         found.flags.writeable = False
         return found
 
@@ -267,10 +263,6 @@ class Readings:
         return self.chart.rig_at(self.at)
 
     @cached_property
-    def _points(self) -> Float[np.ndarray, "p 3"]:
-        return np.concatenate(self.near.points)
-
-    @cached_property
     def _given_rays(self) -> tuple[Float[np.ndarray, "p 3"], Float[np.ndarray, "p 3"]]:
         """What the given cameras read, which most candidates keep."""
-        return rays_read(self.chart.rig, self.true, self._points)
+        return rays_read(self.chart.rig, self.true, self.near.points)

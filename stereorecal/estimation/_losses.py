@@ -72,7 +72,7 @@ class Errors:
     def slopes(self) -> Float[np.ndarray, "q n"]:
         """Slopes of rows, then of depth, by what the truth differs by, with the opposite sign."""
         near = self.readings.near
-        return np.ascontiguousarray(np.concatenate([*near.rows, *near.nearness])) / self._units[:, None]
+        return np.ascontiguousarray(np.concatenate([near.rows, near.nearness])) / self._units[:, None]
 
     @cached_property
     def _units(self) -> Float[np.ndarray, "q"]:
@@ -105,9 +105,8 @@ class Errors:
         """Weights of the points at some of the distances, default all, at each alike: over the view, 0, or ahead, 1."""
         near = self.readings.near
         some = near.distances if distances is None else distances
-        each = zip(near.weights, near.distances, strict=False)
-        weights = [weights[which] * (distance in some) / len(some) for weights, distance in each]
-        return np.concatenate([*weights, np.zeros(len(self.shown))])
+        counted = np.any([there for distance, there in near.at_distances if distance in some], axis=0)
+        return near.weights[which] * counted / len(some)
 
     @cached_property
     def _of_losses(self) -> Float[np.ndarray, "q 4"]:

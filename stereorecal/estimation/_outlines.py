@@ -73,24 +73,20 @@ def _grown(
 ) -> tuple[float, float, Bool[np.ndarray, "p"]]:
     """Single places change sides, the one that gains most first, while that helps."""
     side, adjacency = label.astype(float), _neighbours() * present * present[:, None]
-    degree, own = adjacency.sum(axis=1), np.diag(offsets.a)
-    al, neighbours_inside = offsets.a @ side, adjacency @ side
-    pull, stiff, edges = float(offsets.b @ side), float(side @ al), float(side @ (degree - neighbours_inside))
-    log_evidence = -np.inf
+    degree, own, log_evidence = adjacency.sum(axis=1), np.diag(offsets.a), -np.inf
     for _ in range(_STEPS):
-        sign = 1.0 - 2.0 * side
-        more = sign * (degree - 2.0 * neighbours_inside)
-        gains = _gain(pull + sign * offsets.b, stiff + 2.0 * sign * al + own) - _EDGE * (edges + more)
+        sign, al, inside = 1.0 - 2.0 * side, offsets.a @ side, adjacency @ side
+        pull, stiff = offsets.b @ side + sign * offsets.b, side @ al + 2.0 * sign * al + own
+        edges = side @ (degree - inside) + sign * (degree - 2.0 * inside)
+        gains = _gain(pull, stiff) - _EDGE * edges
         number = side.sum() + sign
         gains[~present | (number < _FEWEST) | (number > present.sum() - _FEWEST)] = -np.inf
         p = int(gains.argmax())
         if not gains[p] > log_evidence:
             break
         log_evidence = float(gains[p])
-        pull, stiff, edges = pull + sign[p] * offsets.b[p], stiff + 2.0 * sign[p] * al[p] + own[p], edges + more[p]
-        al, neighbours_inside = al + sign[p] * offsets.a[:, p], neighbours_inside + sign[p] * adjacency[:, p]
         side[p] += sign[p]
-    log_prior = -_EDGE * float(edges) - float(np.log(2.0))
+    log_prior = -_EDGE * float(side @ (degree - adjacency @ side)) - float(np.log(2.0))
     return log_evidence - float(np.log(2.0)), log_prior, side > 0.5
 
 

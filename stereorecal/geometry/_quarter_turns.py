@@ -37,9 +37,6 @@ def turned_coefficients(
 
     Args:
         terms: their names; after those of OpenCV's model come tx and ty.
-
-    Raises:
-        InputError: if a sensor that is tilted about both axes is to make a quarter turn, which has no coefficients.
     """
     found, names, turn = np.array(coefficients, float), (*terms, "tx", "ty"), turn_of(quarters)[:2, :2]
     if "s1" in names and found.size > 12 and quarters % 2 and np.all(found[12:]):

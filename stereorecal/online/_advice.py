@@ -125,8 +125,8 @@ def _near(state: State) -> tuple[RigChart, Consequences]:
 def _errors(near: Consequences) -> dict[tuple[str, float], Float[np.ndarray, "q n"]]:
     """The errors that matter, of rows at each distance, and of depth at one: derivatives by θ of q parts, whose squares
     sum up to the error's."""
-    each = zip(near.distances, near.rows, near.weights, strict=False)
-    rows = {("epipolar", away): np.sqrt(weights[0])[:, None] * rows for away, rows, weights in each}
+    every = np.sqrt(near.weights[0])[:, None] * near.rows
+    rows = {("epipolar", away): every[there] for away, there in near.at_distances}
     depth = near.mean_nearness[near.distances.index(FAR)]
     return {**rows, ("depth", float(FAR)): 100.0 * depth[None]}
 
@@ -158,8 +158,8 @@ def _best(
 def _looks(state: State, chart: RigChart, near: Consequences) -> list[_Candidate]:
     """Something in each part of the view, at each distance, while the rig is held still."""
     found = []
-    for away, points, rows in zip(near.distances, near.points, near.rows, strict=False):
-        parts = part_of(chart.rig, points)
+    for away, there in near.at_distances:
+        parts, rows = part_of(chart.rig, near.points[there]), near.rows[there]
         for part in np.unique(parts).tolist():
             a = rows[parts == part].T @ rows[parts == part] / _NOISE**2
             told = Measurement(Normal(a, a @ state.estimate.theta, 0.0), np.zeros(3))
@@ -178,7 +178,7 @@ def _motions(state: State, chart: RigChart, near: Consequences) -> list[_Candida
 @one_blas_thread()
 def _past(chart: RigChart, near: Consequences, covered: tuple[tuple[bool, ...], ...]) -> list[_Candidate]:
     """`_motions`; `covered` says whether something was seen in each part of the view at each distance."""
-    each = list(zip(near.distances, near.points, strict=False))
+    each = [(away, near.points[there]) for away, there in near.at_distances]
     seen = [points[np.array(covered)[part_of(chart.rig, points), band_of(away)]] for away, points in each]
     if here := _motion_past(None, chart, np.concatenate(seen)):
         return here

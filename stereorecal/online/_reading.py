@@ -161,7 +161,7 @@ def _decided(
         0,
         float("nan"),
         np.diag(posterior.covariance),
-        points=(near.points[-1], looks / looks.sum()),
+        points=(near.points[near.which == len(near.distances)], looks / looks.sum()),
         matters=limits.matters,
         view=view,
         samples=_SAMPLES,

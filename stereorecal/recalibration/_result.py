@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from stereorecal.decision import Criterion, Decision, Reason, Seen
+from stereorecal.decision import Decision, Reason, Seen
 from stereorecal.estimation import Estimate, SavedPrior
 from stereorecal.geometry import StereoRig, View
 from stereorecal.matching import AbstractMatcher
@@ -26,12 +26,6 @@ from stereorecal.scoring import Correspondences, ImageQuality
 from stereorecal.scoring.host import Score
 from stereorecal.strategies import Status, Trace
 
-_NOT_CORRECTED = {
-    Criterion.GAINS: "what a correction would gain is too little",
-    Criterion.HARMLESS: "a correction may make it worse",
-    Criterion.PREDICTS: "parts of the images that were left out do not confirm a correction",
-    None: "its correction does not pass all checks",
-}
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
 
@@ -159,7 +153,8 @@ class AbstractResult:
         off = [f"{error} at {error.where}" for error in self.depth_before if error.significant]
         if self.reason is not Reason.ALREADY_GOOD or self.decision is None or not off:
             return self.reason.advice
-        why = _NOT_CORRECTED[self.decision.failed]
+        failed = self.decision.failed
+        why = "its correction does not pass all checks" if failed is None else failed.value
         return f"But depth is {' and '.join(off)}, and {why}; pairs of other places may decide."
 
     @property

@@ -98,18 +98,10 @@ def correspondences(
     data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: AbstractMatcher | str
 ) -> Correspondences:
     """Dense sub-pixel correspondences of all frames, rectified by `extrinsics` and matched by `matcher`; JAX arrays.
+    Arguments and errors are those of `count`.
 
-    Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
-    `jit` and `vmap` over the extrinsics; its
-    derivatives mean nothing, those of `row_differences` do.
-
-    Args:
-        data: what `prepare` made.
-        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
-        matcher: one in JAX, with `num_disparities` (in full-size pixels); `with_disparity_range` measures it.
-
-    Raises:
-        InputError: if the matcher is not one in JAX, or has no `num_disparities`.
+    Pure, and compiled, as `count`. Composes under `jit` and `vmap` over the extrinsics; its derivatives mean nothing,
+    those of `row_differences` do.
     """
     return _correspondences(
         data, checked_extrinsics(extrinsics), pure_matcher(matcher, data.scale, "sr.correspondences")

@@ -73,9 +73,7 @@ def count(data: ScoringData, extrinsics: Float[AnyArray, "6"], matcher: Abstract
 
     Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
     `jit` and `vmap` over the extrinsics; its derivative is 0 almost everywhere, see `soft_count`. On a CPU it is the
-    host's count of the same float32 extrinsics, pixel for pixel, in whatever it is composed. `sr.score` and an
-    objective's `value` come to these six numbers in float64, and may so differ by up to 2 pixels and one in 100 000.
-    A GPU rounds the warp otherwise: of 181 878 pixels up to 18 were seen to differ.
+    host's count of the same float32 extrinsics, pixel for pixel, in whatever it is composed.
 
     Args:
         data: what `prepare` made.
@@ -109,14 +107,13 @@ def soft_count(
     """The number of valid pixels with smooth gates in place of the hard ones: uniqueness, left-right consistency,
     texture, and the area that the images cover.
 
-    Pure; compiled once for each matcher and shape of the data (image size, frames, lens model, scale). Composes under
-    `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with respect to the extrinsics: a derivative computes six forward
-    derivatives together, and keeps no tape. Second derivatives mean nothing, since the best disparity is a hard choice.
-    As the temperature goes to 0 it becomes the count of images that are not rounded.
+    Pure, and compiled, as `count`. Composes under `jit`, `vmap`, `grad`, `jvp` and `jacfwd` with respect to the
+    extrinsics: a derivative computes six forward derivatives together, and keeps no tape. Second derivatives mean
+    nothing, since the best disparity is a hard choice. As the temperature goes to 0 it becomes the count of images that
+    are not rounded.
 
     Args:
-        data: from `prepare`; constant, cannot be differentiated.
-        extrinsics: (6,): pitch, yaw, roll [rad] and the translation in any unit: only its direction counts.
+        data, extrinsics: as for `count`; data are constant, and cannot be differentiated.
         matcher: a smooth one (SAD), with `num_disparities` (in full-size pixels).
         temperature: width of the gates, dimensionless (`SAD.soft_match`); a border is 5 temperature pixels wide.
 
@@ -129,11 +126,7 @@ def soft_count(
 
 
 def _checked_temperature(temperature: float | Float[AnyArray, ""]) -> float | Float[AnyArray, ""]:
-    """The temperature.
-
-    Raises:
-        InputError: if its value is known, and not positive.
-    """
+    """The temperature; refused if its value is known, and not positive."""
     if isinstance(temperature, Tracer):
         return temperature
     if not temperature > 0:

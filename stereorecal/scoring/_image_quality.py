@@ -53,23 +53,13 @@ class ImageQuality:
     interlaced: bool = False
 
     @property
-    def dark(self) -> bool:
-        """True if it is too dark to match."""
-        return self.brightness < _DARK
-
-    @property
-    def textured(self) -> bool:
-        """True if there is texture enough, or noise."""
-        return self.texture >= max(_TEXTURED * self.shown, _LEAST_TEXTURED)
-
-    @property
     def problem(self) -> str | None:
         """Why images would hardly match, or None."""
-        if self.dark:
+        if self.brightness < _DARK:
             return "the images are too dark"
         if self.noise:
             return "an image shows only noise, as behind a lens cap"
-        if not self.textured:
+        if self.texture < max(_TEXTURED * self.shown, _LEAST_TEXTURED):
             return "the images have too little texture"
         if self.coarse:
             return "an image has only a few grey levels"

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import COSTS
 from simulated_tracks import AHEAD, REST, tracks_of
 
-from stereorecal.decision import COSTS, LIMITS, Criterion, Tolerances, Verdict, decide, decide_together
+from stereorecal.decision import LIMITS, Criterion, Tolerances, Verdict, decide, decide_together
 from stereorecal.estimation import (
     NO_RANGES,
     Estimate,

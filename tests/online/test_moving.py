@@ -92,7 +92,7 @@ def bent(yaw: float) -> State:
     """Rows of the view have shown so many degrees of yaw to a rig that was calibrated: it has made them lenses."""
     state = init(default_rig())
     near = consequences(state.chart, state.theta, (10, 30), state.view)
-    rows = np.concatenate(near.rows)
+    rows = near.rows
     a = rows.T @ rows / 0.1**2
     seen = Measurement(Normal(a, yaw * a[1], 0.0), np.zeros(3))
     return state.replace(estimate=state.estimate.updated(seen), beside=state.beside.updated(seen))

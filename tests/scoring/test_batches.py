@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from fixtures import SAD_48
 from hypothesis import given, settings, strategies as st
+from parts_of_estimates import counts_at_once
 
 from stereorecal.geometry import Camera, StereoRig, view, with_unit_baseline
 from stereorecal.matching import BM, SAD, AbstractMatcher, Disparity
 from stereorecal.recordings import Pair
 from stereorecal.scoring import ScoringData, prepare
-from stereorecal.scoring.host import counts, counts_at_once, counts_by_tile, disparities
+from stereorecal.scoring.host import counts, counts_by_tile, disparities
 
 SAD_24 = SAD(num_disparities=24)
 angles = st.floats(-0.05, 0.05)

@@ -64,7 +64,7 @@ def test_lights_at_night_are_no_image_circle():
 
 def test_a_covered_lens_beside_an_image_circle_is_dark():
     circle = on_black(110.0)
-    assert image_quality(Pair(circle.left, BLACK.astype(np.float32))).dark
+    assert image_quality(Pair(circle.left, BLACK.astype(np.float32))).problem == "the images are too dark"
 
 
 @pytest.mark.parametrize("covered", [0, 1])
@@ -73,4 +73,4 @@ def test_texture_is_that_of_the_worse_image(covered):
     images[covered] = np.tile(np.linspace(110.0, 130.0, WIDTH, dtype=np.float32), (HEIGHT, 1))
     found = image_quality(Pair(*images))
     assert found.texture == pytest.approx(0.0, abs=0.01)
-    assert not found.textured
+    assert found.problem == "the images have too little texture"

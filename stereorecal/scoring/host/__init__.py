@@ -4,7 +4,6 @@ from stereorecal.scoring.host._disparities import (
     compile_in_background as compile_in_background,
     correspondences as correspondences,
     counts as counts,
-    counts_at_once as counts_at_once,
     counts_by_tile as counts_by_tile,
     disparities as disparities,
 )

@@ -2,9 +2,8 @@
 and the counts of many candidates, by the same programs.
 """
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import numpy as np
@@ -153,11 +152,7 @@ def counts(data: ScoringData, candidates: Float[AnyArray, "n 6"], matcher: Abstr
     """
     if matcher.traceable and jax.default_backend() != "cpu":
         return counts_at_once(data, candidates, matcher)
-
-    def total(found: list[Disparity]) -> int:
-        return sum(int(one.valid.sum()) for one in found)
-
-    return np.array(_of_each(total, data, candidates, matcher), np.int64)
+    return counts_by_tile(data, candidates, matcher).sum(axis=(1, 2))
 
 
 def counts_by_tile(
@@ -169,16 +164,13 @@ def counts_by_tile(
     width, height = data.view.size
     starts = [np.arange(number) * size // number for number, size in ((rows, height), (columns, width))]
 
-    def tiles(found: list[Disparity]) -> Int[np.ndarray, "k tiles"]:
-        strips = (np.add.reduceat(np.asarray(one.valid), starts[0], axis=0, dtype=np.int64) for one in found)
+    def tiles(candidate: Float[np.ndarray, "6"]) -> Int[np.ndarray, "k tiles"]:
+        valid = (np.asarray(one.valid) for one in disparities(data, candidate, matcher))
+        strips = (np.add.reduceat(one, starts[0], axis=0, dtype=np.int64) for one in valid)
         return np.stack([np.add.reduceat(strip, starts[1], axis=1).reshape(-1) for strip in strips])
 
-    return np.stack(_of_each(tiles, data, candidates, matcher))
-
-
-def _of_each(use: Callable[[list[Disparity]], Any], data: ScoringData, candidates: AnyArray, matcher) -> list[Any]:
-    """`use` of the disparities of each candidate."""
-    return on_all_cores(lambda one: use(disparities(data, one, matcher)), list(np.asarray(candidates, np.float32)))
+    found = on_all_cores(tiles, list(np.asarray(candidates, np.float32)))
+    return np.array(found, np.int64).reshape(-1, len(data.left), columns * rows)
 
 
 def counts_at_once(
