@@ -19,7 +19,7 @@ _ERRORS = {  # heads of columns: what they show, with so many decimals
     **{f"{axis}°": ("rotation_error_deg", axis, 3) for axis in ("pitch", "yaw", "roll")},
     **{f"{axis} %": ("translation_error_percent", axis, 2) for axis in ("y", "z")},
 }
-_SCORES = (*_COUNTS, "r", "status", "evals", "s")
+_SCORES = (*_COUNTS, "r", "status", "evals", "units", "s")
 _PIXELS = {"px before": "start", "px after": "final"}
 _PLACES = ("first", "second", "third")
 WORDS = ("scene", "schedule", "strategy", *_PLACES)
@@ -80,9 +80,9 @@ def _medians(row: Row, data: Mapping[str, Any], *, unequal: bool) -> dict[str, s
     draws = {"draws": str(row["draws"])} if unequal else {}
     # Evaluations of different scores do not compare.
     evaluations = {} if several_schedules(data) else {"evals": count(row["evaluations_median"])}
-    success, seconds = percent(row["success_rate"]), number(row["seconds_median"], 1)
-    results = _results(row, data, "_median")
-    return {**_about(row, data), **draws, "success": success, **results, **evaluations, "s": seconds}
+    spent = {"units": number(row["cost_median"], 1), "s": number(row["seconds_median"], 1)}
+    results = {"success": percent(row["success_rate"]), **_results(row, data, "_median")}
+    return {**_about(row, data), **draws, **results, **evaluations, **spent}
 
 
 def _truth(row: Row, data: Mapping[str, Any]) -> dict[str, str]:
@@ -138,6 +138,7 @@ def terms(data: Mapping[str, Any]) -> dict[str, str]:
         "reference, and what errors are measured against": "; ".join(_REFERENCES.get(r, r) for r in references),
         "success": f"r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, yaw within "
         f"{limits['yaw_deg']}°; failed trials are none, skipped ones are left out",
+        "units": "spent, in matcher runs on full-size frames",
         **(truth if any(row.get("harmful") is not None for row in data["summary"]) else {}),
     }
 

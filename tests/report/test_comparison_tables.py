@@ -25,7 +25,12 @@ def comparison(entrants, scenes=("data/harbour-0",), draws=2) -> dict[str, Any]:
     counts = {"score_initial": 65_649, "score_final": 174_325, "score_reference": 174_235}
     trial = {**counts, **errors, "ratio": 1.001, "status": "CONVERGED", "message": "it met its own stopping rule"}
     medians = {f"{key}_median": value for key, value in {**counts, **errors, "ratio": 1.001}.items()}
-    medians |= {"evaluations_median": 204.0, "seconds_median": 138.5, "score_at_median": {"100": None}}
+    medians |= {
+        "evaluations_median": 204.0,
+        "cost_median": 12.0,
+        "seconds_median": 138.5,
+        "score_at_median": {"100": None},
+    }
     return {
         "settings": {
             "strategies": list(dict.fromkeys(name for _, name, _ in entrants)),
@@ -64,7 +69,7 @@ def heads(lines: list[str]) -> list[list[str]]:
 
 
 def test_scores_and_errors_stand_side_by_side_where_no_word_is_broken_for_it():
-    lines = printed(comparison(BOTH), 128)
+    lines = printed(comparison(BOTH), 136)
     assert len(heads(printed(comparison(BOTH), 120))) == 1 + 2
     trials, medians = heads(lines)
     assert trials[:2] == ["schedule", "draw"]
