@@ -54,7 +54,7 @@ def test_a_wider_reach_is_searched(scene, kind, signs):
 @pytest.fixture(scope="module")
 def near():
     """Scenes of cameras that stand close together, so that a yaw takes nearly all points beyond infinity."""
-    wide = default_rig().resized((160, 120))
+    wide = default_rig().resized((240, 180))
     rig = wide.with_extrinsics(wide.extrinsics * [1.0, 1.0, 1.0, 0.2, 0.2, 0.2])
     return {kind: render(kind, 1, rig=rig) for kind in ("street", "coast", "harbour")}
 
@@ -86,7 +86,7 @@ def test_a_yaw_of_other_views(near, rig):
     if rig == "toed in":
         given = given.with_extrinsics(given.extrinsics - np.radians([0.0, 8.0, 0.0, 0.0, 0.0, 0.0]))
     else:
-        camera = Camera((160, 120), np.array([[46.0, 0.0, 79.5], [0.0, 46.0, 59.5], [0.0, 0.0, 1.0]]))
+        camera = Camera((240, 180), np.array([[69.0, 0.0, 119.5], [0.0, 69.0, 89.5], [0.0, 0.0, 1.0]]))
         given = replace(given, left=camera, right=camera)
     shown = render("street", 1, rig=given)
     for yaw in (0.0, 2.4):
