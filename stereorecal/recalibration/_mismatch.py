@@ -94,7 +94,7 @@ class Mismatch:
 
 
 def mismatch_of(
-    images: Pyramid, matcher: AbstractMatcher, covered: float, *, by_chance: bool = True, aligned: bool = False
+    images: Pyramid, matcher: AbstractMatcher, covered: float, *, by_chance: bool = True, aligned: bool | None = None
 ) -> Mismatch | None:
     """Why images match too little; None if they match enough, or if their features fit the rig but for a rotation: then
     it is out of calibration. Where principal points lie as in images of another size, or the images are aligned as they
@@ -103,7 +103,7 @@ def mismatch_of(
     Args:
         matcher: its disparity range is measured anew for each mistake.
         covered: share of the image that matches in the end.
-        aligned: what matches lies in the same row of both images, as if they were rectified.
+        aligned: whether what matches lies in the same row of both images, as if they were rectified; None: not known.
         by_chance: whether that may be chance.
 
     Raises:
@@ -116,7 +116,8 @@ def mismatch_of(
         return None
     motion, found = None if covered >= ample else host.refuse_swapped_images(images), Mismatch(covered)
     turned = motion is None or motion.turned
-    causes = [one for one in _causes(images.rig, images.pairs) if one[0].name in spoken_for or not turned]
+    asked = [one for one in _causes(images.rig, images.pairs) if one[0].name in spoken_for or not turned]
+    causes = [one for one in asked if one[0].name != "rectified" or aligned is not False]
     own = _covered(images.rig, images.pairs, images, matcher) if causes else 0.0
     for cause, rig, pairs in causes:
         if found.cause is not None and found.covered_without >= ample and cause.name != found.cause.name:

@@ -105,4 +105,4 @@ def test_a_watch_keeps_its_matcher(command, plugins, clean_scene: Path, tmp_path
     assert first.err == ""
     assert command(*watch) == first  # one pair tells neither more nor less than one
     monkeypatch.undo()
-    command(*watch).refuses("the matcher mine is not installed; install it, or remove it")
+    command(*watch).refuses("state: unknown matcher 'mine'; installed: ")
