@@ -30,9 +30,9 @@ def pixel_map(camera: Camera, rotation: Mat3, view: View, side: int) -> PixelMap
         side: of the view: 0 left, 1 right.
     """
     formulas, (width, height) = view.formulas, view.size
-    centre = (view.centre_left, view.centre_right)[side]
-    u = ((jnp.arange(width, dtype=jnp.float32) - centre) / view.focal)[None, :]
-    v = ((jnp.arange(height, dtype=jnp.float32) - view.centre_row) / view.focal)[:, None]
+    matrix = (view.matrix_left, view.matrix_right)[side]
+    u = ((jnp.arange(width, dtype=jnp.float32) - matrix[0, 2]) / matrix[0, 0])[None, :]
+    v = ((jnp.arange(height, dtype=jnp.float32) - matrix[1, 2]) / matrix[1, 1])[:, None]
     x, y, z = formulas.directions(u, v)
     r = rotation  # directions of the view, turned back by the transpose
     ray_x, ray_y, ray_z = (r[0, axis] * x + r[1, axis] * y + r[2, axis] * z for axis in range(3))

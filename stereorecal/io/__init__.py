@@ -8,6 +8,7 @@ A module of a layout finds the files; formats and images read them. Whatever is 
 one sentence that names the file and says what to do; what users call lists them under Raises.
 """
 
+import stereorecal.recordings  # noqa: F401 - says in one sentence what is wrong with OpenCV
 from stereorecal._arrays import json_data as json_data
 from stereorecal.io._atomic import (
     back_up as back_up,
