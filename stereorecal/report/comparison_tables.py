@@ -138,7 +138,7 @@ def terms(data: Mapping[str, Any]) -> dict[str, str]:
         "reference, and what errors are measured against": "; ".join(_REFERENCES.get(r, r) for r in references),
         "success": f"r >= {limits['ratio']}, pitch and roll within {limits['pitch_roll_deg']}°, yaw within "
         f"{limits['yaw_deg']}°; failed trials are none, skipped ones are left out",
-        "units": "spent, in matcher runs on full-size frames",
+        "units": "what a budget pays for, in matcher runs on full-size frames: the search, not the looks before it",
         **(truth if any(row.get("harmful") is not None for row in data["summary"]) else {}),
     }
 
