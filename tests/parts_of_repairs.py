@@ -39,7 +39,11 @@ from stereorecal.recalibration._motion_windows import (
     check_odometer as check_odometer,
     following as following,
 )
-from stereorecal.recalibration._prior_use import fingerprint as fingerprint, prior_use as prior_use
+from stereorecal.recalibration._prior_use import (
+    fingerprint as fingerprint,
+    known_after as known_after,
+    prior_use as prior_use,
+)
 from stereorecal.recalibration._recalibrate import prepared as prepared
 from stereorecal.recalibration._repair_report import conclusion_of as conclusion_of, report_of as report_of
 from stereorecal.recalibration._row_residuals import (

@@ -129,8 +129,9 @@ def _check_sharing(scenes: Sequence[Scene], free: Parameters, schedule: Schedule
 
 
 def _of_recording(scene: Scene, ranges: Sequence[Range]) -> tuple[Range, ...]:
-    """The ranges of its pairs."""
-    return tuple(one for one in ranges if any(one.pair is pair for pair in scene.pairs))
+    """The ranges of its pairs, by their numbers: however a pair travels, or is turned."""
+    numbers = {id(pair): number for number, pair in enumerate(scene.pairs)}
+    return tuple(replace(one, pair=numbers[id(one.pair)]) for one in ranges if id(one.pair) in numbers)
 
 
 def _case_or_fault(scene: Scene, options: Mapping[str, Any]) -> tuple[str, Case] | Repair:

@@ -42,6 +42,7 @@ class PriorUse:
         numbers: of the pairs that count.
         note: what else is to be said, or None.
         other_images: fingerprints of the pairs of other recordings that the same estimate rests on.
+        saved: the saved prior that was given, which stays where nothing is learnt.
     """
 
     name: str
@@ -50,6 +51,7 @@ class PriorUse:
     numbers: tuple[int, ...]
     note: str | None = None
     other_images: tuple[str, ...] = ()
+    saved: SavedPrior | None = None
 
     @property
     def dropped(self) -> int:
@@ -93,7 +95,7 @@ def prior_use(prior: Prior, rig: StereoRig, pairs: Sequence[Pair], *, learns: bo
             raise InputError(note or "no prior is saved with this calibration; leave prior= (--prior) out.")
         prior = found or DEFAULT
     if isinstance(prior, SavedPrior):
-        return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every)
+        return _without_used_images(prior, images) if learns else PriorUse(SAVED, prior, images, every, saved=prior)
     return PriorUse(DEFAULT if prior == DEFAULT else "given", prior, images, every, note=note)
 
 
@@ -101,12 +103,12 @@ def _without_used_images(saved: SavedPrior, images: tuple[str, ...]) -> PriorUse
     """Pairs that a prior rests on do not count; where it rests on all of them, what was known before stands in."""
     numbers = _fresh(images, saved.images)
     if numbers or not images:
-        return PriorUse(SAVED, saved, images, numbers)
+        return PriorUse(SAVED, saved, images, numbers, saved=saved)
     before = saved.earlier and saved.earlier.counted_from(saved.rig)
     numbers = () if before is None else _fresh(images, before.images)
     if not numbers:
         raise InputError("all of these pairs were used by earlier repairs of this rig; give others.")
-    return PriorUse("saved, without these pairs", before, images, numbers)
+    return PriorUse("saved, without these pairs", before, images, numbers, saved=saved)
 
 
 def _fresh(images: Sequence[str], used: Sequence[str]) -> tuple[int, ...]:
@@ -126,7 +128,7 @@ def known_after(
     saved = use.prior if isinstance(use.prior, SavedPrior) else None
     rows_alone = estimated is None or is_exact(use.prior)
     if not good or (rows_alone and rig is initial):
-        return saved
+        return use.saved
     if estimated is None or rows_alone:
         return SavedPrior(rig, None)
     default = use.prior is None or isinstance(use.prior, str)

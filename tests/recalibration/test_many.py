@@ -114,3 +114,14 @@ def test_plain_data(scenes, serial):
     assert data["change"]["translation_percent"]["x"] == 0.0 != data["change"]["rotation_deg"]["roll"]
     (failed,) = recalibrate_many([replace(scenes[0], rig=None)], **OPTIONS)
     assert failed.as_dict() == {"scene": "one", "error": failed.error, "fault": "input"}
+
+
+def test_ranges_of_cameras_one_above_the_other(scene):
+    """Their pairs are turned on the way."""
+    shown = scene("harbour", 0, (160, 120))
+    (pair,) = shown.pairs
+    turned = sr.Pair(np.rot90(pair.left, -1), np.rot90(pair.right, -1), "first")
+    above = replace(shown, rig=replace(shown.rig, turns=(1, 1)).as_taken(), pairs=(turned,))
+    (repair,) = sr.recalibrate_many(above, ranges=[sr.Range("first", (60.0, 80.0), 5.0)])
+    assert repair.error is None
+    assert repair.solution.ranges.given == 1

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from parts_of_repairs import fingerprint, prior_use
+from parts_of_repairs import fingerprint, known_after, prior_use
 
 import stereorecal as sr
 from stereorecal.estimation import Mixture, SavedPrior, rig_parameters
@@ -64,7 +64,9 @@ def test_no_pair_counts_twice(used, before, shown, n):
         return
     use = prior_use(prior, RIG, pairs)
     rests_on = used if use.prior is prior else before
-    assert use.prior is prior or (set(shown) <= used and use.prior.images == earlier.images)
+    assert (use.prior is prior) == bool(set(shown) - used)
+    assert use.prior is prior or use.prior.images == earlier.images
+    assert known_after(use, None, RIG, RIG, (), good=False) is prior  # nothing is learnt, and nothing forgotten
     counted = {shown[number] for number in use.numbers}
     assert counted == set(shown) - rests_on
     assert use.dropped == len(shown) - len(counted)
